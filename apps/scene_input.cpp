@@ -1,7 +1,7 @@
 #include "apps/scene_input.h"
 
 #include "apps/share.h"
-#include "core/file_identity.h"
+#include "core/files/file_identity.h"
 #include "tracer/exposure.h"
 
 namespace postlens {

@@ -7,9 +7,9 @@
 #include <map>
 #include <mutex>
 
-#include "records/crop.h"
-#include "tracer/file_digest.h"
-#include "tracer/scene.h"
+#include "pictures/crop.h"
+#include "scene/file_digest.h"
+#include "scene/scene.h"
 
 namespace postlens {
 Share parse_share(std::string_view option, std::string_view text) {

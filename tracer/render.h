@@ -14,12 +14,12 @@
 #include "lens/focus_geometry.h"
 #include "lens/prescription/prescription.h"
 #include "lens/shutter_curve.h"
-#include "records/image.h"
+#include "pictures/image.h"
+#include "scene/scene.h"
 #include "tracer/camera_model.h"
-#include "tracer/distributed_tracer.h"
-#include "tracer/ray_scene.h"
-#include "tracer/sampler.h"
-#include "tracer/scene.h"
+#include "tracer/intersection/ray_scene.h"
+#include "tracer/sampling/sampler.h"
+#include "tracer/shading_trees/distributed_tracer.h"
 
 namespace postlens {
 

@@ -8,15 +8,15 @@
 #include "core/memory.h"
 #include "core/progress.h"
 #include "lens/focus_geometry.h"
-#include "records/exposure.h"
-#include "tracer/expected_size.h"
-#include "tracer/film_motion.h"
-#include "tracer/key_instants.h"
-#include "tracer/lens_reach.h"
-#include "tracer/overscan.h"
-#include "tracer/recorded_motion.h"
+#include "pictures/exposure.h"
+#include "tracer/recording/expected_size.h"
+#include "tracer/recording/key_instants.h"
+#include "tracer/recording/overscan.h"
+#include "tracer/recording/recorded_motion.h"
+#include "tracer/recording/small_things.h"
 #include "tracer/recording/trace_share.h"
-#include "tracer/small_things.h"
+#include "tracer/shading_trees/film_motion.h"
+#include "tracer/shading_trees/lens_reach.h"
 
 namespace postlens {
 namespace {

@@ -2,8 +2,8 @@
 #include <filesystem>
 
 #include "apps/commands/merge_parts.h"
-#include "core/file_identity.h"
-#include "core/text_file.h"
+#include "core/files/file_identity.h"
+#include "core/files/text_file.h"
 
 namespace postlens {
 namespace {

@@ -2,9 +2,9 @@
 #include "apps/deliver.h"
 #include "core/job.h"
 #include "core/progress.h"
+#include "records/file/sample_file_header.h"
 #include "records/lost_rows.h"
 #include "records/sample_file.h"
-#include "records/sample_file_header.h"
 #include "tracer/recording/trace_share.h"
 
 namespace postlens {

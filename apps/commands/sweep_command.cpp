@@ -104,6 +104,11 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
 
 }  // namespace
 
+std::size_t pictures_of(const SweepOptions& o) {
+    const SampleFileReader file(o.input, o.settings.damage);
+    return sweep_grid(axes_of(o, file.header())).pictures.size();
+}
+
 CommandResult run_sweep(const SweepOptions& o) {
     SweepSettings settings = o.settings;
     take_format(o, settings);

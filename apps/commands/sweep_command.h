@@ -23,6 +23,8 @@ struct SweepOptions {
     bool strict = false;
 };
 
+/// Number of pictures of a sweep. Throws as run_sweep does for wrong options.
+[[nodiscard]] std::size_t pictures_of(const SweepOptions& options);
 [[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
 
 }  // namespace postlens

@@ -5,11 +5,11 @@
 #include "apps/numbers.h"
 #include "apps/scene_input.h"
 #include "apps/share.h"
-#include "core/disk.h"
+#include "core/files/disk.h"
 #include "planner/trace_plan.h"
-#include "tracer/averaged_shading.h"
 #include "tracer/exposure.h"
-#include "tracer/recorded_motion.h"
+#include "tracer/recording/recorded_motion.h"
+#include "tracer/shading/averaged_shading.h"
 
 namespace postlens {
 

@@ -3,28 +3,11 @@
 #include <algorithm>
 #include <tuple>
 
-#include "apps/frame_range.h"
 #include "apps/numbers.h"
+#include "apps/options/frame_range.h"
 
 namespace postlens {
 namespace {
-
-// A mark tags an option, for example as one that names a file. CLI11 has no tags, so a mark is a named check
-// that accepts every text.
-constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
-                     *object_mark = "reads of object", *write_mark = "writes";
-
-CLI::Option* marked(CLI::Option* option, const char* mark) {
-    return option->check([](const std::string&) { return std::string(); }, "", mark);
-}
-
-bool has_mark(CLI::Option* option, const std::string& mark) {
-    try {
-        return option->get_validator(mark) != nullptr;
-    } catch (const CLI::OptionNotFound&) {
-        return false;
-    }
-}
 
 /// Inserts the bounds into a help text after its first clause, before the default.
 std::string with_bounds(const std::string& help, const OptionRange& bounds) {
@@ -33,121 +16,6 @@ std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     const std::size_t at = std::min({help.find("; "), help.find(" [default:"), help.size()});
     return help.substr(0, at) + ", " + text + help.substr(at);
 }
-
-/// The file name in the text of an option; empty if there is none.
-std::string path_in(CLI::Option* option, const std::string& text) {
-    if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
-    if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
-    if (has_mark(option, object_mark)) {
-        const bool offset = option->get_name() == "--focus-offset";
-        const std::string object = offset ? text.substr(0, text.rfind('=')) : text;
-        return ObjectChoice{option->get_name(), object}.is_file() ? object : "";
-    }
-    if (!has_mark(option, impulse_mark)) return "";
-    for (const std::string kind : {"image:", "lens:"}) {
-        if (text.starts_with(kind)) return text.substr(kind.size());
-    }
-    return "";
-}
-
-}  // namespace
-
-CLI::Option* reads(CLI::Option* option) {
-    return marked(option, read_mark);
-}
-
-CLI::Option* reads_of_impulse(CLI::Option* option) {
-    return marked(option, impulse_mark);
-}
-
-CLI::Option* reads_of_curve(CLI::Option* option) {
-    return marked(option, curve_mark);
-}
-
-CLI::Option* writes(CLI::Option* option) {
-    return marked(option, write_mark);
-}
-
-std::vector<NamedFile> files_of(CLI::App& app) {
-    const std::vector<CLI::App*> inner = app.get_subcommands();
-    if (!inner.empty()) return files_of(*inner.front());
-    std::vector<NamedFile> out;
-    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
-        const bool positional = option->get_positional(), written = has_mark(option, write_mark);
-        for (const std::string& text : option->results()) {
-            const std::string path = path_in(option, text);
-            if (path.empty()) continue;
-            out.push_back({.option = positional ? option->get_type_name() : option->get_name(),
-                           .path = path,
-                           .written = written,
-                           .numbered = positional || written,
-                           // In the name of a scene, # is an ordinary character (frame_commands.cpp).
-                           .hashes = option->get_name() != "scene"});
-        }
-    }
-    return out;
-}
-
-AskedFor asked_for(CLI::App& app) {
-    const std::vector<CLI::App*> inner = app.get_subcommands();
-    if (!inner.empty()) return asked_for(*inner.front());
-    AskedFor out;
-    out.command = app.get_name();
-    // Options that change where, how fast or with which messages a result is made, but not the result itself.
-    const std::vector<std::string> left_out{"--share", "--threads", "--quiet",        "--json",   "--resume",
-                                            "--keep",  "--frames",  "--requeue-code", "--dry-run"};
-    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
-        const std::string name = option->get_positional() ? option->get_type_name() : option->get_name();
-        if (has_mark(option, write_mark) ||
-            std::find(left_out.begin(), left_out.end(), name) != left_out.end())
-            continue;
-        const bool scene = name == "SCENE" || name == "--scene";
-        for (const std::string& text : option->results()) {
-            const std::string path = path_in(option, text);
-            const std::size_t at = text.find(path);
-            std::error_code none;
-            if (!path.empty() &&
-                (std::filesystem::exists(path, none) || FrameName(path, !scene).has_number())) {
-                out.inputs.push_back({.option = name,
-                                      .before = text.substr(0, at),
-                                      .after = text.substr(at + path.size()),
-                                      .path = path,
-                                      .hashes = !scene,
-                                      .scene = scene});
-            } else if (out.options.empty() || out.options.back().first != name) {
-                out.options.push_back({name, {text}});
-            } else {
-                out.options.back().second.push_back(text);
-            }
-        }
-    }
-    std::sort(out.options.begin(), out.options.end());
-    return out;
-}
-
-std::vector<std::string> words_of(CLI::App& app) {
-    std::vector<std::string> out, options;
-    if (app.get_parent() != nullptr) out.push_back(app.get_name());
-    for (CLI::App* inner : app.get_subcommands()) {
-        const std::vector<std::string> words = words_of(*inner);
-        out.insert(out.end(), words.begin(), words.end());
-    }
-    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
-        if (has_mark(option, write_mark) || option->get_name() == "--share") continue;
-        const bool flag = option->get_expected_max() == 0;
-        for (const std::string& text : option->results()) {
-            // What begins with a dash would be taken for an option if it stood by itself.
-            if (option->get_positional())
-                out.push_back(text);
-            else
-                options.push_back(flag ? option->get_name() : option->get_name() + "=" + text);
-        }
-    }
-    out.insert(out.end(), options.begin(), options.end());
-    return out;
-}
-
-namespace {
 
 /// Adds an option that stores parse(name, text) in `to` after checking the bounds. `To` is a number
 /// or an optional number.
@@ -219,6 +87,13 @@ void common_options(CLI::App& app, ParsedCommand& to) {
     whole(app, "--requeue-code", to.requeue_code,
           "Exit code where SIGTERM or SIGUSR1 ends the command, so that a batch system takes it up again",
           "N", {.low = 1, .high = 255});
+}
+
+void dry_run_option(CLI::App& app, ParsedCommand& to) {
+    app.add_flag(
+        "--dry-run", to.dry_run,
+        "Write nothing, but tell what would be written, and the memory and the seconds of every share of "
+        "--share, from runs of small parts (docs/farm.md)");
 }
 
 void predict_option(CLI::App& app, bool& to) {
@@ -395,13 +270,12 @@ void behind_options(CLI::App& app, ForeignOptions& to) {
 void object_options(CLI::App& app, ForeignOptions& to) {
     const auto each = [&app](const std::string& name, const std::string& type, const std::string& help,
                              const std::function<void(const std::string&)>& take) {
-        marked(app.add_option_function<std::vector<std::string>>(
-                   name,
-                   [take](const std::vector<std::string>& texts) {
-                       for (const std::string& text : texts) take(text);
-                   },
-                   help),
-               object_mark)
+        reads_of_object(app.add_option_function<std::vector<std::string>>(
+                            name,
+                            [take](const std::vector<std::string>& texts) {
+                                for (const std::string& text : texts) take(text);
+                            },
+                            help))
             ->type_name(type)
             ->allow_extra_args(false);
     };
@@ -426,13 +300,13 @@ void object_options(CLI::App& app, ForeignOptions& to) {
              to.objects.offsets.push_back({{"--focus-offset", text.substr(0, at)},
                                            parse_number("--focus-offset", text.substr(at + 1))});
          });
-    marked(app.add_option_function<std::string>(
-               "--matte",
-               [&to](const std::string& text) {
-                   to.matte = ObjectChoice{"--matte", text};
-               },
-               "The lens has an effect on this object only, likewise; a picture's values say how much"),
-           object_mark)
+    reads_of_object(
+        app.add_option_function<std::string>(
+            "--matte",
+            [&to](const std::string& text) {
+                to.matte = ObjectChoice{"--matte", text};
+            },
+            "The lens has an effect on this object only, likewise; a picture's values say how much"))
         ->type_name("OBJECT");
     app.add_option_function<std::string>(
            "--passes",

@@ -11,8 +11,7 @@
 
 #include "apps/cli.h"
 #include "apps/numbers.h"
-#include "apps/options/named_files.h"
-#include "apps/share.h"
+#include "apps/options/command_words.h"
 #include "focus/light_field/lens_views.h"
 #include "focus/responses/depth_levels.h"
 #include "pictures/exposure.h"
@@ -37,19 +36,8 @@ inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views}
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`), so that
-/// files_of finds the file. A command that writes files marks all such options. Return the option.
-CLI::Option* reads(CLI::Option* option);
-CLI::Option* reads_of_impulse(CLI::Option* option);
-CLI::Option* reads_of_curve(CLI::Option* option);
-CLI::Option* writes(CLI::Option* option);
-/// The files that are named by the marked options of the parsed subcommand.
-[[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// The options of the parsed subcommand, and the files that it reads.
-[[nodiscard]] AskedFor asked_for(CLI::App& app);
-
-/// The command line again, without --share and without the options of outputs.
-[[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
+/// The flag --dry-run of commands that can be divided.
+void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};

@@ -1,5 +1,6 @@
 #include <memory>
 
+#include "apps/commands/dry_run.h"
 #include "apps/commands/sweep_command.h"
 #include "apps/numbers.h"
 #include "apps/options/cli_options.h"
@@ -141,12 +142,19 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     method_options(app, *o);
     folder_options(app, *o);
     exposure_option(app, o->exposure, "the sample file's");
+    dry_run_option(app, common);
     common_options(app, common);
     app.callback([o, &app, &common] {
         o->settings.join = common.join;
         // CLI11's options no longer exist when the command runs.
-        common.run = [o, asked = asked_for(app), words = words_of(app)] {
+        common.run = [o, dry = common.dry_run, asked = asked_for(app), words = words_of(app)] {
             SweepSettings& s = o->settings;
+            if (dry) {
+                return dry_run({.words = words,
+                                .output = o->output,
+                                .shares = s.share.value_or(Share()).count,
+                                .pictures = static_cast<int>(pictures_of(*o))});
+            }
             if (s.share) s.part = mark_of_items(*s.share, asked, words);
             return run_sweep(*o);
         };

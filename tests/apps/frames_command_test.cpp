@@ -4,6 +4,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "pictures/image.h"
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
@@ -52,9 +53,26 @@ class Frames : public CommandTest {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return r.exit_code == 0 ? json::parse(r.out) : json();
     }
-    void expect_same_file(const std::string& a, const std::string& b) {
-        EXPECT_TRUE(!test::text_of(in(a)).empty() && test::text_of(in(a)) == test::text_of(in(b)))
-            << a << ", " << b;
+    /// The same pixels; of sample files, the same records. A frame's file also says how it was made.
+    void expect_same_content(const std::string& a, const std::string& b) {
+        const Image one = read_image(in(a)), other = read_image(in(b));
+        EXPECT_TRUE(one.rgb == other.rgb && one.exposure_stops == other.exposure_stops) << a << ", " << b;
+        if (!SampleFileReader::is_sample_file(in(a))) return;
+        const SampleFileReader first(in(a)), second(in(b));
+        ASSERT_EQ(first.instants(), second.instants());
+        for (std::size_t i = 0; i < first.instants(); ++i) {
+            RecordBand left, right;
+            first.read(first.y_begin(), first.y_end(), left, i);
+            second.read(second.y_begin(), second.y_end(), right, i);
+            EXPECT_TRUE(left.records == right.records && left.offsets == right.offsets) << a << ", " << b;
+        }
+    }
+    /// What --keep says of each frame: empty for one that was kept, else why it was made again.
+    Words made_again(const Words& words) {
+        Words out;
+        for (const json& frame : done(words + Words{"--keep"}).at("frames"))
+            out.push_back(frame.value("made_again", frame.at("kept") ? "" : "absent"));
+        return out;
     }
     json trace_three(const Words& more = {}) {
         return done(Words{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-2", "--fps", "2"} + more);
@@ -73,7 +91,7 @@ TEST_F(Frames, TraceTakesEachFrameAtItsTime) {
         // The shutter of --for-shutter opens at the frame's instant.
         const std::string t = fmt::format("{}", n / 2.0), close = fmt::format("{}", n / 2.0 + 0.25);
         done({"trace", scene(), "-o", in("one.exr"), "--time", t, "--for-shutter", t + ":" + close});
-        expect_same_file("one.exr", fmt::format("f.000{}.exr", n));
+        expect_same_content("one.exr", fmt::format("f.000{}.exr", n));
     }
     done({"trace", scene(), "-o", in("late.#.exr"), "--frames", "12", "--time", "0.25"});
     EXPECT_EQ(SampleFileReader(in("late.12.exr")).header().time_s, 0.75);  // 24 frames/s
@@ -100,12 +118,12 @@ TEST_F(Frames, PicturesAreThoseOfTheFramesAlone) {
     done({"shoot", last, "-o", in("both.exr"), "--shutter", "0.875:1.25", "--views", "8", "--f-number", "2",
           "--focus", "3", "--explain", in("why.png")});
     done({"render", scene(), "-o", in("rays.exr"), "--spp", "4", "--shutter", "1:1.25"});
-    expect_same_file("image.2.png", "image.png");
-    expect_same_file("focus.2.exr", "focus.exr");
-    expect_same_file("motion.02.exr", "motion.exr");
-    expect_same_file("both.02.exr", "both.exr");
-    expect_same_file("why.2.png", "why.png");
-    expect_same_file("rays.2.exr", "rays.exr");
+    expect_same_content("image.2.png", "image.png");
+    expect_same_content("focus.2.exr", "focus.exr");
+    expect_same_content("motion.02.exr", "motion.exr");
+    expect_same_content("both.02.exr", "both.exr");
+    expect_same_content("why.2.png", "why.png");
+    expect_same_content("rays.2.exr", "rays.exr");
 }
 
 TEST_F(Frames, AnInterruptedRangeGoesOn) {
@@ -128,6 +146,49 @@ TEST_F(Frames, AnInterruptedRangeGoesOn) {
     EXPECT_EQ(done(images + Words{"--keep"}).at("kept"), 3);
     EXPECT_EQ(done(images + Words{"--keep"}).at("kept"), 4);
     EXPECT_EQ(done(images).at("kept"), 0);  // made again
+}
+
+TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
+    trace_three();
+    const Words trace{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-2", "--fps", "2"};
+    EXPECT_EQ(made_again(trace), (Words{"", "", ""}));
+    EXPECT_EQ(made_again(trace + Words{"--threads", "1"}), (Words{"", "", ""}));
+    EXPECT_EQ(made_again(trace + Words{"--subdivide", "1"})[2],
+              R"(--subdivide (got nothing; expected ["1"]))");
+    const std::string why = made_again(trace)[0];
+    EXPECT_NE(why.find("--subdivide"), std::string::npos) << why;
+    // Each format holds what is asked for.
+    for (const std::string ending : {"exr", "png", "tif", "jpg"}) {
+        const Words focus{"focus", in("f.%04d.exr"), "-o", in("p.%d." + ending), "--frames",
+                          "0-2",   "--focus",        "3"};
+        EXPECT_EQ(made_again(focus + Words{"--f-number", "2"}), (Words{"absent", "absent", "absent"}))
+            << ending;
+        EXPECT_EQ(made_again(focus + Words{"--f-number", "2"}), (Words{"", "", ""})) << ending;
+        const Words others = made_again(focus + Words{"--f-number", "4"});
+        EXPECT_EQ(others[1], R"(--f-number (got ["2"]; expected ["4"]))") << ending;
+        EXPECT_EQ(made_again(focus + Words{"--f-number", "4", "--share", "1/2"}), (Words{""})) << ending;
+    }
+    // Another input of one frame.
+    const Words image{"image", in("f.%04d.exr"), "-o", in("i.%d.png"), "--frames", "0-2"};
+    done(image);
+    fs::copy_file(in("f.0000.exr"), in("f.0001.exr"), fs::copy_options::overwrite_existing);
+    const Words changed = made_again(image);
+    EXPECT_EQ(changed[0], "");
+    EXPECT_EQ(changed[1].rfind("FRAME (got [\"sha256:", 0), 0U) << changed[1];
+    // A file that a scene refers to is its input as well, and a file that says nothing is made again.
+    std::ofstream(in("t.ppm")) << "P3 1 1 255 255 0 0\n";
+    const std::string textured = in("textured.toml");
+    std::ofstream(textured) << text_of(scene()) << "[[material]]\nname = \"t\"\ndiffuse = \"t.ppm\"\n";
+    const Words rays{"render", textured, "-o", in("r.%d.exr"), "--frames", "0", "--spp", "1"};
+    done({"render", textured, "-o", in("r.0.exr"), "--spp", "1"});
+    EXPECT_EQ(made_again(rays), (Words{"its file does not say how"}));
+    EXPECT_EQ(made_again(rays), (Words{""}));
+    std::ofstream(in("t.ppm")) << "P3 1 1 255 0 255 0\n";
+    EXPECT_EQ(made_again(rays)[0].rfind("SCENE (got", 0), 0U);
+    const Outcome line = run(image + Words{"--keep", "--exposure", "1"});
+    EXPECT_NE(line.err.find("frame 0 (and 2 more): made again, as it was made otherwise: --exposure"),
+              std::string::npos)
+        << line.err;
 }
 
 TEST_F(Frames, AnErrorNamesItsFrame) {

@@ -1,4 +1,5 @@
 // Shares of a command's work, and what `merge` makes of them.
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -114,6 +115,134 @@ TEST_F(ShareCommand, OtherEndingsAreThoseOfTheUndividedPicture) {
     EXPECT_TRUE(bytes(in("whole.png")) == bytes(in("merged.png")));
 }
 
+TEST_F(ShareCommand, TracesMergeToTheUndividedFile) {
+    const Words lens{"--for-f-number", "1.4", "--for-focus", "5"};
+    const std::string samples = POSTLENS_SAMPLES;
+    is_the_undivided("pinhole", {"trace", scene_, "--size", "64x37", "--subdivide", "3"}, 3);
+    is_the_undivided("lens", Words{"trace", scene_, "--size", "48x27", "--overscan", "auto"} + lens, 5);
+    is_the_undivided("each", Words{"trace", scene_, "--size", "16x9"} + lens, 10);
+    is_the_undivided("glass",
+                     {"trace", samples + "/scenes/still_life.toml", "--size", "48x32", "--for-f-number",
+                      "1.8", "--for-focus", "0.8", "--compression", "none"},
+                     4);
+    is_the_undivided("keys",
+                     {"trace", samples + "/scenes/motion.toml", "--size", "48x27", "--for-shutter", "0:0.04",
+                      "--keys", "3", "--exposure", "1"},
+                     3);
+    // A part opens like any sample file; what it lacks shows nothing.
+    EXPECT_EQ(done({"info", part("lens", 2)}).at("width"), 48);
+    const auto bad = ExitCode::invalid_input;
+    const std::string out = in("out.exr");
+    refused({"merge", part("lens", 0), part("lens", 2), "-o", out}, bad, "1/5, 3/5, 4/5");
+    refused({"merge", part("lens", 0), part("keys", 1), "-o", out}, bad, "one of 3 parts");
+    refused({"merge", in("lens.exr"), "-o", out}, bad, "no part");
+    refused({"merge", part("lens", 0), part("lens", 0), "-o", out}, bad, "0/5 twice");
+    refused({"merge", part("lens", 0), "-o", in("out.png")}, ExitCode::wrong_arguments, "out.png");
+    const json said = done({"merge", part("lens", 3), part("lens", 1), "-o", out, "--partial"});
+    EXPECT_EQ(said.at("missing"), json({0, 2, 4}));
+    done({"focus", out, "-o", in("focused.exr"), "--f-number", "1.4", "--focus", "5"});
+}
+
+TEST_F(ShareCommand, ItemsOfASweepMergeInTheirFolder) {
+    const Words sweep{"sweep", frame(), "--f-number", "1.4,2,2.8,4", "--focus", "5", "--method", "scatter"};
+    done(sweep + Words{"-o", in("whole")});
+    for (const std::string share : {"2/3", "0/3"}) done(sweep + Words{"-o", in("parts"), "--share", share});
+    const auto table = [&](int i) { return in("parts/sweep." + std::to_string(i) + "-of-3.json"); };
+    const auto bad = ExitCode::invalid_input;
+    refused({"merge", table(0), table(2), "-o", in("parts")}, bad, "1/3");
+    refused({"merge", table(0), "-o", in("elsewhere")}, ExitCode::wrong_arguments, "not the folder");
+    json said = done({"merge", table(0), table(2), "-o", in("parts"), "--partial"});
+    EXPECT_EQ(said.at("missing"), json({1}));
+    EXPECT_EQ(said.at("pictures").size(), 3U);
+    done(sweep + Words{"-o", in("parts"), "--share", "1/3"});
+    said = done({"merge", table(1), table(2), table(0), "-o", in("parts") + "/"});
+    EXPECT_EQ(said.at("made"), 0);
+    EXPECT_EQ(said.at("pictures").size(), 4U);
+    for (const auto& entry : std::filesystem::directory_iterator(in("whole"))) {
+        const std::string name = entry.path().filename().string();
+        if (name.ends_with(".exr") || name.ends_with(".png")) {
+            EXPECT_TRUE(bytes(in("whole/" + name)) == bytes(in("parts/" + name))) << name;
+        }
+    }
+    EXPECT_TRUE(std::filesystem::exists(in("parts/sweep.csv")));
+    std::filesystem::remove(in("parts/" + said.at("pictures")[0].at("file").get<std::string>()));
+    refused({"merge", table(1), table(2), table(0), "-o", in("parts")}, bad, "1 of 4 pictures are missing");
+    std::ofstream(in("parts/sweep.9-of-9.json")) << "{}";
+    refused({"merge", in("parts/sweep.9-of-9.json"), "-o", in("parts")}, bad, "no part");
+    std::ofstream(in("parts/sweep.9-of-9.json"))
+        << R"({"part": {"share": [0, 1], "crop": null, "made_by": {}, "words": ["render", "x"]}})";
+    refused({"merge", in("parts/sweep.9-of-9.json"), "-o", in("parts")}, bad, "damaged part");
+}
+
+TEST_F(ShareCommand, PointsOfAChartMergeInTheirFolder) {
+    const Words chart{"chart",    scene_, "--size",   "48x27", "--rays",          "1,4", "--views",   "4",
+                      "--depths", "4",    "--rounds", "1",     "--reference-spp", "16",  "--no-plots"};
+    const json whole = done(chart + Words{"-o", in("whole")});
+    const Words parts{in("c/chart.0-of-3.json"), in("c/chart.1-of-3.json"), in("c/chart.2-of-3.json")};
+    done(chart + Words{"-o", in("c"), "--share", "1/3"});
+    EXPECT_FALSE(std::filesystem::exists(in("c/index.html")));
+    done(chart + Words{"-o", in("c"), "--share", "0/3"});
+    refused(Words{"merge", "-o", in("c"), parts[0], parts[1]}, ExitCode::invalid_input, "2/3");
+    done(chart + Words{"-o", in("c"), "--share", "2/3"});
+    const json merged = done(Words{"merge", "-o", in("c")} + parts);
+    ASSERT_EQ(merged.at("points").size(), whole.at("points").size());
+    for (std::size_t i = 0; i < whole.at("points").size(); ++i) {
+        const json &a = whole.at("points")[i], &b = merged.at("points")[i];
+        EXPECT_EQ(a.at("name"), b.at("name"));
+        EXPECT_EQ(a.at("figures"), b.at("figures")) << a.at("name");
+        EXPECT_EQ(b.at("seconds").size(), 1U) << a.at("name");
+    }
+    EXPECT_EQ(merged.at("noise_rms"), whole.at("noise_rms"));
+    EXPECT_TRUE(std::filesystem::exists(in("c/index.html")));
+    refused(chart + Words{"-o", in("d"), "--share", "0/99"}, ExitCode::wrong_arguments,
+            "more shares than points");
+}
+
+TEST_F(ShareCommand, DryRunsTellTasksAndWriteNothing) {
+    const std::size_t before = folder_.file_count();
+    const auto dry = [this](Words words) { return done(words + Words{"--dry-run"}); };
+    const Words focus = Words{"focus", frame(), "--method", "lightfield", "--views", "32"} + lens_;
+    json said = dry(focus + Words{"-o", in("p.exr"), "--share", "0/3"});
+    ASSERT_EQ(said.at("tasks").size(), 3U);
+    EXPECT_EQ(said.at("tasks")[1].at("share"), "1/3");
+    EXPECT_EQ(said.at("tasks")[1].at("outputs"), json({in("p.part1.exr")}));
+    EXPECT_EQ(said.at("merge").size(), 6U);
+    said = dry(focus + Words{"-o", in("p.png")});
+    EXPECT_EQ(said.at("tasks")[0].at("outputs"), json({in("p.png")}));
+    EXPECT_TRUE(said.at("merge").is_null());
+    said = dry(Words{"render", scene_, "--size", "32x18", "--spp", "64", "-o", in("r.%03d.exr"), "--frames",
+                     "1-5", "--share", "0/2"} +
+               lens_);
+    EXPECT_EQ(said.at("tasks")[1].at("outputs"), json({in("r.002.exr"), in("r.004.exr")}));
+    EXPECT_GT(said.at("tasks")[0].at("seconds"), said.at("tasks")[1].at("seconds"));
+    said =
+        dry({"sweep", frame(), "--f-number", "1.4,2,2.8", "--focus", "5", "-o", in("s"), "--share", "0/2"});
+    EXPECT_EQ(said.at("tasks")[1].at("outputs"), json({in("s/sweep.1-of-2.json")}));
+    said = dry({"trace", scene_, "--size", "32x18", "-o", in("t.exr")});
+    EXPECT_EQ(said.at("tasks").size(), 1U);
+    EXPECT_EQ(folder_.file_count(), before);
+    refused(Words{"focus", in("none.exr"), "-o", in("p.exr"), "--dry-run"} + lens_, ExitCode::invalid_input,
+            "none.exr");
+    refused({"render", scene_, "-o", in("p.exr"), "--spp", "8", "--f-number", "-1", "--dry-run"},
+            ExitCode::wrong_arguments, "--f-number");
+}
+
+TEST_F(ShareCommand, DryRunsTellTheMemoryWithinAFifth) {
+    const Words by_samples{"render", scene_, "--size", "480x270", "--spp", "256", "--share-by", "samples"};
+    const Words works[] = {
+        Words{"focus", frame(), "--method", "lightfield", "--views", "128"} + lens_,
+        Words{"focus", frame(), "--method", "layers"} + lens_,
+        {"trace", scene_, "--size", "192x108", "--for-f-number", "1.4"},
+        by_samples + lens_,
+    };
+    for (const Words& words : works) {
+        const json said = done(words + Words{"-o", in("p.exr"), "--share", "0/4", "--dry-run"});
+        const json real = done(words + Words{"-o", in("p.exr"), "--share", "1/4"});
+        const double expected = said.at("tasks")[1].at("memory_bytes"), is = real.at("peak_memory_bytes");
+        EXPECT_LT(std::max(expected, is) / std::min(expected, is), 1.2) << words[0] << " " << words[3];
+    }
+}
+
 TEST_F(ShareCommand, FramesAreDividedByItems) {
     const Words words = Words{"render", scene_, "--size", "16x9", "--spp", "1", "--frames", "0-4"} + lens_;
     done(words + Words{"-o", in("a.%04d.exr"), "--share", "1/2"});
@@ -170,7 +299,8 @@ TEST_F(ShareCommand, WhatCannotBeDividedSaysSo) {
     refused(Words{"focus", frame(), "-o", in("out.png"), "--share", "0/2"} + lens_, two, "out.png");
     refused(Words{"focus", frame(), "-o", out, "--share", "0/2", "--target-db", "40"} + lens_, two,
             "--share");
-    refused({"trace", scene_, "-o", out, "--share", "0/2"}, two, "--share");
+    refused({"trace", scene_, "-o", out, "--size", "8x5", "--share", "0/7"}, two, "more shares than rows");
+    refused({"chart", "--atlas", "-o", in("atlas"), "--share", "0/2"}, two, "--share");
 }
 
 }  // namespace

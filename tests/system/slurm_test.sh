@@ -111,9 +111,11 @@ submit --shares 4 "${sweep[@]}" -o sweep >/dev/null
 rays=("$postlens" render "$scenes/bars.toml" --size 160x90 --spp 1024 "${lens[@]}")
 "${rays[@]}" -o whole.exr --quiet
 job=$(submit --shares 8 --by-samples "${rays[@]}" -o rays.exr | head -n 1)
+submit --shares 3 "$postlens" trace "$scenes/bars.toml" --size 96x54 --for-f-number 1.4 --for-focus 1 -o traced.exr >/dev/null
 wait_until 300 nothing_queued
 for i in 00 01 02 03 04 05 06 07 08 09 10 11; do cmp "whole.00$i.exr" "film.00$i.exr"; done
 for file in whole_sweep/*.exr whole_sweep/contact.png; do cmp "$file" "sweep/${file##*/}"; done
 [[ $(find whole_sweep -name '*.exr' | wc -l) == 24 ]]
 cmp whole.exr rays.exr
-echo "slurm: a film of 12 frames, a sweep of 24 lenses, a render of 8 shares of samples: the bits of the undivided runs"
+cmp frame.exr traced.exr
+echo "slurm: a film of 12 frames, a sweep of 24 lenses, a render of 8 shares of samples, a trace of 3: the bits of the undivided runs"

@@ -5,7 +5,7 @@
 
 #include "core/share.h"
 #include "records/record.h"
-#include "tracer/corner_sampler.h"
+#include "tracer/recording/corner_sampler.h"
 
 namespace postlens {
 

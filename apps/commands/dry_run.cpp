@@ -1,0 +1,283 @@
+#include "apps/commands/dry_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "apps/numbers.h"
+#include "core/child_process.h"
+#include "core/files/scratch_file.h"
+#include "core/files/text_file.h"
+#include "pictures/image.h"
+#include "tracer/distributed/render_state.h"
+
+namespace postlens {
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+struct Cost {
+    double seconds = 0;
+    std::uint64_t memory_bytes = 0;
+};
+
+/// Cost by the amount of samples or views.
+struct Line {
+    double fixed_s = 0, each_s = 0;
+    int measured = 1;  ///< amount that was run
+    std::uint64_t memory_bytes = 0;
+    [[nodiscard]] Cost at(double amount) const { return {fixed_s + each_s * amount, memory_bytes}; }
+};
+
+/// The numbers of at most `most` of `count` items, evenly spaced, with the first and the last.
+std::vector<int> spread(int count, int most) {
+    std::vector<int> out;
+    const int n = std::min(count, most);
+    for (int k = 0; k < n; ++k)
+        out.push_back(n == 1 ? 0 : static_cast<int>(static_cast<std::int64_t>(count - 1) * k / (n - 1)));
+    return out;
+}
+
+/// Cost of item i by a straight line between the measured ones.
+Cost between(const std::map<int, Cost>& measured, int i) {
+    const auto above = measured.lower_bound(i);
+    if (above == measured.end()) return measured.rbegin()->second;
+    if (above->first == i || above == measured.begin()) return above->second;
+    const auto below = std::prev(above);
+    const double t = static_cast<double>(i - below->first) / (above->first - below->first);
+    return {below->second.seconds + t * (above->second.seconds - below->second.seconds),
+            std::max(below->second.memory_bytes, above->second.memory_bytes)};
+}
+
+class Measured {
+  public:
+    explicit Measured(const DryRun& work) : work_(work), folder_("output") {
+        fs::create_directories(folder_.path());
+    }
+
+    [[nodiscard]] Json tasks() {
+        const std::vector<Cost> costs = costs_of_tasks();
+        Json out = Json::array();
+        for (int i = 0; i < work_.shares; ++i) {
+            const Cost& c = costs[static_cast<std::size_t>(i)];
+            out.push_back({{"share", fmt::format("{}/{}", i, work_.shares)},
+                           {"outputs", outputs_of(i)},
+                           {"memory_bytes", c.memory_bytes},
+                           {"seconds", c.seconds}});
+        }
+        return out;
+    }
+
+    /// The command that joins the parts; null if nothing has to be joined.
+    [[nodiscard]] Json merge() const {
+        if (work_.shares == 1 || work_.frames) return nullptr;
+        Json words{"merge"};
+        for (int i = 0; i < work_.shares; ++i) words.push_back(outputs_of(i)[0]);
+        words.insert(words.end(), {"-o", work_.output});
+        return words;
+    }
+
+  private:
+    [[nodiscard]] std::vector<Cost> costs_of_tasks() {
+        if (work_.frames) return of_frames();
+        if (work_.pictures > 0) return of_pictures();
+        if (work_.shares > 1 && work_.amount_option.empty()) return of_rows({});
+        const Line whole = line({});
+        if (work_.shares == 1) return {whole.at(work_.amount)};
+        return work_.by_samples ? of_samples(whole) : of_rows(whole);
+    }
+
+    /// Runs the command with other words, and an amount if it has one. Returns what that cost.
+    [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
+        std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
+        for (const std::string& word : work_.words) {
+            const bool replaced =
+                (!work_.amount_option.empty() && word.starts_with(work_.amount_option + "=")) ||
+                (work_.frames && word.starts_with("--frames="));
+            if (!replaced && word != "--resume" && word != "--keep") words.push_back(word);
+        }
+        words.insert(words.end(), more.begin(), more.end());
+        if (!work_.amount_option.empty()) words.push_back(fmt::format("{}={}", work_.amount_option, amount));
+        output_ = folder_.path() / ((work_.frames ? "%04d" : "picture") + ending);
+        if (work_.pictures > 0) output_ = folder_.path() / "sweep";
+        words.insert(words.end(), {"--output", output_.string()});
+        const fs::path log = folder_.path() / "log";
+        const ChildResult child = run_child(words, log);
+        if (child.exit_code != 0 && child.exit_code != static_cast<int>(ExitCode::shortfall))
+            refuse(child, log);
+        return {child.seconds, child.peak_memory_bytes};
+    }
+    [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount) {
+        return run(more, amount, fs::path(work_.output).extension().string());
+    }
+
+    /// Throws the error that a run of the command has ended with.
+    [[noreturn]] static void refuse(const ChildResult& child, const fs::path& log) {
+        constexpr std::uintmax_t longest = 1'000'000;
+        const std::string said = read_text_file(log, longest);
+        constexpr std::string_view begin = "postlens: ";
+        std::size_t at = said.rfind("\npostlens: ");
+        at = at == std::string::npos ? 0 : at + 1;
+        std::string line = said.substr(at, said.find('\n', at) - at);
+        if (line.starts_with(begin)) line.erase(0, begin.size());
+        throw Error(static_cast<ExitCode>(child.exit_code),
+                    line.empty() ? "--dry-run: a part of the command was ended" : line);
+    }
+
+    /// Measures the command with few samples or views, and with twice as many. Begins with a 16th of what is
+    /// asked for, and takes more where these are done too soon to be told from chance.
+    [[nodiscard]] Line line(const std::vector<std::string>& more) {
+        constexpr int first_part = 16;
+        constexpr double clear_s = 0.15;
+        Cost a = run(more, std::max(1, work_.amount / first_part));
+        if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
+        for (int amount = std::max(1, work_.amount / first_part);;) {
+            if (amount >= work_.amount) return {a.seconds, 0, amount, a.memory_bytes};
+            const int twice = std::min(2 * amount, work_.amount);
+            const Cost b = run(more, twice);
+            const double more_s = b.seconds - a.seconds;
+            const std::uint64_t memory = std::max(a.memory_bytes, b.memory_bytes);
+            if (twice == work_.amount) return {b.seconds, 0, twice, memory};
+            if (more_s > clear_s) {
+                const double each = more_s / (twice - amount);
+                return {std::max(0.0, b.seconds - each * twice), each, twice, memory};
+            }
+            a = b;
+            amount = twice;
+        }
+    }
+
+    [[nodiscard]] std::vector<Cost> of_frames() {
+        const std::vector<int>& frames = *work_.frames;
+        const auto frame = [&](int i) {
+            return std::vector<std::string>{fmt::format("--frames={}", frames[static_cast<std::size_t>(i)])};
+        };
+        constexpr int most_measured = 3;
+        const std::vector<int> some = spread(static_cast<int>(frames.size()), most_measured);
+        const int middle = some[some.size() / 2];
+        const Line of_middle = line(frame(middle));
+        std::map<int, Cost> measured{{middle, of_middle.at(work_.amount)}};
+        for (const int i : some) {
+            if (measured.contains(i)) continue;
+            const Cost c = run(frame(i), of_middle.measured);
+            // What the amount costs in another frame differs as the whole does.
+            const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
+            measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
+        }
+        std::vector<Cost> out(static_cast<std::size_t>(work_.shares));
+        for (std::size_t i = 0; i < frames.size(); ++i) {
+            Cost& task = out[i % out.size()];
+            const Cost c = between(measured, static_cast<int>(i));
+            task.seconds += c.seconds;
+            task.memory_bytes = std::max(task.memory_bytes, c.memory_bytes);
+        }
+        return out;
+    }
+
+    /// Of a sweep: the first picture alone, another alone, and both, which tells what they share.
+    [[nodiscard]] std::vector<Cost> of_pictures() {
+        const int n = work_.pictures;
+        const auto share = [](int i, int count) {
+            return std::vector<std::string>{fmt::format("--share={}/{}", i, count)};
+        };
+        const Cost one = run(share(0, n), 0);
+        double fixed = one.seconds, each = 0;
+        std::uint64_t memory = one.memory_bytes;
+        if (n > 1) {
+            const int half = (n + 1) / 2;
+            const Cost other = run(share(half, n), 0), both = run(share(0, half), 0);
+            fixed = std::clamp(one.seconds + other.seconds - both.seconds, 0.0, both.seconds);
+            each = (both.seconds - fixed) / 2;
+            memory = std::max({memory, other.memory_bytes, both.memory_bytes});
+        }
+        std::vector<Cost> out;
+        for (int i = 0; i < work_.shares; ++i) {
+            const int pictures = (n - i + work_.shares - 1) / work_.shares;
+            out.push_back({n > 1 ? fixed + each * pictures : fixed, memory});
+        }
+        return out;
+    }
+
+    [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
+        // A part keeps the sums of its blocks of samples apart, an undivided run does not.
+        const ImageSize size = read_image_size(output_);
+        const bool halves =
+            std::find(work_.words.begin(), work_.words.end(), "--halves") != work_.words.end();
+        const int blocks = (std::min(most_sample_blocks, work_.amount) + work_.shares - 1) / work_.shares;
+        const auto bytes = [&](int b) {
+            return RenderState::bytes(size.width, size.height, halves ? 2 : 1, b);
+        };
+        Cost each = whole.at(static_cast<double>(work_.amount) / work_.shares);
+        each.memory_bytes += bytes(blocks) - bytes(1);
+        return std::vector<Cost>(static_cast<std::size_t>(work_.shares), each);
+    }
+
+    [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
+        constexpr int most_measured = 6;
+        // A share has that much less to do, so that it may be measured with more.
+        const int amount = static_cast<int>(
+            std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
+        std::map<int, Cost> measured;
+        for (const int i : spread(work_.shares, most_measured)) {
+            Cost c = run({fmt::format("--share={}/{}", i, work_.shares)}, amount, ".exr");
+            if (!work_.amount_option.empty() && amount < work_.amount) {
+                const double each = std::max(0.0, c.seconds - whole.fixed_s) / amount;
+                c.seconds += each * (work_.amount - amount);
+            }
+            measured[i] = c;
+        }
+        std::vector<Cost> out;
+        for (int i = 0; i < work_.shares; ++i) out.push_back(between(measured, i));
+        return out;
+    }
+
+    [[nodiscard]] Json outputs_of(int i) const {
+        if (work_.frames) {
+            Json out = Json::array();
+            for (std::size_t k = 0; k < work_.frames->size(); ++k) {
+                if (Share{i, work_.shares}.has(k)) out.push_back(work_.output_of((*work_.frames)[k]));
+            }
+            return out;
+        }
+        const fs::path output(work_.output);
+        if (work_.pictures > 0) {
+            const std::string table =
+                work_.shares == 1 ? "sweep.json" : fmt::format("sweep.{}-of-{}.json", i, work_.shares);
+            return {(output / table).string()};
+        }
+        if (work_.shares == 1) return {work_.output};
+        fs::path part = output;
+        part.replace_extension(fmt::format("part{}.exr", i));
+        return {part.string()};
+    }
+
+    const DryRun& work_;
+    ScratchFile folder_;
+    fs::path output_;  ///< of the last run
+};
+
+}  // namespace
+
+CommandResult dry_run(const DryRun& work) {
+    Measured measured(work);
+    CommandResult out;
+    out.json = {{"tasks", measured.tasks()}, {"merge", measured.merge()}};
+    double longest = 0, sum = 0;
+    std::uint64_t memory = 0;
+    for (const Json& task : out.json["tasks"]) {
+        longest = std::max(longest, task["seconds"].get<double>());
+        sum += task["seconds"].get<double>();
+        memory = std::max(memory, task["memory_bytes"].get<std::uint64_t>());
+    }
+    out.json["longest_seconds"] = longest;
+    out.json["all_seconds"] = sum;
+    out.json["most_memory_bytes"] = memory;
+    out.text = fmt::format("{} of up to {:.3g} s and {:.3g} MB, {:.3g} s in all",
+                           counted(static_cast<std::uint64_t>(work.shares), "task"), longest,
+                           static_cast<double>(memory) / 1e6, sum);
+    return out;
+}
+
+}  // namespace postlens

@@ -1,0 +1,62 @@
+// The options of the subcommands, and the functions that declare them.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/commands/dry_run.h"
+#include "apps/options/cli_options.h"
+#include "apps/options/frame_range.h"
+#include "apps/view/view_command.h"
+#include "apps/view/view_export.h"
+
+namespace postlens {
+
+inline constexpr const char* exposure_of_file = "the sample file's; 0 of another program's picture";
+
+// All values that the parser sets. The parsed command owns them.
+struct CommandOptions {
+    ParsedCommand common;
+    TraceOptions trace;
+    RenderOptions render;
+    FocusOptions focus;
+    MotionBlurOptions motionblur;
+    ShootOptions shoot;
+    RecordsOptions records;
+    CompareCommandOptions compare;
+    ImageOptions image;
+    InfoOptions info;
+    ViewOptions view;
+    ViewExportOptions export_view;
+    FrameOptions frames;
+    std::optional<Share> share;
+    MergeOptions merge;
+    /// The options of --frames, with `speak` set from the common options.
+    [[nodiscard]] const FrameOptions& asked_frames() {
+        frames.speak = !common.quiet && !common.json;
+        return frames;
+    }
+};
+
+// Declare subcommands.
+void add_trace(CLI::App& root, CommandOptions& s);
+void add_render(CLI::App& root, CommandOptions& s);
+void add_focus(CLI::App& root, CommandOptions& s);
+void add_shoot(CLI::App& root, CommandOptions& s);
+void add_motionblur(CLI::App& root, CommandOptions& s);
+void add_image(CLI::App& root, CommandOptions& s);
+void add_records(CLI::App& root, CommandOptions& s);
+void add_compare(CLI::App& root, CommandOptions& s);
+void add_merge(CLI::App& root, CommandOptions& s);
+void add_info(CLI::App& root, CommandOptions& s);
+void add_view(CLI::App& root, CommandOptions& s);
+
+/// --share. `what`: text of the help that says what is divided into shares without --frames.
+void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
+/// --frames, --keep and, for commands whose frames are instants, --fps.
+void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
+/// What --dry-run looks at, for a parsed command with these options.
+[[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
+
+}  // namespace postlens

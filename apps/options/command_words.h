@@ -1,0 +1,30 @@
+// What the words of a command line name: the files that it reads and writes, the options of its result, and
+// the same command for `merge` and --dry-run.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/options/named_files.h"
+#include "apps/share.h"
+
+namespace postlens {
+
+/// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`, an object or
+/// its mask), so that files_of finds the file. A command that writes files marks all such options. Return the
+/// option.
+CLI::Option* reads(CLI::Option* option);
+CLI::Option* reads_of_impulse(CLI::Option* option);
+CLI::Option* reads_of_curve(CLI::Option* option);
+CLI::Option* reads_of_object(CLI::Option* option);
+CLI::Option* writes(CLI::Option* option);
+/// The files that are named by the marked options of the parsed subcommand.
+[[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
+/// The options of the parsed subcommand, and the files that it reads.
+[[nodiscard]] AskedFor asked_for(CLI::App& app);
+
+/// The command line again, without --share, --dry-run, --json and the options of outputs.
+[[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
+
+}  // namespace postlens
