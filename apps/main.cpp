@@ -1,4 +1,3 @@
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -7,8 +6,8 @@
 #include <vector>
 
 #include "apps/cli.h"
+#include "apps/run_command.h"
 #include "core/job.h"
-#include "core/memory.h"
 #include "core/progress.h"
 #include "core/signals.h"
 
@@ -22,15 +21,9 @@ void say(std::FILE* where, const std::string& text) {
     if (!text.empty()) fmt::print(where, "{}{}", text, text.back() == '\n' ? "" : "\n");
 }
 
-void report(const CommandResult& result, const ParsedCommand& command, double seconds) {
+void report(const CommandResult& result, const ParsedCommand& command) {
     if (command.json) {
-        nlohmann::ordered_json json = result.json;
-        json["seconds"] = seconds;
-        json["peak_memory_bytes"] = postlens::peak_memory_bytes();
-        json["warnings"] = nlohmann::ordered_json::array();
-        for (const auto& w : result.warnings)
-            json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
-        say(stdout, json.dump(2));
+        say(stdout, postlens::report_json(result).dump(2));
     } else if (!command.quiet) {
         say(stdout, result.text);
     }
@@ -51,9 +44,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     postlens::Job job(
         {.threads = command.threads, .watch = command.quiet ? nullptr : postlens::terminal_bar()});
     const postlens::JobScope scope(job);
-    const auto start = std::chrono::steady_clock::now();
-    const CommandResult result = command.run();
-    report(result, command, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    const CommandResult result = postlens::run_timed(command);
+    report(result, command);
     // Reports an error if standard output could not be written, e.g. to a full disk or a closed pipe.
     if (std::fflush(stdout) != 0) postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
     return static_cast<int>(result.exit_code);

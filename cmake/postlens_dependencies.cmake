@@ -24,10 +24,11 @@ target_include_directories(xxhash_headers SYSTEM INTERFACE "${XXHASH_INCLUDE_DIR
 find_path(HTTPLIB_INCLUDE_DIR httplib.h REQUIRED)
 find_library(HTTPLIB_LIBRARY cpp-httplib REQUIRED)
 add_library(cpp_httplib INTERFACE)
-target_include_directories(cpp_httplib SYSTEM INTERFACE "${HTTPLIB_INCLUDE_DIR}")
+target_include_directories(cpp_httplib SYSTEM INTERFACE "$<BUILD_INTERFACE:${HTTPLIB_INCLUDE_DIR}>")
 # As Debian has built it: these decide how its classes are laid out.
-target_compile_definitions(cpp_httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
-target_link_libraries(cpp_httplib INTERFACE "${HTTPLIB_LIBRARY}")
+target_compile_definitions(cpp_httplib INTERFACE
+  "$<BUILD_INTERFACE:CPPHTTPLIB_OPENSSL_SUPPORT;CPPHTTPLIB_ZLIB_SUPPORT;CPPHTTPLIB_BROTLI_SUPPORT>")
+target_link_libraries(cpp_httplib INTERFACE "$<BUILD_INTERFACE:${HTTPLIB_LIBRARY}>" "$<INSTALL_INTERFACE:-lcpp-httplib>")
 
 # FFTW ships none either; single and double precision, one thread a transform.
 find_path(FFTW3F_INCLUDE_DIR fftw3.h REQUIRED)

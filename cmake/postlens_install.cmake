@@ -1,21 +1,24 @@
-# `cmake --install`: the program with its manual pages, the libraries with their headers, and what finds them: a CMake package and a
+# `cmake --install`: the program with its manual pages, the library with its headers, and what finds them: a CMake package and a
 # pkg-config file.
 include(CMakePackageConfigHelpers)
 
-# Folders of headers; the libraries in them, each before those that it may use.
-set(postlens_header_folders core lens pictures records reproject focus motionblur scene tracer planner compare sweep chart)
-set(postlens_installed_libraries chart sweep compare planner tracer scene motionblur focus reproject records pictures
+# The public library and the static libraries that it is made of, each before those that it may use.
+set(postlens_installed_libraries api apps chart sweep compare planner tracer scene motionblur focus reproject records pictures
     linked_pictures fits traced prescription wave lommel lens core)
 
-set(targets postlens_options fftw3 fftw3f libdeflate_library)
+set(targets postlens_options fftw3 fftw3f libdeflate_library cpp_httplib)
 foreach(name IN LISTS postlens_installed_libraries)
-  set_target_properties(postlens_${name} PROPERTIES EXPORT_NAME ${name})
+  # Only the public headers are installed, so libraries that consist of headers are needed no more.
+  get_target_property(links postlens_${name} INTERFACE_LINK_LIBRARIES)
+  list(TRANSFORM links REPLACE "(CLI11::CLI11|glm::glm|nlohmann_json::nlohmann_json)" "$<BUILD_INTERFACE:\\1>")
+  set_target_properties(postlens_${name} PROPERTIES INTERFACE_LINK_LIBRARIES "${links}")
+  if(NOT name STREQUAL api)
+    set_target_properties(postlens_${name} PROPERTIES EXPORT_NAME ${name})
+  endif()
   list(APPEND targets postlens_${name})
 endforeach()
 set_target_properties(postlens_options PROPERTIES EXPORT_NAME options)
-# Headers say #include "focus/focus.h"; <postlens/focus/focus.h> works as well.
-target_include_directories(postlens_options INTERFACE
-  "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/postlens>" "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
+target_include_directories(postlens_options INTERFACE "$<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>")
 
 install(TARGETS postlens RUNTIME COMPONENT program)
 install(FILES "${PROJECT_SOURCE_DIR}/apps/completion/postlens"
@@ -29,10 +32,9 @@ if(POSTLENS_HELP2MAN AND NOT CMAKE_CROSSCOMPILING AND NOT POSTLENS_SANITIZE AND 
   install(DIRECTORY "${PROJECT_BINARY_DIR}/man/" DESTINATION "${CMAKE_INSTALL_MANDIR}/man1" COMPONENT program)
 endif()
 install(TARGETS ${targets} EXPORT postlensTargets ARCHIVE COMPONENT library)
-foreach(folder IN LISTS postlens_header_folders)
-  install(DIRECTORY "${PROJECT_SOURCE_DIR}/${folder}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/postlens" COMPONENT library
-    FILES_MATCHING PATTERN "*.h")
-endforeach()
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/postlens" "${PROJECT_BINARY_DIR}/include/postlens"
+  DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}" COMPONENT library
+  FILES_MATCHING PATTERN "*.h" PATTERN "internals.h" EXCLUDE)
 
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/postlens")
 install(EXPORT postlensTargets NAMESPACE postlens:: DESTINATION "${package_folder}" COMPONENT library)
@@ -44,6 +46,7 @@ install(FILES "${PROJECT_BINARY_DIR}/postlensConfig.cmake" "${PROJECT_BINARY_DIR
   DESTINATION "${package_folder}" COMPONENT library)
 
 list(TRANSFORM postlens_installed_libraries PREPEND "-lpostlens_" OUTPUT_VARIABLE postlens_pc_libraries)
+list(TRANSFORM postlens_pc_libraries REPLACE "^-lpostlens_api$" "-lpostlens")
 list(JOIN postlens_pc_libraries " " postlens_pc_libraries)
 file(RELATIVE_PATH postlens_pc_up "/prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/prefix")
 configure_file(cmake/postlens.pc.in "${PROJECT_BINARY_DIR}/postlens.pc" @ONLY)

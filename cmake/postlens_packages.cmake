@@ -17,9 +17,9 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS gnuplot-nox)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_NAME libpostlens-dev)
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libembree-dev, libtbb-dev, libglm-dev, libfmt-dev, libopenexr-dev, \
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_DEPENDS "libembree-dev, libtbb-dev, libfmt-dev, libopenexr-dev, \
 libimath-dev, libopenimageio-dev, openimageio-tools, libpng-dev, libopencv-dev, libassimp-dev, libfftw3-dev, \
-libceres-dev, libtomlplusplus-dev, nlohmann-json3-dev, libxxhash-dev, libdeflate-dev, libssl-dev")
+libceres-dev, libtomlplusplus-dev, libdeflate-dev, libssl-dev, libcpp-httplib-dev")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-postlens)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)

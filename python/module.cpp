@@ -1,5 +1,4 @@
 // The extension module postlens._postlens, on which the public Python API in postlens/*.py is built.
-#include <chrono>
 #include <memory>
 #include <optional>
 #include <pybind11/pybind11.h>
@@ -9,8 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "apps/cli.h"
-#include "apps/open_frame.h"
+#include "apps/run_command.h"
 #include "pictures/encoded_picture.h"
 #include "python/arrays.h"
 #include "python/run_job.h"
@@ -33,20 +31,7 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
             const std::shared_ptr<KeptFrame>& kept) {
     Outcome out;
     CommandResult result;
-    double seconds = 0;
-    run_job(threads, progress, [&] {
-        const ParsedCommand command =
-            parse_command_line(std::move(words), {.pictures_stay = true, .kept = kept});
-        if (!command.run) {
-            result.text = command.text;
-            return;
-        }
-        const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
-        const auto start = std::chrono::steady_clock::now();
-        result = command.run();
-        seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    });
-    result.json["seconds"] = seconds;
+    run_job(threads, progress, [&] { result = run_command(std::move(words), kept); });
     out.json = result.json.dump();
     out.text = std::move(result.text);
     for (Image& image : result.pictures) {

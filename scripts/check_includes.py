@@ -17,7 +17,7 @@ import re
 import sys
 
 HERE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..")
-TOP = ("core lens pictures records reproject focus motionblur scene tracer planner compare sweep chart apps python"
+TOP = ("core lens pictures records reproject focus motionblur scene tracer planner compare sweep chart apps postlens python"
        .split())
 
 

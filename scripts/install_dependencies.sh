@@ -30,7 +30,8 @@ build_packages=(
 )
 # chromium: the page that `postlens chart` writes is looked at in it. help2man, dpkg-dev: Debian packages of postlens.
 # chromium-driver and selenium: tests of the viewer. Python's other packages: tests of the module.
-check_packages=(git clang-format clang-tidy chromium help2man dpkg-dev file
+# doxygen: scripts/docs.sh.
+check_packages=(git doxygen clang-format clang-tidy chromium help2man dpkg-dev file
     python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib chromium-driver python3-selenium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
 peers_packages=("${build_packages[@]}" "${check_packages[@]}" blender slurm-wlm munge)

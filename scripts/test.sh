@@ -20,6 +20,7 @@ done
 scripts/install_dependencies.sh --for $packages
 scripts/check_format.sh
 scripts/check_includes.py
+scripts/docs.sh
 scripts/build.sh --for checks release
 scripts/check_dependencies.sh build/release
 scripts/check_readme.sh

@@ -31,12 +31,19 @@ fi
 "$folder/build/focus_frame" "$folder/frame.exr" "$folder/by_cmake.exr"
 cmp "$folder/wanted.exr" "$folder/by_cmake.exr"
 
+# Only the public headers are installed. Each needs nothing but the standard library, and has no warnings.
+mapfile -t headers < <(find "$there/include" -type f)
+for header in "${headers[@]}"; do
+    [[ $header == "$there/include/postlens/"*.h ]] || { echo "install_test.sh: installed $header" >&2; exit 1; }
+    "$compiler" -std=c++20 -fsyntax-only -Wall -Wextra -Wpedantic -Werror -I"$there/include" -x c++ - \
+        <<<"#include <postlens/${header##*/}>"
+done
+((${#headers[@]} == 13)) || { echo "install_test.sh: installed ${#headers[@]} headers (expected 13)" >&2; exit 1; }
+
 export PKG_CONFIG_PATH
 PKG_CONFIG_PATH=$(dirname "$(find "$there" -name postlens.pc)")
-# Headers may be written as <postlens/...> as well.
-sed 's#"focus/focus.h"#<postlens/focus/focus.h>#' "$folder/library/focus_frame.cpp" >"$folder/focus_frame.cpp"
 read -ra flags <<<"$(pkg-config --static --cflags --libs postlens)"
-"$compiler" -std=c++20 "$folder/focus_frame.cpp" -o "$folder/by_pkg_config" "${flags[@]}"
+"$compiler" -std=c++20 "$folder/library/focus_frame.cpp" -o "$folder/by_pkg_config" "${flags[@]}"
 "$folder/by_pkg_config" "$folder/frame.exr" "$folder/by_pkg_config.exr"
 cmp "$folder/wanted.exr" "$folder/by_pkg_config.exr"
 [[ $(pkg-config --modversion postlens) == $("$there/bin/postlens" --version | sed 's/postlens //') ]]

@@ -1,0 +1,39 @@
+#include "apps/run_command.h"
+
+#include <chrono>
+#include <mutex>
+#include <utility>
+
+#include "core/memory.h"
+
+namespace postlens {
+
+CommandResult run_timed(const ParsedCommand& command) {
+    const auto start = std::chrono::steady_clock::now();
+    CommandResult result = command.run();
+    result.json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return result;
+}
+
+CommandResult run_command(std::vector<std::string> words, const std::shared_ptr<KeptFrame>& kept) {
+    ParsedCommand command = parse_command_line(std::move(words), {.pictures_stay = true, .kept = kept});
+    if (!command.run) {
+        CommandResult help;
+        help.text = std::move(command.text);
+        help.json["seconds"] = 0.0;
+        return help;
+    }
+    const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
+    return run_timed(command);
+}
+
+nlohmann::ordered_json report_json(const CommandResult& result) {
+    nlohmann::ordered_json json = result.json;
+    json["peak_memory_bytes"] = peak_memory_bytes();
+    json["warnings"] = nlohmann::ordered_json::array();
+    for (const Warning& w : result.warnings)
+        json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
+    return json;
+}
+
+}  // namespace postlens

@@ -1,0 +1,26 @@
+// Runs commands inside the process, for the program, the C++ interface and the Python module.
+#pragma once
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/cli.h"
+#include "apps/open_frame.h"
+
+namespace postlens {
+
+/// Calls `command.run` in the calling thread, for the current job, and adds `seconds` to the JSON.
+[[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
+
+/// Parses and runs a command as run_timed does. `words` are those after the name of the program. Images are
+/// returned unless the words name an output. `kept` is the command's sample file if it is open already; the
+/// call waits until no other call uses it.
+[[nodiscard]] CommandResult run_command(std::vector<std::string> words,
+                                        const std::shared_ptr<KeptFrame>& kept = nullptr);
+
+/// The JSON that `--json` prints: the result's own, the greatest memory of the process and the warnings.
+[[nodiscard]] nlohmann::ordered_json report_json(const CommandResult& result);
+
+}  // namespace postlens

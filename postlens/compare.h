@@ -1,0 +1,72 @@
+/// @file
+/// Measures the error of a picture against its reference.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <postlens/picture.h>
+#include <string>
+#include <vector>
+
+namespace postlens::api {
+
+/// Settings of `compare`.
+struct CompareSettings {
+    /// An independent render of the reference (`--noise`). The noise of the reference is measured with it.
+    std::filesystem::path noise = {};
+    /// The pinhole picture (`--pinhole`). Figures are also computed for only the pixels that the lens
+    /// changes.
+    std::filesystem::path pinhole = {};
+    std::filesystem::path map = {};  ///< PNG file to write: the error in colours (`--map`).
+    std::filesystem::path side_by_side =
+        {};  ///< PNG file to write: both pictures and the map (`--side-by-side`).
+    /// Exposure at which the pictures are compared, stops, -100 to 100 (`--exposure`). Default: the
+    /// reference's.
+    std::optional<double> exposure = {};
+    std::optional<double> fail_psnr_db = {};  ///< Least PSNR, dB, 0 or more (`--fail-psnr`).
+    std::optional<double> fail_relmse = {};   ///< Greatest relMSE, 0 or more (`--fail-relmse`).
+    std::optional<double> fail_flip = {};     ///< Greatest FLIP, 0 to 1 (`--fail-flip`).
+    /// Further options of `postlens compare`, for example {"--flip-white=2"}.
+    std::vector<std::string> options = {};
+};
+
+/// The error of a picture. docs/compare.md defines the figures.
+struct CompareResult {
+    double psnr_db = 0;  ///< Peak signal-to-noise ratio of the sRGB values, dB; infinite for equal pictures.
+    double rmse = 0;     ///< Root mean square error of the linear values.
+    double relmse = 0;   ///< Mean of the squared error relative to the reference.
+    double ssim = 0;     ///< Structural similarity, up to 1 for equal pictures.
+    double flip = 0;     ///< FLIP, 0 (equal) to 1: the difference that an observer sees.
+    bool identical = false;  ///< All values are equal.
+    std::optional<double> affected_share =
+        {};  ///< With `pinhole`: share of the pixels that the lens changes.
+    std::optional<double> affected_psnr_db = {};  ///< With `pinhole`: PSNR of these pixels, dB.
+    std::optional<double> noise_psnr_db = {};  ///< With `noise`: PSNR of the reference due to its noise, dB.
+    Report report = {};                        ///< Of `postlens compare`; its JSON has further figures.
+};
+
+/// Compares the picture `image` with `reference`, both files, of equal size. A sample file stands for its
+/// pinhole picture.
+///
+/// Throws Error(invalid_input) for unreadable files and different sizes, Error(wrong_arguments) for a
+/// setting.
+/// @param image The picture to measure.
+/// @param reference The picture that is taken for the truth.
+/// @param settings Further pictures, limits and maps.
+/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @return The error of `image`.
+[[nodiscard]] CompareResult compare(const std::filesystem::path& image,
+                                    const std::filesystem::path& reference,
+                                    const CompareSettings& settings = {}, Job* job = nullptr);
+
+/// Compares two pictures in memory, through temporary .exr files. Alpha and planes are not compared. Errors
+/// are those of the other `compare`, and Error(cannot_write) for the temporary files.
+/// @param image The picture to measure.
+/// @param reference The picture that is taken for the truth.
+/// @param settings Further pictures, limits and maps.
+/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @return The error of `image`.
+[[nodiscard]] CompareResult compare(const Picture& image, const Picture& reference,
+                                    const CompareSettings& settings = {}, Job* job = nullptr);
+
+}  // namespace postlens::api

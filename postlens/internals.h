@@ -1,0 +1,123 @@
+// What the functions of the public interface share: words of a command line, the call of a command, and the
+// values of its report. Not installed.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "apps/run_command.h"
+#include "core/job.h"
+#include "postlens/frame.h"
+#include "postlens/job.h"
+#include "postlens/lens.h"
+#include "postlens/picture.h"
+
+namespace postlens::api {
+
+struct Job::Impl {
+    explicit Impl(postlens::JobSettings settings) : job(std::move(settings)) {}
+    postlens::Job job;
+};
+
+struct Frame::Impl {
+    std::filesystem::path path;
+    bool salvage = false;
+    FrameInfo info;
+    std::shared_ptr<KeptFrame> kept;  ///< null for images of other programs
+};
+
+/// Access to the private members of the public classes.
+struct Internals {
+    [[nodiscard]] static postlens::Job& job(Job& job) { return job.impl_->job; }
+    [[nodiscard]] static const Frame::Impl& frame(const Frame& frame) { return *frame.impl_; }
+};
+
+/// Rethrows the exception that is being handled as an Error of the public interface.
+[[noreturn]] void rethrow_as_error();
+
+/// Calls `work` for `job` (null: the job of the process) and returns its value. Throws only Error.
+template <typename Work>
+auto guarded(Job* job, const Work& work) -> decltype(work()) {
+    try {
+        std::optional<JobScope> scope;
+        if (job != nullptr) scope.emplace(Internals::job(*job));
+        throw_if_interrupted();
+        return work();
+    } catch (...) {
+        rethrow_as_error();
+    }
+}
+
+/// Builds the words of a command line. An absent value adds no word.
+class Words {
+  public:
+    Words(std::initializer_list<std::string> command) : words_(command) {}
+    /// `salvage` and the path of a frame.
+    void add(const Frame& frame);
+    /// A positional file. `what` names it in the error for an empty path.
+    void add_file(const char* what, const std::filesystem::path& path);
+
+    void add(const char* option, const std::optional<double>& value);
+    void add(const char* option, const std::optional<int>& value);
+    /// An integer for which `automatic` is `auto`.
+    void add_count(const char* option, const std::optional<int>& value);
+    void add(const char* option, const std::optional<std::uint64_t>& value);
+    void add(const char* option, const std::string& text);
+    void add(const char* option, const std::filesystem::path& path) { add(option, path.string()); }
+    void add(const char* option, const std::optional<Size>& size);
+    void add(const char* option, const std::optional<Position>& position);
+    void add(const char* option, const std::optional<Crop>& crop);
+    void add(const char* option, const std::optional<Shutter>& shutter);
+    void add_flag(const char* option, bool given);
+    void add(const LensSettings& lens);
+    /// Joins the elements of a list with commas.
+    template <typename Value>
+    void add_list(const char* option, const std::vector<Value>& values) {
+        std::string text;
+        for (const Value& value : values) text += (text.empty() ? "" : ",") + text_of(value);
+        add(option, text);
+    }
+    /// Further options, as they are.
+    void add(const std::vector<std::string>& options);
+
+    [[nodiscard]] const std::vector<std::string>& words() const { return words_; }
+
+  private:
+    [[nodiscard]] static std::string text_of(double value);
+    [[nodiscard]] static std::string text_of(const Shutter& shutter);
+    [[nodiscard]] static const std::string& text_of(const std::string& text) { return text; }
+
+    std::vector<std::string> words_;
+};
+
+/// Result of a command, and its report as users see it.
+struct Outcome {
+    CommandResult result;
+    Report report;
+
+    /// A number of the JSON; infinity for null, 0 for an absent key.
+    [[nodiscard]] double number(const char* key) const;
+    /// A number of the JSON; infinity for null, empty for an absent key.
+    [[nodiscard]] std::optional<double> number_if_given(const char* key) const;
+    /// A number of the JSON; empty for null and for an absent key.
+    [[nodiscard]] std::optional<double> number_if_known(const char* key) const;
+    [[nodiscard]] std::uint64_t count(const char* key) const;
+    [[nodiscard]] std::string text(const char* key) const;
+    /// The first image, taken out of the result; empty if the command has written it.
+    [[nodiscard]] Picture take_picture();
+};
+
+/// Runs a command for the current job. Throws the internal Error.
+[[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr);
+
+[[nodiscard]] Picture picture_of(Image image);
+/// Throws the internal Error(wrong_arguments) if the sizes of the vectors differ from that of the picture.
+[[nodiscard]] Image image_of(const Picture& picture);
+
+}  // namespace postlens::api

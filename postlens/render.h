@@ -1,0 +1,59 @@
+/// @file
+/// Renders the reference: distributed rays over lens, shutter and lights.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <postlens/lens.h>
+#include <postlens/picture.h>
+#include <string>
+#include <vector>
+
+namespace postlens::api {
+
+/// Settings of `render`.
+struct RenderSettings {
+    int spp = 0;                    ///< Samples per pixel, 1 to 1048576 (`--spp`); required.
+    LensSettings lens = {};         ///< Default: the lens of the camera.
+    std::optional<Size> size = {};  ///< Raster (`--size`). Default: the camera's.
+    std::string camera = {};        ///< Camera by name (`--camera`). Default: the scene's first.
+    /// Instant without a shutter on the scene's clock, s (`--time`). Default: the scene's.
+    std::optional<double> time_s = {};
+    std::optional<Shutter> shutter = {};  ///< Exposure time (`--shutter`). Default: an instant.
+    /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
+    std::string shutter_curve = {};
+    /// "grid", "jittered", "random", "poisson" or "sobol" (`--sampler`).
+    std::string sampler = {};
+    std::optional<std::uint64_t> seed = {};  ///< Of all random numbers (`--seed`). Default: 0.
+    bool halves = false;                     ///< Also returns two pictures of half the samples (`--halves`).
+    std::optional<Crop> crop = {};           ///< Renders only this part (`--crop`).
+    std::optional<double> exposure = {};     ///< Stops, -100 to 100 (`--exposure`). Default: 0.
+    /// Further options of `postlens render`, for example {"--max-depth=4"}.
+    std::vector<std::string> options = {};
+};
+
+/// What `render` has made.
+struct RenderResult {
+    /// Cut to the crop. Empty if `options` have an `--output`, to which the picture is written instead.
+    Picture picture = {};
+    /// With `halves`: two pictures of independent halves of the samples, from which the noise can be
+    /// measured.
+    std::vector<Picture> halves = {};
+    double focal_length_mm = 0;   ///< Focal length that was used, mm.
+    double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
+    double focus_distance_m = 0;  ///< Focus distance that was used, m; may be infinite.
+    Report report = {};           ///< Of `postlens render`.
+};
+
+/// Renders a scene by distributed rays [Cook, Porter & Carpenter 1984]. Scenes are those of `trace`.
+///
+/// Throws Error(invalid_input) for the scene, Error(wrong_arguments) for a setting, Error(out_of_memory).
+/// @param scene The scene file.
+/// @param settings Camera, lens, shutter and samples.
+/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @return Picture and figures.
+[[nodiscard]] RenderResult render(const std::filesystem::path& scene, const RenderSettings& settings,
+                                  Job* job = nullptr);
+
+}  // namespace postlens::api

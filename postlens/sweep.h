@@ -1,0 +1,66 @@
+/// @file
+/// Makes the pictures of a sample file for many lenses and shutters.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <postlens/picture.h>
+#include <string>
+#include <vector>
+
+namespace postlens::api {
+
+/// Settings of `sweep`. A picture is made for every combination of the values of the first five members. An
+/// empty one of them has the value of the file.
+struct SweepSettings {
+    std::vector<double> f_number = {};  ///< F-numbers, more than 0; infinity: a pinhole (`--f-number`).
+    std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).
+    std::vector<double> focus_distance_m = {};  ///< Focus distances, m; may be infinite (`--focus`).
+    std::vector<Shutter> shutter = {};          ///< Exposure times (`--shutter`). Default: no shutter.
+    std::vector<std::string> impulse = {};      ///< Images of a point out of focus, as in `LensSettings`.
+    /// As in `FocusSettings` (`--method`). Default with `shutter`: "lightfield".
+    std::string method = {};
+    std::optional<int> views = {};  ///< Lens points of lightfield and hybrid (`--views`).
+    std::string format = {};        ///< "exr" (default), "png", "tif" or "jpg" (`--format`).
+    bool resume = false;            ///< Keeps pictures of an earlier run with the same settings (`--resume`).
+    std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.
+    /// Further options of `postlens sweep`, for example {"--frames=pull.%04d.png"}.
+    std::vector<std::string> options = {};
+};
+
+/// One picture of a sweep.
+struct SweepPicture {
+    std::filesystem::path file = {};      ///< The picture, within the folder of the sweep.
+    double focal_length_mm = 0;           ///< Focal length, mm.
+    double f_number = 0;                  ///< F-number; infinite for a pinhole.
+    double focus_distance_m = 0;          ///< Focus distance, m; may be infinite.
+    std::optional<Shutter> shutter = {};  ///< Exposure time.
+    std::string impulse = {};             ///< Image of a point out of focus.
+    std::string method = {};              ///< Method that was used.
+    double largest_coc_px = 0;  ///< Diameter of the widest circle of confusion, px; may be infinite.
+    double in_focus_share = 0;  ///< Share of the pixels in focus, 0 to 1.
+};
+
+/// What `sweep` has made.
+struct SweepResult {
+    std::vector<SweepPicture> pictures =
+        {};              ///< In the order of the combinations; the last member changes fastest.
+    int made = 0;        ///< Number of pictures that this call has made.
+    int kept = 0;        ///< Number of pictures of an earlier run that were kept.
+    Report report = {};  ///< Of `postlens sweep`.
+};
+
+/// Makes the pictures of the sample file `frame` for every combination of the settings, and writes them, a
+/// table (sweep.csv, sweep.json) and a contact sheet to the folder `output`, which is made if it is missing.
+///
+/// Throws Error(wrong_arguments) for a setting, Error(invalid_input) for the file, Error(cannot_write),
+/// Error(out_of_memory). Pictures that are complete by then remain, and `resume` keeps them.
+/// @param frame The sample file.
+/// @param output The folder.
+/// @param settings The values to combine.
+/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @return The pictures and their figures.
+SweepResult sweep(const std::filesystem::path& frame, const std::filesystem::path& output,
+                  const SweepSettings& settings, Job* job = nullptr);
+
+}  // namespace postlens::api
