@@ -179,8 +179,10 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
     std::string curve = "box";        ///< box, triangle or a file
     std::optional<std::string> paths;
-    VectorChoice vectors;   ///< for images of other programs
-    ForeignChoice foreign;  ///< for images of other programs
+    RetraceOptions retrace;           ///< for sample files: rays where the views are unsure, as with `shoot`
+    std::optional<double> target_db;  ///< with a scene: PSNR that `auto` aims at, dB
+    VectorChoice vectors;             ///< for images of other programs
+    ForeignChoice foreign;            ///< for images of other programs
     MotionBlurSettings settings;
     ExposureOption exposure;
     bool shutter_from_frame = false;  ///< as in ShootOptions; for sample files only

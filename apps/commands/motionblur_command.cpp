@@ -142,6 +142,41 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
+/// Motion blur with rays where the views are unsure: what `shoot` makes of a lens that is a pinhole.
+CommandResult blur_with_rays(const MotionBlurOptions& o) {
+    if (!o.retrace.scene)
+        fail(ExitCode::wrong_arguments,
+             "--target-db, --explain: rays measure the error (expected with --scene)");
+    if (o.settings.method == MotionMethod::convolve) {
+        fail(ExitCode::wrong_arguments,
+             "--scene: not with --method convolve, which has no views (expected auto or lightfield)");
+    }
+    if (o.settings.fit_px)
+        fail(ExitCode::wrong_arguments, "--fit-paths: not with --scene (expected nothing)");
+    const bool automatic = o.settings.method == MotionMethod::automatic;
+    ShootOptions shoot{.focus = {.shared = o.shared,
+                                 .input = o.input,
+                                 .output = o.output,
+                                 .made_by = o.made_by,
+                                 .kept = o.kept,
+                                 .method = automatic ? FocusMethod::automatic : FocusMethod::hybrid,
+                                 .target_db = o.target_db,
+                                 .retrace = o.retrace,
+                                 .crop = o.settings.crop,
+                                 .exposure = o.exposure,
+                                 .predict = o.predict,
+                                 .strict = o.strict,
+                                 .salvage = o.salvage},
+                       .shutter = o.shutter,
+                       .curve = o.curve,
+                       .paths = o.paths,
+                       .shutter_from_frame = o.shutter_from_frame};
+    // The focus distance of a pinhole has no effect.
+    shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity(), .focus_m = 1};
+    if (o.settings.views) shoot.focus.views = *o.settings.views;
+    return run_shoot(shoot);
+}
+
 }  // namespace
 
 Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header, bool from_frame) {
@@ -175,6 +210,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
              "motion "
              "(expected a flat OpenEXR picture)");
     }
+    if (options.retrace.scene || options.retrace.explain || options.target_db) return blur_with_rays(options);
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);
     if (options.paths) settings.paths = read_paths(*options.paths);

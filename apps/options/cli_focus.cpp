@@ -145,6 +145,8 @@ void add_motionblur(CLI::App& root, CommandOptions& s) {
     whole(app, "--views", o.settings.views,
           "Instants of lightfield [default: one for two pixels of the longest way, 128 to 512]", "M",
           lens_view_counts);
+    target_option(app, o.target_db, fmt::format("{:g} with --scene", default_target_db));
+    retrace_options(app, o.retrace);
     predict_option(app, o.predict);
     app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
     salvage_option(app, o.salvage);

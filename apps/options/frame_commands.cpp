@@ -50,16 +50,20 @@ void divide(const FrameOptions& frames, const std::string& output, std::optional
     take_share(shared, crop, size.width, size.height);
 }
 
+bool decides_by_errors(const FocusOptions& o) {
+    return o.method == FocusMethod::automatic && !o.takes_usual_method();
+}
+
 /// Refuses --share for `auto` with a target or a scene, because `auto` then decides by errors that it
-/// measures on the whole image.
-void refuse_shared_target(const FrameOptions& frames, const FocusOptions& o) {
+/// measures on the whole image. `decides`: whether it does.
+void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
-    if (o.method == FocusMethod::automatic && !o.takes_usual_method()) {
+    if (decides) {
         fail(ExitCode::wrong_arguments,
              "--share: not with --method auto and a target or a scene, which look at the whole picture "
              "(expected another method, or --frames)");
     }
-    if (o.retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
+    if (retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
 }
 
 /// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
@@ -202,7 +206,7 @@ CommandResult run_frames(const FrameOptions& frames, const ImageOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) {
     FocusOptions options = asked;
-    refuse_shared_target(frames, asked);
+    refuse_shared_target(frames, decides_by_errors(asked), asked.retrace);
     divide(frames, options.output, options.shared, options.crop,
            [&] { return raster_of(asked.input, asked.salvage, asked.foreign.camera.overscan_px); });
     options.exposure = exposure_of_first_file(
@@ -227,6 +231,8 @@ CommandResult run_frames(const FrameOptions& frames, const FocusOptions& asked) 
 
 CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& asked) {
     MotionBlurOptions options = asked;
+    refuse_shared_target(frames, asked.retrace.scene && asked.settings.method == MotionMethod::automatic,
+                         asked.retrace);
     divide(frames, options.output, options.shared, options.settings.crop,
            [&] { return raster_of(asked.input, asked.salvage, 0); });
     options.exposure = exposure_of_first_file(
@@ -236,10 +242,12 @@ CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& as
             return read_vector_frame(first, vectors, of_first(frames, asked.foreign)).picture();
         });
     return each_frame(frames,
-                      {options.input, options.output, {}, false, passes_of(asked.foreign, asked.vectors)},
+                      {options.input, options.output, options.retrace.explain, false,
+                       passes_of(asked.foreign, asked.vectors)},
                       options, run_motionblur, [](MotionBlurOptions& o, const FrameFiles& files) {
                           set_passes(o.foreign, files);
                           o.vectors.file = files.passes[2];
+                          o.retrace.explain = files.explain;
                           o.input = files.input;
                           o.output = files.output;
                           o.shutter_from_frame = true;
@@ -249,7 +257,7 @@ CommandResult run_frames(const FrameOptions& frames, const MotionBlurOptions& as
 CommandResult run_frames(const FrameOptions& frames, const ShootOptions& asked) {
     ShootOptions options = asked;
     FocusOptions& focus = options.focus;
-    refuse_shared_target(frames, focus);
+    refuse_shared_target(frames, decides_by_errors(focus), focus.retrace);
     divide(frames, focus.output, focus.shared, focus.crop,
            [&] { return raster_of(asked.focus.input, asked.focus.salvage, 0); });
     if (frames.frames && focus.exposure.automatic) {
