@@ -5,22 +5,20 @@
 #include <chrono>
 #include <cmath>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <limits>
 
 #include "chart/chart_plan.h"
+#include "chart/earlier_chart.h"
 #include "chart/machine.h"
+#include "chart/point_picture.h"
 #include "compare/drawing/error_map.h"
 #include "core/error.h"
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"
-#include "core/files/text_file.h"
-#include "core/fingerprint.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "focus/frame.h"
-#include "motionblur/paths/paths_file.h"
 #include "pictures/exposure.h"
-#include "planner/hybrid.h"
 #include "records/sample_file.h"
 #include "tracer/exposure.h"
 
@@ -31,35 +29,16 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t reference_seed = 1, points_seed = 2;
+constexpr std::uint64_t reference_seed = 1;
 constexpr int floor_spp = 256;
 constexpr std::array own_pictures{"reference.exr", "reference.a.exr", "reference.b.exr",
                                   "reference.partial.exr", "pinhole.exr"};
-constexpr std::uintmax_t largest_chart_bytes = 64U << 20U;
 
 template <typename Work>
 double seconds_of(const Work& work) {
     const auto start = Clock::now();
     work();
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Key of a request: everything that determines the result of a point of the chart. The number of rounds and
-// the choice of points are not part of it.
-std::string key_of(const ChartRequest& r, const ChartView& v, const Scene& scene) {
-    std::string reference = fmt::format("{} spp", r.reference_spp);
-    if (r.reference) {
-        reference = r.reference->string();
-        if (r.second_reference) reference = fmt::format("{} {}", reference, r.second_reference->string());
-    }
-    std::string shutter =
-        v.shutter ? fmt::format("{:.17g}:{:.17g}", v.shutter->open_s, v.shutter->close_s) : "none";
-    if (scene.lumens_per_watt) reference += fmt::format(" lumens {:.17g}", *scene.lumens_per_watt);
-    if (scene.exposure_stops != 0) reference += fmt::format(" exposure {:.17g}", scene.exposure_stops);
-    return fmt::format(
-        "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
-        scene.sha256.substr(0, 16), r.units.metres_per_unit, r.camera_name, v.width, v.height,
-        v.film_distance_mm, v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
 }
 
 Json about_json(const ChartRequest& r, const ChartView& v, const Scene& scene) {
@@ -117,7 +96,8 @@ class Runner {
           folder_(std::move(folder)),
           scene_(exposed_scene(request)),
           view_(chart_view(request, scene_)),
-          plan_(plan_of(request, view_)) {}
+          plan_(plan_of(request, view_)),
+          pictures_(request, scene_, view_) {}
 
     void run(bool restart, ChartRun& out) {
         begin(restart, out);
@@ -159,9 +139,10 @@ class Runner {
         make_folder(folder_);
         for (const char* name : {"pictures", "maps"}) make_folder(folder_ / name);
         make_folder(frames_folder());
-        const std::string key = key_of(request_, view_, scene_);
+        const std::string key = chart_key(request_, view_, scene_);
         if (!restart) {
-            for (const fs::path& path : earlier_charts()) take_over(path, key);
+            for (const fs::path& path : earlier_charts(request_, folder_, chart_path()))
+                other_machine_ = take_over_chart(path, key, folder_, data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
         // Shares have their images in common; what another one has made stays.
@@ -172,70 +153,8 @@ class Runner {
         data_.key = key;
         data_.about = about_json(request_, view_, scene_);
         data_.part = request_.part.empty() ? Json() : Json::parse(request_.part);
-        // Results of an earlier run are sorted into the order of this run's plan.
-        std::vector<ChartTrace> traces;
-        for (const PlannedTrace& t : plan_.traces) {
-            ChartTrace fresh{.name = t.name};
-            for (const ChartTrace& old : data_.traces) {
-                if (old.name == t.name) fresh = old;
-            }
-            traces.push_back(std::move(fresh));
-        }
-        data_.traces = std::move(traces);
-        std::vector<ChartPoint> points;
-        for (const PlannedPoint& p : plan_.points) {
-            ChartPoint fresh{.curve = p.curve, .name = p.name, .amount = p.amount, .trace = p.trace};
-            for (const ChartPoint& old : data_.points) {
-                if (old.name == p.name && old.trace == p.trace) fresh = old;
-            }
-            points.push_back(std::move(fresh));
-        }
-        data_.points = std::move(points);
+        arrange_by_plan(plan_, data_);
         save();
-    }
-
-    // The chart that this run goes on with, after the charts of shares.
-    [[nodiscard]] std::vector<fs::path> earlier_charts() const {
-        std::vector<fs::path> out;
-        if (!request_.share) {
-            for (const auto& entry : fs::directory_iterator(folder_)) {
-                const std::string name = entry.path().filename().string();
-                if (name.starts_with("chart.") && name.ends_with(".json") &&
-                    name.find("-of-") != std::string::npos)
-                    out.push_back(entry.path());
-            }
-            std::sort(out.begin(), out.end());
-        }
-        if (fs::exists(chart_path())) out.push_back(chart_path());
-        return out;
-    }
-
-    // Adds the measurements of an earlier run. Of a point that several have measured, the one with more
-    // rounds counts.
-    void take_over(const fs::path& path, const std::string& key) {
-        ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
-        if (from.key != key) {
-            fail(ExitCode::wrong_arguments,
-                 "{}: holds another chart (got {}; expected {}); --restart begins anew", folder_.string(),
-                 from.key, key);
-        }
-        other_machine_ = other_machine_ || from.about.value("machine", Json()) != machine_json();
-        const auto add = [](auto& to, auto& of, const auto& same) {
-            for (auto& m : of) {
-                const auto at =
-                    std::find_if(to.begin(), to.end(), [&](const auto& known) { return same(known, m); });
-                if (at == to.end()) {
-                    to.push_back(std::move(m));
-                } else if (m.seconds.size() > at->seconds.size()) {
-                    *at = std::move(m);
-                }
-            }
-        };
-        add(from.traces, data_.traces,
-            [](const ChartTrace& a, const ChartTrace& b) { return a.name == b.name; });
-        add(from.points, data_.points,
-            [](const ChartPoint& a, const ChartPoint& b) { return a.name == b.name && a.trace == b.trace; });
-        data_ = std::move(from);
     }
 
     // Leaves out, or refuses, the points that no share has measured.
@@ -380,7 +299,7 @@ class Runner {
         Image image;
         std::vector<std::string> warnings;
         double retraced = 0;
-        const double seconds = seconds_of([&] { image = picture(p, path, retraced, warnings); });
+        const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
         // Motion blur without a lens and pinhole images are not timed in a sweep, because the lens settings
         // do not change them.
@@ -408,57 +327,9 @@ class Runner {
         const SampleFileReader file(path);
         FocusFrame frame(file, true);
         to.first_of_many_s.push_back(
-            seconds_of([&] { (void)focused(p, frame, stopped_down, retraced, warnings); }));
-        to.further_s.push_back(seconds_of([&] { (void)focused(p, frame, view_.lens, retraced, warnings); }));
-    }
-
-    [[nodiscard]] Image picture(const PlannedPoint& p, const fs::path& path, double& retraced,
-                                std::vector<std::string>& warnings) const {
-        using Kind = PlannedPoint::Kind;
-        if (p.kind == Kind::rays) {
-            RenderSettings s = render_settings(request_, view_);
-            s.spp = p.amount;
-            s.seed = points_seed;
-            return render_picture(scene_, s).image;
-        }
-        const SampleFileReader file(path);
-        if (p.kind == Kind::motionblur) {
-            MotionBlurSettings s{.exposure = {view_.shutter->open_s, view_.shutter->close_s},
-                                 .method = p.motion};
-            if (p.amount > 0) s.views = p.amount;
-            MotionBlurResult r = motion_blur(file, s);
-            for (const MotionWarning& w : r.warnings) warnings.push_back(w.code);
-            return std::move(r.image);
-        }
-        FocusFrame frame(file);
-        return focused(p, frame, view_.lens, retraced, warnings);
-    }
-
-    [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
-                                double& retraced, std::vector<std::string>& warnings) const {
-        using Kind = PlannedPoint::Kind;
-        FocusSettings f{.lens = lens, .focus_distance_m = view_.focus_m, .method = p.focus};
-        if (p.focus == FocusMethod::scatter && p.amount > 0) f.depths = p.amount;
-        if ((p.focus == FocusMethod::lightfield || p.focus == FocusMethod::hybrid) && p.amount > 0)
-            f.views = p.amount;
-        if (p.kind == Kind::focus && p.focus != FocusMethod::hybrid) {
-            if (p.focus == FocusMethod::pinhole) f.lens.f_number = std::numeric_limits<double>::infinity();
-            FocusResult r = focus_picture(frame, f);
-            for (const FocusWarning& w : r.warnings) warnings.push_back(w.code);
-            return std::move(r.image);
-        }
-        HybridSettings h{.focus = f};
-        std::optional<FrameMotion> motion;
-        if (view_.shutter) {
-            motion = motion_of(frame.file().header(), {});
-            h.motion = &*motion;
-            h.shutter = view_.shutter;
-        }
-        if (p.focus == FocusMethod::hybrid) h.scene = &scene_;
-        HybridResult r = hybrid_picture(frame, h);
-        retraced = r.retraced_share;
-        for (const FocusWarning& w : r.focus.warnings) warnings.push_back(w.code);
-        return std::move(r.focus.image);
+            seconds_of([&] { (void)pictures_.focused(p, frame, stopped_down, retraced, warnings); }));
+        to.further_s.push_back(
+            seconds_of([&] { (void)pictures_.focused(p, frame, view_.lens, retraced, warnings); }));
     }
 
     const ChartRequest& request_;
@@ -466,6 +337,7 @@ class Runner {
     Scene scene_;
     ChartView view_;
     ChartPlan plan_;
+    PointPictures pictures_;
     ChartData data_;
     Image pinhole_, reference_;
     std::optional<Image> second_;

@@ -5,23 +5,22 @@
 #include <cmath>
 #include <deque>
 #include <fmt/format.h>
-#include <fstream>
 #include <future>
-#include <set>
-#include <xxhash.h>
+#include <map>
+#include <optional>
 
 #include "core/error.h"
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"
-#include "core/files/text_file.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "focus/bend_warning.h"
 #include "pictures/exposure.h"
-#include "planner/predicted_error.h"
 #include "records/pixel_samples.h"
 #include "sweep/contact_sheet.h"
+#include "sweep/earlier_run.h"
 #include "sweep/figures.h"
+#include "sweep/sweep_checks.h"
 
 namespace postlens {
 namespace {
@@ -30,27 +29,6 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// XXH3 checksum of a file's bytes; 0 if the file cannot be read.
-std::uint64_t file_checksum(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) return 0;
-    XXH3_state_t state;
-    XXH3_64bits_reset(&state);
-    std::vector<char> buffer(1U << 16U);
-    while (in) {
-        in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-        XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(in.gcount()));
-    }
-    return in.bad() ? 0 : XXH3_64bits_digest(&state);
-}
-
-std::string checksum_text(std::uint64_t checksum) {
-    return fmt::format("{:016x}", checksum);
-}
-std::string checksum_text(const std::filesystem::path& path) {
-    return checksum_text(file_checksum(path));
 }
 
 void make_folder(const std::filesystem::path& folder) {
@@ -70,53 +48,6 @@ void write_text(const std::filesystem::path& path, const std::string& text) {
     out.commit();
 }
 
-std::vector<glm::dvec2> points_of(const SweepSettings& s, const SampleHeader& h) {
-    std::vector<glm::dvec2> out = s.at;
-    for (const glm::dvec2& at : out) {
-        if (at.x < 0 || at.y < 0 || at.x >= h.width || at.y >= h.height) {
-            fail(ExitCode::wrong_arguments,
-                 "--at: outside the picture (got {:.6g},{:.6g}; expected 0,0 to "
-                 "less than {},{})",
-                 at.x, at.y, h.width, h.height);
-        }
-    }
-    if (!out.empty()) return out;
-    for (const double y : {1.0, 3.0, 5.0}) {
-        for (const double x : {1.0, 3.0, 5.0}) out.emplace_back(x / 6 * h.width, y / 6 * h.height);
-    }
-    return out;
-}
-
-std::vector<std::string> file_names(const SweepSettings& s, const SweepGrid& grid) {
-    std::vector<std::string> out;
-    for (std::size_t i = 0; i < grid.pictures.size(); ++i) {
-        std::string name = grid.pictures[i].name;
-        if (s.frames) {
-            const std::optional<std::string> numbered = numbered_name(*s.frames, i + 1);
-            if (!numbered || numbered->find('/') != std::string::npos) {
-                fail(ExitCode::wrong_arguments,
-                     "--frames: not a name with a number (got {}; expected e.g. pull.%04d)", *s.frames);
-            }
-            name = *numbered;
-        }
-        out.push_back(name + "." + s.format);
-    }
-    return out;
-}
-
-void check_format(const std::string& format) {
-    for (const char* known : {"exr", "png", "tif", "jpg"}) {
-        if (format == known) return;
-    }
-    fail(ExitCode::wrong_arguments, "--format: unknown (got {}; expected exr, png, tif or jpg)", format);
-}
-
-void check_range(const char* option, const std::optional<int>& value, int least, int most) {
-    if (!value || (*value >= least && *value <= most)) return;
-    fail(ExitCode::wrong_arguments, "{}: out of range (got {}; expected {} to {})", option, *value, least,
-         most);
-}
-
 /// A running sweep.
 class Sweep {
   public:
@@ -126,27 +57,23 @@ class Sweep {
           folder_(folder),
           file_(frame, settings.damage, settings.exposure_stops),
           grid_(sweep_grid(settings.axes)),
-          names_(file_names(settings, grid_)),
+          names_(sweep_file_names(settings, grid_)),
           rows_(names_.size()),
           maker_(file_, settings.picture, !settings.axes.shutters.empty()) {
-        if (!(settings.coc_limit_px > 0) || !std::isfinite(settings.coc_limit_px)) {
-            fail(ExitCode::wrong_arguments, "--coc-limit: out of range (got {}; expected px, more than 0)",
-                 settings.coc_limit_px);
-        }
-        check_format(settings.format);
+        check_sweep_limits(settings);
         out_.table.frame = frame.string();
         out_.table.coc_limit_px = settings.coc_limit_px;
         out_.table.part = settings.part;
-        out_.table.at = points_of(settings, file_.header());
+        out_.table.at = sweep_points(settings, file_.header());
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
         if (settings.share)
             out_.json =
                 folder / fmt::format("sweep.{}-of-{}.json", settings.share->index, settings.share->count);
-        check_lenses();
+        check_sweep_lenses(settings, grid_, file_.header(), maker_.method());
         check_outputs(frame);
         make_folder(folder);
-        common_key_ = common_key(frame);
+        keys_.emplace(frame, settings, file_.exposure_stops(), maker_.method(), out_.table.at);
     }
 
     SweepResult run() {
@@ -190,69 +117,9 @@ class Sweep {
     /// Refuses to overwrite input files: they may lie in the output folder, but not under the
     /// name of an output.
     void check_outputs(const std::filesystem::path& frame) const {
-        std::vector<std::filesystem::path> read{frame}, written{out_.csv, out_.json, folder_ / "contact.png"};
-        read.insert(read.end(), settings_.depends_on.begin(), settings_.depends_on.end());
-        if (const Scene* scene = settings_.picture.scene; scene != nullptr)
-            read.insert(read.end(), scene->referred.begin(), scene->referred.end());
-        for (const Impulse& i : settings_.axes.impulses) {
-            if (!i.file.empty()) read.push_back(i.file);
-        }
+        std::vector<std::filesystem::path> written{out_.csv, out_.json, folder_ / "contact.png"};
         for (const std::string& name : names_) written.push_back(folder_ / name);
-        refuse_overwriting(read, written);
-    }
-
-    /// Checks the lens settings of all images before the first one is made.
-    void check_lenses() const {
-        const SampleHeader& h = file_.header();
-        const PictureSettings& p = settings_.picture;
-        check_range("--depths", p.depths, 2, DepthLevels::most_depths);
-        check_range("--views", p.views, 1, most_lens_views);
-        const FocusMethod method = maker_.method();
-        const bool by_views = method == FocusMethod::lightfield || method == FocusMethod::hybrid ||
-                              method == FocusMethod::automatic;
-        for (const SweepSetting& s : grid_.pictures) {
-            if (p.predict) check_predictable(h, {.framing = p.framing, .impulse = s.impulse});
-            if (std::isinf(s.f_number) || method == FocusMethod::pinhole) continue;
-            if (by_views) check_has_points(s.impulse);
-            if (h.projection == Projection::orthographic) {
-                fail(ExitCode::wrong_arguments,
-                     "--f-number: out of range for an orthographic file, which no lens can have taken (got "
-                     "{}; "
-                     "expected inf)",
-                     s.f_number);
-            }
-            if (s.impulse.kind == ImpulseKind::lens) continue;
-            static_cast<void>(focus_geometry({.focal_length_mm = s.focal_length_mm, .f_number = s.f_number},
-                                             s.focus_m, settings_.picture.framing,
-                                             {h.film_distance_mm, h.pixel_pitch_mm}));
-        }
-    }
-
-    [[nodiscard]] std::string common_key(const std::filesystem::path& frame) const {
-        const PictureSettings& p = settings_.picture;
-        std::string key = fmt::format("1 {} {} {} {} {} {} {} {} {:x} {}", checksum_text(frame),
-                                      method_name(maker_.method()), static_cast<int>(p.framing),
-                                      static_cast<int>(p.spacing), static_cast<int>(p.depth_model),
-                                      p.depths.value_or(0), p.views.value_or(0), settings_.coc_limit_px,
-                                      p.curve.fingerprint(), p.scene != nullptr ? p.scene->sha256 : "");
-        if (file_.exposure_stops() != 0) key += fmt::format(" exposure {}", file_.exposure_stops());
-        if (p.scene != nullptr && p.scene->lumens_per_watt)
-            key += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
-        if (p.predict) key += " predicted";
-        if (maker_.method() == FocusMethod::automatic)
-            key += fmt::format(" {}", p.target_db.value_or(default_target_db));
-        for (const glm::dvec2& at : out_.table.at) key += fmt::format(" {},{}", at.x, at.y);
-        for (const auto& path : settings_.depends_on) key.append(" ").append(checksum_text(path));
-        return key;
-    }
-
-    [[nodiscard]] std::string key_of(const SweepSetting& s) const {
-        std::string key = fmt::format("{} {} {} {}", common_key_, s.f_number, s.focal_length_mm, s.focus_m);
-        if (s.shutter) key += fmt::format(" {}:{}", s.shutter->open_s, s.shutter->close_s);
-        const Impulse& i = s.impulse;
-        key += fmt::format(" {} {} {} {}", impulse_text(i), i.squeeze, i.cats_eye, i.spherical);
-        if (!i.file.empty()) key.append(" ").append(checksum_text(i.file));
-        return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
+        refuse_overwriting(sweep_inputs(frame, settings_), written);
     }
 
     /// Whether image i of the sweep belongs to the share that this run makes.
@@ -263,37 +130,13 @@ class Sweep {
         return count;
     }
 
-    /// Rows of the table from earlier runs: those of this run's table and, if the run makes the whole sweep,
-    /// those of the tables of all shares.
-    [[nodiscard]] std::map<std::string, SweepRow> earlier_rows() const {
-        constexpr std::uintmax_t largest_bytes = 64'000'000;
-        if (!settings_.resume) return {};
-        std::vector<std::filesystem::path> tables;
-        if (!settings_.share) {
-            for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
-                const std::string name = entry.path().filename().string();
-                if (name.starts_with("sweep.") && name.ends_with(".json") &&
-                    name.find("-of-") != std::string::npos)
-                    tables.push_back(entry.path());
-            }
-            std::sort(tables.begin(), tables.end());
-        }
-        if (std::filesystem::exists(out_.json)) tables.push_back(out_.json);
-        std::map<std::string, SweepRow> out;
-        for (const std::filesystem::path& table : tables) {
-            for (auto& [name, row] : rows_of_json(read_text_file(table, largest_bytes), table.string()))
-                out.insert_or_assign(name, std::move(row));
-        }
-        return out;
-    }
-
     /// Keeps image `i` of an earlier run if it is valid, and reads it into `image` unless that is null.
     bool keep(std::size_t i, const std::map<std::string, SweepRow>& earlier, Image* image) {
         const auto found = earlier.find(names_[i]);
         const SweepSetting& s = grid_.pictures[i];
-        if (found == earlier.end() || found->second.settings_key != key_of(s)) return false;
+        if (found == earlier.end() || found->second.settings_key != keys_->of(s)) return false;
         const std::filesystem::path path = folder_ / names_[i];
-        if (found->second.picture_checksum != checksum_text(path)) return false;
+        if (found->second.picture_checksum != file_checksum_text(path)) return false;
         if (image != nullptr) *image = read_image(path);
         SweepRow row = found->second;
         row.setting = s;
@@ -303,7 +146,7 @@ class Sweep {
     }
 
     void keep_what_is_there(ContactSheet* sheet, Progress& progress) {
-        const std::map<std::string, SweepRow> earlier = earlier_rows();
+        const std::map<std::string, SweepRow> earlier = earlier_rows(settings_, folder_, out_.json);
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             if (!is_mine(i)) continue;
             throw_if_interrupted();
@@ -419,7 +262,7 @@ class Sweep {
         }
         row.in_focus_share = in_focus_share(depths_, made.geometry, settings_.coc_limit_px);
         if (pinhole_energy_ > 0) row.sharpness = gradient_energy(made.image) / pinhole_energy_;
-        row.settings_key = key_of(s);
+        row.settings_key = keys_->of(s);
         row.picture_checksum = checksum_text(checksum);
         return row;
     }
@@ -500,7 +343,7 @@ class Sweep {
     std::vector<std::string> names_;
     std::vector<std::optional<SweepRow>> rows_;  ///< parallel to names_; absent: not finished yet
     PictureMaker maker_;
-    std::string common_key_;
+    std::optional<SweepKeys> keys_;  ///< present after all checks
     FrameDepths depths_;
     float nearest_ = 0, farthest_ = 0;  ///< inverse depths, 1/m
     std::vector<double> inverse_z_at_;

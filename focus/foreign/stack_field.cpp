@@ -5,156 +5,18 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/glm.hpp>
-#include <limits>
-#include <span>
 
 #include "core/job.h"
-#include "core/memory.h"
-#include "core/sample_hash.h"
 #include "core/threads.h"
+#include "focus/foreign/stack_facets.h"
 
 namespace postlens {
 namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Number of a pixel's corners. The corner at (x, y), each 0 or 1, has the index x + 2 y.
-constexpr std::size_t corners = 4;
 /// Number of views that are drawn between two tests whether the job is cancelled.
 constexpr std::size_t views_per_look = 16;
-
-/// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
-struct Facet {
-    std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
-    StackSample sample;
-    std::uint32_t threshold = 0;  ///< random bits by which it is opaque or transparent in a view
-};
-
-/// The samples of a picture as quadrilaterals, by pixel.
-class Facets {
-  public:
-    Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry)
-        : x_begin(p.x_begin),
-          y_begin(p.y_begin),
-          width(p.x_end - p.x_begin),
-          height(p.y_end - p.y_begin),
-          geometry_(geometry) {
-        const auto known = static_cast<std::size_t>(std::count_if(
-            behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha > 0; }));
-        const std::size_t pixels = p.offsets.size() - 1;
-        require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
-                       "the samples as views draw them");
-        facets_.reserve(p.samples.size() + known);
-        offsets_.reserve(pixels + 1);
-        offsets_.push_back(0);
-        for (std::size_t i = 0; i < pixels; ++i) {
-            for (std::uint64_t k = p.offsets[i]; k < p.offsets[i + 1]; ++k) add(i, p.samples[k]);
-            if (!behind.empty() && behind[i].known && behind[i].alpha > 0) {
-                const Behind& b = behind[i];
-                add(i, {.inverse_z = b.inverse_z, .r = b.r, .g = b.g, .b = b.b, .alpha = b.alpha, .id = 0});
-            }
-            offsets_.push_back(facets_.size());
-        }
-        join_neighbours();
-        find_ranges();
-    }
-
-    int x_begin, y_begin, width, height;
-
-    [[nodiscard]] std::span<const Facet> at(std::size_t pixel) const {
-        return std::span(facets_).subspan(offsets_[pixel], offsets_[pixel + 1] - offsets_[pixel]);
-    }
-    [[nodiscard]] std::uint64_t first_of(std::size_t pixel) const { return offsets_[pixel]; }
-    [[nodiscard]] const Facet& facet(std::uint64_t number) const { return facets_[number]; }
-    /// Smallest and largest inverse depth in a row of pixels; none where it holds no sample.
-    [[nodiscard]] const std::pair<float, float>& range(int row) const {
-        return ranges_[static_cast<std::size_t>(row)];
-    }
-
-  private:
-    void add(std::size_t pixel, const StackSample& s) {
-        Facet f;
-        f.inverse_z.fill(s.spread_inverse_z());
-        f.sample = s;
-        f.threshold = random_word(pixel, static_cast<std::uint32_t>(facets_.size() - offsets_.back()));
-        facets_.push_back(f);
-    }
-    [[nodiscard]] double radius_px(const Facet& f) const {
-        return geometry_.coc_diameter_px(static_cast<double>(f.sample.spread_inverse_z())) / 2;
-    }
-    [[nodiscard]] bool one_surface(const Facet& a, const Facet& b) const {
-        if (a.sample.id != 0 && b.sample.id != 0 && a.sample.id != b.sample.id) return false;
-        constexpr double least_step_px = 1, share = 1.0 / 16;
-        const double ra = radius_px(a), rb = radius_px(b);
-        return std::abs(ra - rb) < std::max(least_step_px, share * std::min(std::abs(ra), std::abs(rb)));
-    }
-    /// The sample of a pixel that continues the surface of `f`; null where there is none.
-    [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const {
-        if (x < 0 || x >= width || y < 0 || y >= height) return nullptr;
-        const Facet* best = nullptr;
-        float apart = std::numeric_limits<float>::infinity();
-        for (const Facet& other : at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                     static_cast<std::size_t>(x))) {
-            const float d = std::abs(other.sample.spread_inverse_z() - f.sample.spread_inverse_z());
-            if (d < apart && one_surface(f, other)) {
-                apart = d;
-                best = &other;
-            }
-        }
-        return best;
-    }
-    void join_neighbours() {
-        parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
-            const int y = static_cast<int>(row);
-            for (int x = 0; x < width; ++x) {
-                const std::size_t pixel = row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
-                for (std::uint64_t k = offsets_[pixel]; k < offsets_[pixel + 1]; ++k) join(facets_[k], x, y);
-            }
-        });
-    }
-    /// Sets the corner depths of `f` to the mean over the samples that continue its surface. Thread-safe,
-    /// because no neighbour reads the corners.
-    void join(Facet& f, int x, int y) const {
-        std::array<const Facet*, 9> around{};
-        for (int v = 0; v < 3; ++v) {
-            for (int u = 0; u < 3; ++u) {
-                if (u == 1 && v == 1) continue;
-                around[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(u)] =
-                    continued(f, x + u - 1, y + v - 1);
-            }
-        }
-        for (std::size_t corner = 0; corner < corners; ++corner) {
-            const std::size_t u = 2 * (corner % 2), v = 2 * (corner / 2);
-            auto sum = static_cast<double>(f.sample.spread_inverse_z());
-            int count = 1;
-            for (const Facet* other : {around[3 + u], around[3 * v + 1], around[3 * v + u]}) {
-                if (other == nullptr) continue;
-                sum += static_cast<double>(other->sample.spread_inverse_z());
-                ++count;
-            }
-            f.inverse_z[corner] = static_cast<float>(sum / count);
-        }
-    }
-    void find_ranges() {
-        ranges_.assign(static_cast<std::size_t>(height),
-                       {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()});
-        for (std::size_t row = 0; row < ranges_.size(); ++row) {
-            auto& [least, most] = ranges_[row];
-            for (std::uint64_t k = offsets_[row * static_cast<std::size_t>(width)];
-                 k < offsets_[(row + 1) * static_cast<std::size_t>(width)]; ++k) {
-                for (const float z : facets_[k].inverse_z) {
-                    least = std::min(least, z);
-                    most = std::max(most, z);
-                }
-            }
-        }
-    }
-
-    FocusGeometry geometry_;
-    std::vector<Facet> facets_;
-    std::vector<std::uint64_t> offsets_;
-    std::vector<std::pair<float, float>> ranges_;
-};
 
 /// A view: its lens point, and its sample position within the pixels.
 struct View {
@@ -260,8 +122,8 @@ class Band {
     /// Finds the view's sample points inside a quadrilateral. In the view's coordinates, they are at
     /// integers.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
-        std::array<float, corners> px{}, py{};
-        for (std::size_t c = 0; c < corners; ++c) {
+        std::array<float, Facet::corners> px{}, py{};
+        for (std::size_t c = 0; c < Facet::corners; ++c) {
             const float apart = v.inverse_focus_per_m - f.inverse_z[c];
             px[c] = static_cast<float>(x + static_cast<int>(c % 2)) + v.x + v.lens_x * apart;
             py[c] = static_cast<float>(y + static_cast<int>(c / 2)) + v.y + v.lens_y * apart;
@@ -287,8 +149,8 @@ class Band {
 
     /// Whether a point lies in one of the quadrilateral's two triangles, whatever their orientation. The
     /// sides count as inside, so that neighbours leave no crack.
-    [[nodiscard]] static bool inside(const std::array<float, corners>& px,
-                                     const std::array<float, corners>& py, float x, float y) {
+    [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
+                                     const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
             // The side starts at the corner that comes first in order, so that both neighbours of the side
             // compute the same number.

@@ -85,7 +85,8 @@ class FieldHighlights {
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<Group> groups_;
-    std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by rows of 64 px that they reach
+    static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
+    std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by the rows of tiles that they reach
 };
 
 }  // namespace postlens

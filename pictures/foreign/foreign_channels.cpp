@@ -1,156 +1,23 @@
 #include "pictures/foreign/foreign_channels.h"
 
 #include <algorithm>
-#include <array>
 #include <fmt/ranges.h>
-#include <set>
-#include <tuple>
+#include <optional>
 #include <utility>
 
 #include "core/error.h"
+#include "pictures/foreign/channel_names.h"
+#include "pictures/foreign/foreign_colours.h"
 
 namespace postlens {
 namespace {
 
-using Names = std::vector<std::string>;
+const ChannelNames alpha_names{"A", "a", "alpha", "Alpha"};
 
-/// Accepted names of colour channels; all three names of a layer must be from the same row.
-constexpr std::array<std::array<const char*, 3>, 4> colour_names{
-    {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
-const Names alpha_names{"A", "a", "alpha", "Alpha"};
-
-std::string first_of(const ForeignPart& part, const Names& names) {
-    for (const std::string& name : names) {
-        if (part.has(name)) return name;
-    }
-    return "";
-}
-
-std::string behind(const ForeignPart& part, const std::string& layer, const Names& letters) {
-    Names names;
+std::string behind(const ForeignPart& part, const std::string& layer, const ChannelNames& letters) {
+    ChannelNames names;
     for (const std::string& letter : letters) names.push_back(layer + letter);
-    return first_of(part, names);
-}
-
-/// Splits a name after its last dot.
-std::pair<std::string, std::string> split(const std::string& name) {
-    const std::size_t dot = name.rfind('.');
-    return dot == std::string::npos ? std::pair(std::string(), name)
-                                    : std::pair(name.substr(0, dot + 1), name.substr(dot + 1));
-}
-
-std::string small(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return text;
-}
-
-/// Names of a layer's colour channels; empty if one of the three is missing.
-std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
-    for (const auto& names : colour_names) {
-        std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
-        if (std::all_of(out.begin(), out.end(), [&](const std::string& name) { return part.has(name); }))
-            return out;
-    }
-    return std::nullopt;
-}
-
-bool any_word(const std::vector<std::string>& words, std::initializer_list<std::string_view> some) {
-    return std::any_of(words.begin(), words.end(), [&](const std::string& w) {
-        return std::find(some.begin(), some.end(), w) != some.end();
-    });
-}
-
-/// Preference of a layer for colours; lower is better.
-int rank(const std::string& layer) {
-    const std::vector<std::string> words = words_of(layer);
-    // Channels of such layers hold data, not colours.
-    const bool data = std::any_of(words.begin(), words.end(),
-                                  [](const std::string& w) { return w.find("crypto") != std::string::npos; });
-    if (data || any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
-                                 "velocity", "forward", "uv"}))
-        return 4;
-    if (layer.empty()) return 0;
-    if (any_word(words, {"combined"})) return 1;
-    return any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
-}
-
-/// How well a layer matches the requested name; lower is better, 2 is no match.
-int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
-           const std::string& asked) {
-    const ForeignPart& part = file.parts()[part_number];
-    if (asked.empty() || part.name == asked || part.view == asked) return 0;
-    if (!part.views.empty() && part.views[0] == asked && layer.empty()) return 0;
-    if (layer == asked + "." || layer.starts_with(asked + ".")) return 0;
-    const ChannelGroup group = channel_group(file, part_number, layer, colour_words);
-    if (group.view == asked) return 0;
-    std::vector<std::string> words = words_of(part.name + "." + layer + "." + group.view);
-    const std::vector<std::string> wanted = words_of(asked);
-    const bool all = std::all_of(wanted.begin(), wanted.end(), [&](const std::string& w) {
-        return std::find(words.begin(), words.end(), w) != words.end();
-    });
-    return all && !wanted.empty() ? 1 : 2;
-}
-
-/// The owner of a channel: a part of the file, a view (such as the left eye's) and a layer, as words.
-using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
-
-Owner owner_of(const ChannelGroup& group) {
-    return {group.part, group.view, group.layer};
-}
-
-/// Layers that have a depth channel in their own part.
-std::set<Owner> owners_of_depths(const ForeignFile& file) {
-    std::set<Owner> out;
-    for (std::size_t i = 0; i < file.parts().size(); ++i) {
-        for (const std::string& name : file.parts()[i].channels) {
-            const auto words = split(name);
-            const std::string letter = small(words.second);
-            if (letter != "z" && letter != "v") continue;
-            const ChannelGroup depth = channel_group(file, i, words.first, depth_words);
-            if (letter == "z" || depth.has_pass) out.insert(owner_of(depth));
-        }
-    }
-    return out;
-}
-
-/// Selects the best part and layer for colours among the layers that `layers_of` lists; empty if none fits.
-template <typename LayersOf>
-std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
-                                                              const std::string& asked,
-                                                              const LayersOf& layers_of) {
-    const auto views = file.views();
-    const std::set<Owner> with_depth = owners_of_depths(file);
-    std::optional<std::pair<std::size_t, std::string>> best;
-    std::tuple<int, int, std::size_t, bool> least{2, 0, 0, false};
-    for (std::size_t i = 0; i < file.parts().size(); ++i) {
-        if (file.parts()[i].use != PartUse::picture) continue;
-        for (const std::string& layer : layers_of(file.parts()[i])) {
-            const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // The first stereo view of the attribute `multiView` is preferred to the other views, whether a
-            // part's `view` attribute or a channel's name says which view it is.
-            const auto view = std::find(views.begin(), views.end(), group.view);
-            const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            const std::tuple order{misfit(file, i, layer, asked), rank(layer),
-                                   by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
-                                   !with_depth.contains(owner_of(group))};
-            if (order < least) {
-                least = order;
-                best = {i, layer};
-            }
-        }
-    }
-    return best;
-}
-
-/// Layers with luminance, or with alpha and depth.
-Names grey_layers(const ForeignPart& part) {
-    Names out;
-    for (const std::string& name : part.channels) {
-        const auto [layer, letter] = split(name);
-        if (letter == "Y" || (letter == "A" && part.has(layer + "Z"))) out.push_back(layer);
-    }
-    return out;
+    return first_channel(part, names);
 }
 
 /// Candidates of a pass in all parts that may have it; `add(part, name, out)` looks at one channel.
@@ -194,9 +61,9 @@ class Finder {
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
             candidates_of(file_, out_, PartUse::picture, [&](std::size_t part, const auto& name, auto& to) {
-                const auto [before, letter] = split(name);
+                const auto [before, letter] = split_channel(name);
                 const ChannelGroup group = channel_group(file_, part, before, alpha_words);
-                const std::string last = small(letter);
+                const std::string last = lower_case(letter);
                 if (letter == "A" || last == "alpha" || (group.has_pass && last == "y"))
                     to.push_back({group, name, 0});
             });
@@ -240,11 +107,11 @@ class Finder {
     void find_ids() {
         out_.id_part = out_.part;
         if (choice_.ids == ForeignChoice::no_ids) return;
-        Names sets;
+        ChannelNames sets;
         std::string left;  // channels that exist but belong to another layer
         if (!part_.deep) take_matte(sets, left);
         // If the user names the ids to use, messages about others are dropped.
-        const Names unusable = choice_.ids.empty() ? Names() : std::exchange(out_.problems, {});
+        const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
         const std::vector<GroupCandidate> found = ids();
@@ -263,8 +130,8 @@ class Finder {
     }
 
   private:
-    [[nodiscard]] Names channels_of(PartUse use) const {
-        Names out;
+    [[nodiscard]] ChannelNames channels_of(PartUse use) const {
+        ChannelNames out;
         for (const ForeignPart& part : file_.parts()) {
             if (part.use == use) out.insert(out.end(), part.channels.begin(), part.channels.end());
         }
@@ -309,15 +176,15 @@ class Finder {
         auto found =
             candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
                 const ForeignPart& p = file_.parts()[part];
-                const auto [before, letter] = split(name);
-                const std::string last = small(letter);
+                const auto [before, letter] = split_channel(name);
+                const std::string last = lower_case(letter);
                 const ChannelGroup group = channel_group(file_, part, before, depth_words);
                 // A Z beside X and Y is the component of a position, a direction or a motion, not a depth.
                 const bool has_x = p.has(before + (letter == "z" ? "x" : "X")) &&
                                    p.has(before + (letter == "z" ? "y" : "Y"));
                 if (last == "z" && (group.has_pass || !has_x)) {
-                    if (any_word(group.layer, {"normal", "normals", "position", "vector", "vectors", "motion",
-                                               "velocity", "forward"}))
+                    if (has_any_word(group.layer, {"normal", "normals", "position", "vector", "vectors",
+                                                   "motion", "velocity", "forward"}))
                         return;
                     to.push_back({group, name,
                                   part == out_.part && before == out_.layer ? 0
@@ -333,7 +200,7 @@ class Finder {
         if (!own_file || !found.empty()) return found;
         // A separate file for depths holds them in its only channel, or equally in R, G and B.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
-            const std::string letter = split(name).second;
+            const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
                 to.push_back({channel_group(file_, part, "", depth_words), name, 5});
         });
@@ -341,21 +208,22 @@ class Finder {
 
     [[nodiscard]] std::vector<GroupCandidate> ids() const {
         return candidates_of(file_, out_, PartUse::ids, [&](std::size_t part, const auto& name, auto& to) {
-            const auto [before, letter] = split(name);
+            const auto [before, letter] = split_channel(name);
             const auto is_id = [](std::string word) {
-                word = small(std::move(word));
+                word = lower_case(std::move(word));
                 std::erase(word, '_');
                 return word == "id" || word == "objectid" || word == "indexob";
             };
-            const std::string pass =
-                before.empty() ? file_.parts()[part].name : split(before.substr(0, before.size() - 1)).second;
+            const std::string pass = before.empty()
+                                         ? file_.parts()[part].name
+                                         : split_channel(before.substr(0, before.size() - 1)).second;
             const bool component = letter == "X" || letter == "V" || letter == "Y";
             if (is_id(letter) || (component && is_id(pass)))
                 to.push_back({channel_group(file_, part, before, id_words), name, is_id(letter) ? 0 : 1});
         });
     }
 
-    void take_matte(Names& sets, std::string& left) {
+    void take_matte(ChannelNames& sets, std::string& left) {
         Cryptomattes found = find_cryptomattes(file_, out_.part);
         out_.problems = std::move(found.problems);
         std::vector<GroupCandidate> candidates;
@@ -377,7 +245,7 @@ class Finder {
         }
     }
 
-    void find_named_ids(const Names& unusable, Names sets) {
+    void find_named_ids(const ChannelNames& unusable, ChannelNames sets) {
         if (const auto part = part_with(choice_.ids, PartUse::ids)) {
             out_.id = choice_.ids;
             out_.id_part = *part;
@@ -387,7 +255,8 @@ class Finder {
             if (problem.starts_with("Cryptomatte " + choice_.ids + " "))
                 fail(ExitCode::invalid_input, "{}: {}", file_.name(), problem);
         }
-        const Names there = file_.has_own_file(PartUse::ids) ? channels_of(PartUse::ids) : part_.channels;
+        const ChannelNames there =
+            file_.has_own_file(PartUse::ids) ? channels_of(PartUse::ids) : part_.channels;
         sets.insert(sets.end(), there.begin(), there.end());
         fail(ExitCode::invalid_input, "{}: no ids {} (got {}; expected what --ids names)",
              file_name(PartUse::ids), choice_.ids, listed(sets));
@@ -401,63 +270,7 @@ class Finder {
     std::vector<ChannelGroup> pictures_;
 };
 
-void find_colours(const ForeignFile& file, const std::string& asked, ForeignChannels& out) {
-    if (const auto best = best_layer(file, asked, colour_layers)) {
-        const ForeignPart& part = file.parts()[best->first];
-        std::tie(out.part, out.layer) = *best;
-        const auto names = colours_of(part, out.layer).value();
-        out.r = names[0];
-        out.g = names[1];
-        out.b = names[2];
-        return;
-    }
-    const auto grey = best_layer(file, asked, grey_layers);
-    if (!grey) {
-        Names names;
-        for (const ForeignPart& part : file.parts())
-            names.insert(names.end(), part.channels.begin(), part.channels.end());
-        fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)", file.name(),
-             asked.empty() ? "" : " in " + asked, listed(names));
-    }
-    const ForeignPart& part = file.parts()[grey->first];
-    std::tie(out.part, out.layer) = *grey;
-    out.r = out.g = out.b = first_of(part, {out.layer + "Y"});
-    const std::string ry = out.layer + "RY", by = out.layer + "BY";
-    if (out.r.empty() || part.deep) return;
-    if (part.has(ry) && part.has(by)) {
-        out.ry = ry;
-        out.by = by;
-    } else if (part.has(ry) || part.has(by)) {
-        out.assumed.push_back(fmt::format("{} is left aside without {}: the picture is grey",
-                                          part.has(ry) ? ry : by, part.has(ry) ? by : ry));
-    }
-}
-
 }  // namespace
-
-std::vector<std::string> colour_layers(const ForeignPart& part) {
-    Names out;
-    for (const std::string& name : part.channels) {
-        const auto words = split(name);
-        const bool red = std::any_of(colour_names.begin(), colour_names.end(),
-                                     [&](const auto& names) { return words.second == names[0]; });
-        const std::string& layer = words.first;
-        if (red && colours_of(part, layer) && std::find(out.begin(), out.end(), layer) == out.end())
-            out.push_back(layer);
-    }
-    return out;
-}
-
-std::vector<ChannelGroup> colour_groups(const ForeignFile& file) {
-    std::vector<ChannelGroup> out;
-    for (std::size_t i = 0; i < file.parts().size(); ++i) {
-        if (file.parts()[i].use != PartUse::picture) continue;
-        for (const std::string& layer : colour_layers(file.parts()[i])) {
-            if (rank(layer) < 4) out.push_back(channel_group(file, i, layer, colour_words));
-        }
-    }
-    return out;
-}
 
 std::string listed(std::span<const std::string> names) {
     constexpr std::size_t most = 24;
@@ -482,7 +295,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     finder.find_depth();
     if (part.deep) {
         // ZBack, the depth at which a sample ends, is in the same layer as Z.
-        out.z_back = first_of(part, {split(out.z).first + "ZBack"});
+        out.z_back = first_channel(part, {split_channel(out.z).first + "ZBack"});
         if (out.z.empty()) {
             fail(ExitCode::invalid_input, "{}: no depth (got channels {}; expected Z in a deep picture)",
                  file.name(), listed(part.channels));

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
-#include <utility>
 
 namespace postlens {
 namespace {
 
 constexpr int edge = SheetMesh::square_px;
-constexpr std::uint32_t none = 0xFFFFFFFFU;
 /// Contrast threshold for files that state none, because `trace` did not divide pixels.
 constexpr float usual_contrast = 0.1F;
 
@@ -17,157 +14,25 @@ constexpr float usual_contrast = 0.1F;
 
 SheetBuilder::SheetBuilder(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
                            const SampleHeader& header, const HighlightRule& rule, SheetMesh& out)
-    : leaves_(leaves),
-      trees_(trees),
+    : trees_(trees),
       keys_(keys),
       rule_(rule),
       out_(out),
-      per_px_(across_per_px(header)),
       contrast_(header.subdivide_threshold > 0 ? static_cast<float>(header.subdivide_threshold)
                                                : usual_contrast),
       black_(static_cast<float>(0.05 * std::exp2(-header.exposure_stops))),
-      perspective_(header.projection == Projection::perspective),
-      key_pieces_(keys.keys.size(), 0),
-      key_group_(keys.keys.size(), none) {}
-
-bool SheetBuilder::continuous(float low, float high, float size) const {
-    return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
-}
+      pieces_(leaves, trees, keys, header) {}
 
 void SheetBuilder::build(const SheetSquare& square) {
     square_ = square;
-    pieces_.clear();
-    keys_used_.clear();
-    for (int row = 0; row < square.rows; ++row) {
-        for (int column = square.first_pixel; column < square.last_pixel; ++column) {
-            const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(square.band_width) +
-                               static_cast<std::size_t>(column);
-            const int cell = row * edge + column - square.first_pixel;
-            for (std::uint32_t i = leaves_.leaf_offsets[pixel]; i < leaves_.leaf_offsets[pixel + 1]; ++i)
-                add_leaf(leaves_.leaves[i], cell);
-        }
-    }
-    sort_pieces();
-    std::uint32_t begin = 0;
-    for (const std::uint32_t key : keys_used_) {
-        const std::uint32_t end = key_pieces_[key];
+    pieces_.collect(square);
+    pieces_.each_surface([&](std::uint32_t key, std::span<const LeafPiece* const> pieces) {
         key_ = keys_.keys[key];
-        add_sheets(std::span(sorted_).subspan(begin, end - begin));
-        key_pieces_[key] = 0;
-        begin = end;
-    }
+        add_sheets(pieces);
+    });
 }
 
-void SheetBuilder::sort_pieces() {
-    std::sort(keys_used_.begin(), keys_used_.end());
-    std::uint32_t begin = 0;
-    for (const std::uint32_t key : keys_used_) begin += std::exchange(key_pieces_[key], begin);
-    sorted_.resize(pieces_.size());
-    for (const Piece& p : pieces_) sorted_[key_pieces_[p.key]++] = &p;
-}
-
-void SheetBuilder::add_leaf(const Leaf& leaf, int cell) {
-    const PointSample& at = leaves_.points.samples[leaf.corner[0]];
-    const int row = cell / edge;
-    const float x = at.x - static_cast<float>(square_.x + cell % edge),
-                y = at.y - static_cast<float>(square_.y + row);
-    std::array<std::uint32_t, 4> begin{};
-    bool simple = true;
-    for (std::size_t k = 0; k < 4; ++k) {
-        begin[k] = trees_.offsets[leaf.corner[k]];
-        simple = simple && trees_.offsets[leaf.corner[k] + 1] == begin[k] + 1 &&
-                 keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
-    }
-    if (simple) {  // by far the most frequent case
-        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
-        return;
-    }
-    // Groups the n-th node of a surface (SheetKey) at each corner of the leaf with its n-th nodes at the
-    // other corners.
-    groups_.clear();
-    for (std::size_t k = 0; k < 4; ++k) {
-        for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
-            const std::uint32_t key = keys_.of_node[i];
-            std::uint32_t before = none, at_group = key_group_[key];
-            while (at_group != none && groups_[at_group].corners[k] != none) {
-                before = at_group;
-                at_group = groups_[at_group].next;
-            }
-            if (at_group == none) {
-                at_group = static_cast<std::uint32_t>(groups_.size());
-                (before == none ? key_group_[key] : groups_[before].next) = at_group;
-                groups_.push_back({key, none, {none, none, none, none}});
-            }
-            groups_[at_group].corners[k] = i;
-        }
-    }
-    for (const Group& g : groups_) {
-        add_group(g.key, g.corners, x, y, leaf.size, cell, leaf);
-        key_group_[g.key] = none;
-    }
-}
-
-void SheetBuilder::add_piece(const Piece& piece) {
-    if (key_pieces_[piece.key]++ == 0) keys_used_.push_back(piece.key);
-    pieces_.push_back(piece);
-}
-
-void SheetBuilder::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
-                             float size, int cell, const Leaf& leaf) {
-    if (std::find(corners.begin(), corners.end(), none) == corners.end()) {
-        const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
-                                              node(corners[2]).inverse_z, node(corners[3]).inverse_z});
-        if (continuous(low, high, size)) {
-            add_piece({key, cell, x, y, size, corners});
-            return;
-        }
-    }
-    std::uint32_t nearest = none;
-    for (const std::uint32_t c : corners) {
-        if (c != none && (nearest == none || node(c).inverse_z > node(nearest).inverse_z)) nearest = c;
-    }
-    std::array<Beside, 4> around;
-    for (std::size_t k = 0; k < 4; ++k) around[k] = beside(leaf.corner[k], node(nearest), size);
-    const bool cut_before =
-        std::any_of(around.begin(), around.end(), [](const Beside& b) { return b.before; });
-    const float half = size / 2;
-    const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
-        const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
-        add_piece({key,
-                   cell,
-                   right ? x + half : x,
-                   down ? y + half : y,
-                   half,
-                   {of},
-                   1,
-                   right ? x + size : x,
-                   down ? y + size : y,
-                   cut_before,
-                   maybe});
-    };
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (corners[k] != none) quarter(k, corners[k], false);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (around[k].behind) quarter(k, nearest, true);
-    }
-}
-
-SheetBuilder::Beside SheetBuilder::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
-    Beside out;
-    // The nodes at a corner of the leaf are sorted, nearest first.
-    for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
-        const TreeSurface& s = node(i);
-        if (s.path != of.path || s.parent_id != of.parent_id) continue;
-        const auto [low, high] = std::minmax(s.inverse_z, of.inverse_z);
-        if (s.id == of.id && continuous(low, high, size)) return {out.before, false};
-        out.before = out.before || s.inverse_z > of.inverse_z;
-        out.behind = out.behind || s.inverse_z < of.inverse_z;
-    }
-    return out;
-}
-
-bool SheetBuilder::has_contrast(const Piece& piece) const {
+bool SheetBuilder::has_contrast(const LeafPiece& piece) const {
     for (std::size_t c = 0; c < 3; ++c) {
         if (is_contrast(node(piece.node[0]).rgb[c], node(piece.node[1]).rgb[c], node(piece.node[2]).rgb[c],
                         node(piece.node[3]).rgb[c]))
@@ -176,12 +41,12 @@ bool SheetBuilder::has_contrast(const Piece& piece) const {
     return false;
 }
 
-bool SheetBuilder::is_marked(const Piece& piece) const {
+bool SheetBuilder::is_marked(const LeafPiece& piece) const {
     return std::all_of(piece.node.begin(), piece.node.end(),
                        [&](std::uint32_t n) { return node(n).mark != 0; });
 }
 
-bool SheetBuilder::has_contrast_below(const Piece& piece) const {
+bool SheetBuilder::has_contrast_below(const LeafPiece& piece) const {
     for (std::size_t n = 0; n < 2; ++n) {
         for (std::size_t c = 0; c < 3; ++c) {
             if (is_contrast(node(piece.node[0]).below[n][c], node(piece.node[1]).below[n][c],
@@ -198,11 +63,11 @@ bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     return high - low > contrast_ * (high + low + black_);
 }
 
-void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
+void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
     // The parts of a pixel whose depths differ too much for one surface, each with its range of 1/z'.
     struct Part {
         float low = 0, high = 0;
-        std::vector<const Piece*> pieces;
+        std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
     drafts_used_ = 0;
@@ -210,7 +75,7 @@ void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
         const int cell = pieces[i]->cell;
         std::size_t used = 0;
         for (; i < pieces.size() && pieces[i]->cell == cell; ++i) {
-            const Piece& p = *pieces[i];
+            const LeafPiece& p = *pieces[i];
             float low = node(p.node[0]).inverse_z, high = low;
             for (int k = 1; k < p.corners; ++k) {
                 low = std::min(low, node(p.node[static_cast<std::size_t>(k)]).inverse_z);
@@ -218,7 +83,7 @@ void SheetBuilder::add_sheets(std::span<const Piece* const> pieces) {
             }
             std::size_t part = 0;
             while (part < used &&
-                   !continuous(std::min(low, parts[part].low), std::max(high, parts[part].high), 1))
+                   !pieces_.continuous(std::min(low, parts[part].low), std::max(high, parts[part].high), 1))
                 ++part;
             if (part == used) {
                 if (used == parts.size()) parts.emplace_back();
@@ -259,7 +124,7 @@ void SheetBuilder::note_bright(std::size_t first_light, float area) {
                                   {t.r, t.g, t.b}});
 }
 
-std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
+std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece) {
     std::array<float, 3> rgb{};
     const std::size_t first_light = out_.bright.size();
     std::uint8_t children = 0;
@@ -328,7 +193,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const Piece& piece) {
     return SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
 }
 
-void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pieces, int cell) {
+void SheetBuilder::add_cell(std::size_t sheet, std::span<const LeafPiece* const> pieces, int cell) {
     Draft& draft = drafts_[sheet];
     tree_pieces_.assign(pieces.begin(), pieces.end());
     mean_ = {};
@@ -360,20 +225,21 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const Piece* const> pie
                         planes.begin() + static_cast<std::ptrdiff_t>(out_.values));
     if (!out_.has_w()) return;
     float bend = 0;
-    for (const Piece* p : pieces) {
+    for (const LeafPiece* p : pieces) {
         for (int k = 0; k < p->corners; ++k)
             bend = std::max(bend, node(p->node[static_cast<std::size_t>(k)]).bend);
     }
     draft.bends.push_back(bend);
 }
 
-std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*>& pieces, std::size_t begin,
-                                     std::size_t end, float x, float y, float size, int depth) {
+std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPiece*>& pieces,
+                                     std::size_t begin, std::size_t end, float x, float y, float size,
+                                     int depth) {
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
         // A piece that is recorded at this place takes precedence over a surface that only may extend to it.
-        const auto there = std::find_if(at(begin), at(end), [](const Piece* p) { return !p->maybe; });
+        const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }
     drafts_[sheet].depth = std::max(drafts_[sheet].depth, depth + 1);
@@ -383,7 +249,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
     std::size_t from = begin;
     for (std::uint32_t k = 0; k < 4; ++k) {
         const float cx = (k & 1U) != 0 ? x + half : x, cy = (k & 2U) != 0 ? y + half : y;
-        const auto inside = [&](const Piece* p) {
+        const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
         // Leaves of one surface are in quadtree order already: those of a subtree are consecutive. Only where
@@ -399,13 +265,13 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const Piece*
 }
 
 template <std::size_t values>
-void SheetBuilder::fit(std::span<const Piece* const> pieces, CellPlane* planes) const {
+void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
     // Least-squares planes around the cell's centre. The ridge term keeps slopes small that the samples
     // barely determine.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {
-        for (const Piece* p : pieces) {
+        for (const LeafPiece* p : pieces) {
             if (p->maybe) continue;
             const double area = static_cast<double>(p->size) * static_cast<double>(p->size) / p->corners;
             for (int k = 0; k < p->corners; ++k) {

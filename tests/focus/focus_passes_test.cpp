@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "pictures/foreign/cryptomatte.h"
+#include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens {

@@ -1,4 +1,4 @@
-// Records made by hand for the tests of focus/: one corner sample per pixel, or whatever a function says.
+// Records for the tests of focus/, made by functions of the pixel, and their images by the scatter method.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace postlens::test {
 
-/// A primary node at a corner; z' in m.
+/// A primary node of object 1 at depth z_m.
 inline Record corner(double z_m, float r, float g, float b) {
     Record out;
     out.z = static_cast<float>(z_m);
@@ -26,10 +26,11 @@ inline Record corner(double z_m, float r, float g, float b) {
     return out;
 }
 
-/// The nodes of the sample at a corner, primary first; their x and y are filled in.
+/// Returns the nodes of the sample at corner (x, y), the primary node first. The caller sets their x and y.
 using NodesAt = std::function<std::vector<Record>(int x, int y)>;
 
-/// Corners of the pixels [-overscan, width + overscan) x [-overscan, height + overscan).
+/// The corner samples of the pixels [-overscan_px, width + overscan_px) x [-overscan_px, height +
+/// overscan_px).
 inline RecordBand corner_band(int width, int height, int overscan_px, const NodesAt& nodes_at) {
     RecordBand band;
     band.x_begin = band.y_begin = -overscan_px;
@@ -48,8 +49,8 @@ inline RecordBand corner_band(int width, int height, int overscan_px, const Node
     return band;
 }
 
-/// Adds the samples of one subdivision to pixel (x, y): its centre, and the middles of its sides. Middles of
-/// the right and the lower side belong to the neighbours, so the pixel must have some.
+/// Subdivides pixel (x, y) once: adds samples at its centre and at the middles of its sides. The middles of
+/// the right and the lower side are stored with the neighbouring pixels, which must exist.
 inline void subdivide_pixel(RecordBand& band, int x, int y,
                             const std::function<Record(float x, float y)>& record_at) {
     const auto insert = [&](float px, float py) {
@@ -75,10 +76,16 @@ inline void subdivide_pixel(RecordBand& band, int x, int y,
     insert(fx + 0.5F, fy + 1);
 }
 
-/// A CoC of radius 1 px m * |1/s - 1/z'|, focused at infinity: a depth of 1/r m has the radius r px.
+/// A lens that is focused at infinity, with a CoC of radius 1 px m / z: the depth of 1/r m has a radius of r
+/// px.
 constexpr FocusGeometry unit_geometry{
     .aperture_radius_m = 1e-3, .inverse_focus_per_m = 0, .gain_px = 1000, .zoom = 1};
 
+/// A lens of 50 mm at f/1.4, focused at 5 m, for 960 px on a film of 36 mm.
+constexpr FocusGeometry lens_geometry{
+    .aperture_radius_m = 0.0179, .inverse_focus_per_m = 0.2, .gain_px = 1333, .zoom = 1};
+
+/// The nearest and the farthest finite depth of a band.
 inline DepthRange range_of(const RecordBand& band) {
     DepthRange out;
     for (const Record& r : band.records) {
@@ -90,6 +97,7 @@ inline DepthRange range_of(const RecordBand& band) {
     return out;
 }
 
+/// What `tables_of` needs besides the band.
 struct TableOptions {
     FocusGeometry geometry = unit_geometry;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -97,7 +105,7 @@ struct TableOptions {
     DepthModel model = DepthModel::ray_differentials;
 };
 
-/// Splats of a whole band, for the pixels without its overscan.
+/// The splats of a whole band, for the pixels without its overscan.
 inline std::unique_ptr<SplatTables> tables_of(const RecordBand& band, int overscan_px,
                                               const TableOptions& o = {}) {
     const RasterWindow source{band.x_begin, band.x_end, band.y_begin, band.y_end};
@@ -110,6 +118,7 @@ inline std::unique_ptr<SplatTables> tables_of(const RecordBand& band, int oversc
     return tables;
 }
 
+/// The image of a band by the scatter method.
 inline Image scattered(const RecordBand& band, int overscan_px, const TableOptions& options = {}) {
     Image image;
     scatter(*tables_of(band, overscan_px, options), image);
@@ -120,7 +129,7 @@ inline double value(const Image& image, int x, int y, int channel) {
     return static_cast<double>(image.pixel(x, y)[channel]);
 }
 
-/// Greatest difference of any value.
+/// The largest absolute difference of two values; infinite for images of different sizes.
 inline double difference(const Image& a, const Image& b) {
     double most = a.width == b.width && a.height == b.height ? 0 : std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < std::min(a.rgb.size(), b.rgb.size()); ++i) {

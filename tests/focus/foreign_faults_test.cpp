@@ -3,6 +3,7 @@
 
 #include "focus/foreign_focus.h"
 #include "tests/focus/level_radius.h"
+#include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens {

@@ -12,6 +12,7 @@
 #include "focus/foreign/behind_fill.h"
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/focus/level_radius.h"
+#include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens {

@@ -1,4 +1,4 @@
-// One plane of many colours: nothing is hidden there, and blurring is all there is.
+// A plane of coloured tiles, on which no surface hides another, and statistics of its images.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,8 @@
 
 namespace postlens::test {
 
-/// 16 x 12 tiles of `tile_m` at a distance of `depth_m`, some of them lights of up to 12.
+/// 16 x 12 square tiles of side `tile_m` at depth `depth_m`. About 6 % of them are lights with a radiance of
+/// up to 12.
 inline Scene mosaic(double depth_m, double tile_m) {
     SceneBuilder b;
     std::mt19937 random(5);
@@ -25,6 +26,7 @@ inline Scene mosaic(double depth_m, double tile_m) {
     return b.scene;
 }
 
+/// The peak signal-to-noise ratio of all colour values, dB.
 inline double psnr(const Image& a, const Image& b, double peak) {
     double sum = 0;
     for (std::size_t i = 0; i < a.rgb.size(); ++i) {
@@ -34,6 +36,7 @@ inline double psnr(const Image& a, const Image& b, double peak) {
     return -10 * std::log10(sum / static_cast<double>(a.rgb.size()) / peak / peak);
 }
 
+/// The mean of all colour values.
 inline double mean(const Image& image) {
     double sum = 0;
     for (const float v : image.rgb) sum += static_cast<double>(v);

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "pictures/foreign/cryptomatte.h"
 #include "tests/focus/level_radius.h"
+#include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 #include "tests/support/temporary_folder.h"
 

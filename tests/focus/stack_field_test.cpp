@@ -6,6 +6,7 @@
 
 #include "core/sample_hash.h"
 #include "core/threads.h"
+#include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens {

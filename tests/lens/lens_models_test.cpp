@@ -7,10 +7,10 @@
 #include <string>
 
 #include "core/error.h"
-#include "lens/prescription/read_prescription.h"
 #include "lens/thin_lens.h"
 #include "lens/traced/lens_section.h"
 #include "lens/traced/mesh_response.h"
+#include "tests/lens/lens_files.h"
 
 namespace postlens::test {
 namespace {
@@ -18,12 +18,8 @@ namespace {
 using glm::dvec2;
 constexpr double infinite_m = std::numeric_limits<double>::infinity();
 
-Prescription data(const std::string& name) {
-    return read_prescription(std::string(POSTLENS_TEST_DATA) + "/lens/" + name);
-}
-
 TEST(LensModels, TheThinLensHasItsCircleOfConfusion) {
-    const Prescription lens = data("dgauss.22deg.50.0mm.dat");
+    const Prescription lens = published_lens("dgauss.22deg.50.0mm.dat");
     const TracedLens traced(lens, {.focus_distance_m = 2, .f_number = 4});
     const LensModels models(lens, traced);
     const ThinLens thin{traced.first_order().efl_mm, 4};
@@ -39,7 +35,7 @@ TEST(LensModels, TheThinLensHasItsCircleOfConfusion) {
 
 TEST(LensModels, TheThickLensIsExactCloseToTheAxis) {
     for (const char* name : {"dgauss.22deg.50.0mm.dat", "telephoto.250mm.dat", "lentil_0004.toml"}) {
-        const Prescription lens = data(name);
+        const Prescription lens = published_lens(name);
         const TracedLens traced(lens, {.focus_distance_m = 5});
         const LensModels models(lens, traced);
         for (const double depth : {2.0, 8.0, infinite_m}) {
@@ -56,7 +52,7 @@ TEST(LensModels, TheThickLensIsExactCloseToTheAxis) {
 }
 
 TEST(LensModels, ErrorsFallFromModelToModel) {
-    const Prescription lens = data("dgauss.22deg.50.0mm.dat");
+    const Prescription lens = published_lens("dgauss.22deg.50.0mm.dat");
     const TracedLens traced(lens, {.focus_distance_m = 2, .f_number = 2.8});
     const LensModelRange range = lens_model_range(traced, 1, infinite_m, 12, 5);
     ASSERT_EQ(range.depths_m.size(), 5U);
@@ -90,7 +86,7 @@ TEST(LensModels, ErrorsFallFromModelToModel) {
 TEST(LensModels, ATelephotoLensIsNoThinLens) {
     // Its front principal plane is 98 mm in front of its pupil, from which distances are measured. The object
     // in focus is closer by this than for a thin lens, and all blur is larger by (s - F) / (s_H - F).
-    const Prescription lens = data("telephoto.250mm.dat");
+    const Prescription lens = published_lens("telephoto.250mm.dat");
     const TracedLens traced(lens, {.focus_distance_m = 3, .f_number = 16});
     const LensModels models(lens, traced);
     const FirstOrder& f = traced.first_order();
@@ -107,7 +103,7 @@ TEST(LensModels, ATelephotoLensIsNoThinLens) {
 }
 
 TEST(LensModels, StoppedDownAndOnAxisTheThickLensIsEnough) {
-    const Prescription lens = data("rayoptics_ag_dblgauss.seq");
+    const Prescription lens = published_lens("rayoptics_ag_dblgauss.seq");
     const TracedLens traced(lens, {.focus_distance_m = 3, .f_number = 22});
     const LensModelRange range = lens_model_range(traced, 1, 10, 0, 5);
     EXPECT_EQ(range.tangents.size(), 1U);
@@ -118,7 +114,7 @@ TEST(LensModels, StoppedDownAndOnAxisTheThickLensIsEnough) {
 }
 
 TEST(LensModels, RangesAreChecked) {
-    const TracedLens traced(data("dgauss.22deg.50.0mm.dat"), {.focus_distance_m = 2});
+    const TracedLens traced(published_lens("dgauss.22deg.50.0mm.dat"), {.focus_distance_m = 2});
     EXPECT_THROW((void)lens_model_range(traced, 0, 1, 1, 3), Error);
     EXPECT_THROW((void)lens_model_range(traced, 2, 1, 1, 3), Error);
     EXPECT_THROW((void)lens_model_range(traced, 1, 2, -1, 3), Error);
@@ -126,7 +122,8 @@ TEST(LensModels, RangesAreChecked) {
 }
 
 TEST(MeshResponse, HoldsAllLightAndItsPlace) {
-    const TracedLens traced(data("dgauss.22deg.50.0mm.dat"), {.focus_distance_m = 1, .f_number = 4});
+    const TracedLens traced(published_lens("dgauss.22deg.50.0mm.dat"),
+                            {.focus_distance_m = 1, .f_number = 4});
     PupilMesh mesh;
     ASSERT_TRUE(traced.impulse(3, {0.1, 0.05}, 129, mesh));
     const ResponseGrid grid = mesh_response(mesh, 0.01);
@@ -154,7 +151,7 @@ TEST(MeshResponse, HoldsAllLightAndItsPlace) {
 }
 
 TEST(LensSection, DrawsEveryElementAndTheRays) {
-    const Prescription lens = data("dgauss.22deg.50.0mm.dat");
+    const Prescription lens = published_lens("dgauss.22deg.50.0mm.dat");
     const TracedLens traced(lens, {.focus_distance_m = infinite_m});
     const LensSection section = lens_section(lens, traced, infinite_m, {0, 0.2}, 7);
     EXPECT_EQ(section.glass.size(), 6U);

@@ -1,4 +1,4 @@
-// glTF documents written by tests.
+// Writes small glTF documents, as text or binary.
 #pragma once
 
 #include <cstdint>
@@ -10,6 +10,7 @@
 
 namespace postlens::test {
 
+/// Encodes bytes in base64, with padding.
 inline std::string base64(std::string_view bytes) {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string out;
@@ -25,7 +26,8 @@ inline std::string base64(std::string_view bytes) {
     return out;
 }
 
-/// One triangle (0,0,0), (1,0,0), (0,1,0) as mesh 0, and whatever else is added.
+/// A document with mesh 0, the triangle (0,0,0), (1,0,0), (0,1,0), and node 0, which shows this mesh. Tests
+/// add accessors and animations, and replace the public members.
 class GltfText {
   public:
     GltfText() {
@@ -33,12 +35,13 @@ class GltfText {
         mesh = fmt::format(R"({{"primitives":[{{"attributes":{{"POSITION":{}}}}}]}})", positions_);
     }
 
-    /// Adds an accessor of floats; gives its index.
+    /// Adds an accessor of floats. Returns its index.
     int floats(const std::vector<float>& values, const std::string& type) {
         const std::size_t per = type == "SCALAR" ? 1 : type == "VEC2" ? 2 : type == "VEC3" ? 3 : 4;
         return accessor({reinterpret_cast<const char*>(values.data()), 4 * values.size()}, 5126,
                         values.size() / per, type);
     }
+    /// Adds an accessor of raw bytes, with further JSON members. Returns its index.
     int accessor(std::string_view raw, int component, std::size_t count, const std::string& type,
                  const std::string& members = "") {
         const int view = bytes(raw);
@@ -46,7 +49,7 @@ class GltfText {
                                   accessors_.empty() ? "" : ",", view, component, count, type, members);
         return count_++;
     }
-    /// Adds a buffer view; gives its index.
+    /// Adds a buffer view. Returns its index.
     int bytes(std::string_view raw) {
         while (buffer_.size() % 4 != 0) buffer_.push_back('\0');
         views_ += fmt::format(R"({}{{"buffer":0,"byteOffset":{},"byteLength":{}}})",
@@ -54,7 +57,7 @@ class GltfText {
         buffer_ += raw;
         return view_count_++;
     }
-    /// Adds an animation of one curve.
+    /// Adds an animation of one channel, `path` of a node.
     void animate(int node, const std::string& path, const std::string& interpolation,
                  const std::vector<float>& times, const std::vector<float>& values) {
         const int input = floats(times, "SCALAR"),
@@ -64,14 +67,16 @@ class GltfText {
             animations_.empty() ? "" : ",", node, path, input, output, interpolation);
     }
 
+    /// The document as .gltf, with its buffer in base64.
     [[nodiscard]] std::string text() const {
         return document(fmt::format(R"("uri":"data:application/octet-stream;base64,{}",)", base64(buffer_)));
     }
+    /// The document as .gltf, with its buffer in the file `uri`.
     [[nodiscard]] std::string text_with_file(const std::string& uri) const {
         return document(fmt::format(R"("uri":"{}",)", uri));
     }
     [[nodiscard]] const std::string& buffer() const { return buffer_; }
-    /// As a .glb.
+    /// The document as .glb.
     [[nodiscard]] std::string binary() const {
         std::string json = document(""), bin = buffer_;
         while (json.size() % 4 != 0) json.push_back(' ');
@@ -86,10 +91,10 @@ class GltfText {
         return out;
     }
 
-    std::string nodes = R"({"mesh":0})";  ///< all, with commas between
-    std::string roots = "0";
-    std::string mesh;  ///< all meshes, with commas between
-    std::string more;  ///< further members of the document, each with a comma behind
+    std::string nodes = R"({"mesh":0})";  ///< all nodes, separated by commas
+    std::string roots = "0";              ///< indices of the root nodes, separated by commas
+    std::string mesh;                     ///< all meshes, separated by commas
+    std::string more;                     ///< further members of the document, each followed by a comma
 
   private:
     static void add_word(std::string& out, std::uint32_t word) {

@@ -1,4 +1,4 @@
-// Runs the command as people type it, and looks at what it leaves.
+// A fixture that runs the command through a shell and checks its output, messages and files.
 #pragma once
 
 #include <algorithm>
@@ -20,8 +20,9 @@
 
 namespace postlens::test {
 
-/// Until a program that was started has a handler for SIGINT, which kills it before: the loader alone may
-/// take a second on a busy machine. A bit of a hexadecimal mask says so [proc(5)].
+/// Waits until `process` handles SIGINT, up to 30 s. A signal that arrives earlier kills the process, and the
+/// loader alone may take a second on a busy machine. SigCgt is a hexadecimal mask of the handled signals
+/// [proc(5)].
 inline void wait_for_handler(pid_t process) {
     for (int i = 0; i < 600; ++i) {
         std::ifstream status("/proc/" + std::to_string(process) + "/status");
@@ -34,29 +35,33 @@ inline void wait_for_handler(pid_t process) {
     }
 }
 
+/// The result of a command.
 struct Outcome {
     int exit_code = -1;
     std::string out, err;
 };
 
+/// The bytes of a file.
 inline std::string text_of(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// A word in single quotes for the shell.
 inline std::string quoted(const std::string& word) {
     std::string out(1, '\'');
     for (const char c : word) {
-        if (c == '\'') out.append("'\\'");  // ends the quoted text, adds a quote, begins again
+        if (c == '\'') out.append("'\\'");  // closes the quotes, adds a quote, opens them again
         out.push_back(c);
     }
     out.push_back('\'');
     return out;
 }
 
-/// A test with a folder of its own.
+/// Runs the command in a test with a folder of its own.
 class CommandTest : public testing::Test {
   protected:
+    // Runs the command with these arguments; `before` stands in front of it in the line of shell.
     Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
         std::string command = before + test::quoted(program_);
         for (const std::string& w : words) command.append(" ").append(quoted(w));
@@ -72,7 +77,8 @@ class CommandTest : public testing::Test {
         std::filesystem::remove(err);
         return r;
     }
-    // Refused: this exit code, one line that begins as it should, and nothing on disk.
+    // The command must end with this exit code and a one-line message that contains `part`, and create no
+    // file.
     void refused(const std::vector<std::string>& words, ExitCode code, const std::string& part) {
         const std::size_t before = folder_.file_count();
         const Outcome r = run(words);
@@ -84,8 +90,9 @@ class CommandTest : public testing::Test {
         EXPECT_NE(r.err.find(part), std::string::npos) << all << "\n" << r.err;
         EXPECT_EQ(folder_.file_count(), before) << all;
     }
+    // The path of a file in the test's folder.
     std::string in(const std::string& name) { return (folder_.path() / name).string(); }
-    // Begins the command and leaves it running.
+    // Starts the command in the background.
     static pid_t begin(const std::vector<std::string>& words) {
         const pid_t child = ::fork();
         if (child != 0) return child;
@@ -99,7 +106,7 @@ class CommandTest : public testing::Test {
     }
 
     TemporaryFolder folder_;
-    std::string program_ = POSTLENS_BINARY;  ///< that `run` runs
+    std::string program_ = POSTLENS_BINARY;  ///< the program that `run` starts
 };
 
 }  // namespace postlens::test

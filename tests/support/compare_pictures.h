@@ -1,4 +1,4 @@
-// Synthetic pictures for tests of compare/.
+// Synthetic images for the tests of compare/.
 #pragma once
 
 #include <cmath>
@@ -9,6 +9,7 @@
 
 namespace postlens::test {
 
+/// An image of one colour.
 inline Image constant_picture(int width, int height, float r, float g, float b) {
     Image image(width, height);
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) {
@@ -19,11 +20,12 @@ inline Image constant_picture(int width, int height, float r, float g, float b) 
     return image;
 }
 
+/// A grey image.
 inline Image constant_picture(int width, int height, float v) {
     return constant_picture(width, height, v, v, v);
 }
 
-/// Smooth, with values between 0.2 and 0.8.
+/// An image of smooth waves with values between 0.2 and 0.8.
 inline Image waves(int width, int height) {
     Image image(width, height);
     for (int y = 0; y < height; ++y) {
@@ -38,7 +40,7 @@ inline Image waves(int width, int height) {
     return image;
 }
 
-/// With Gaussian noise of this standard deviation added to each value.
+/// The image with Gaussian noise of standard deviation `sigma` added to each value.
 inline Image noisy(Image image, double sigma, unsigned seed) {
     std::mt19937 generator(seed);
     std::normal_distribution<double> noise(0, sigma);
@@ -46,6 +48,7 @@ inline Image noisy(Image image, double sigma, unsigned seed) {
     return image;
 }
 
+/// A mask that selects all pixels.
 inline PixelMask every_pixel(const Image& image) {
     return PixelMask(image.rgb.size() / 3, 1);
 }

@@ -1,4 +1,4 @@
-// A scene traced into a sample file for the tests of what is made of it: emission only, 64x48 px, 50 mm.
+// Traces a scene of SceneBuilder into a sample file and blurs it by its motion.
 #pragma once
 
 #include <cmath>
@@ -11,14 +11,15 @@
 
 namespace postlens::test {
 
-/// px of the film per metre of the scene at a depth of 1 m, for 64 px of 36 mm film at 50 mm.
+/// The pixels per metre at a depth of 1 m, for 64 px on a film of 36 mm and a focal length of 50 mm.
 inline constexpr double px_per_m = 50.0 / 36 * 64;
 
+/// Keys of a translation by `to`, m, from 0 s to 1 s.
 inline std::vector<TransformKey> from_to(const glm::dvec3& to) {
     return {{.time_s = 0}, {.time_s = 1, .translation = to}};
 }
 
-/// Of all colour values, dB; 1 is the peak.
+/// The peak signal-to-noise ratio of all colour values, dB, for a peak of 1.
 inline double psnr(const Image& a, const Image& b) {
     double sum = 0;
     for (std::size_t i = 0; i < a.rgb.size(); ++i) {
@@ -28,6 +29,7 @@ inline double psnr(const Image& a, const Image& b) {
     return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
 }
 
+/// A sample file of a scene, which is removed at the end.
 class TracedFrame {
   public:
     explicit TracedFrame(const Scene& scene, TraceSettings settings = {}) {
@@ -45,7 +47,7 @@ class TracedFrame {
     std::unique_ptr<SampleFileReader> file_;
 };
 
-/// With what a shutter from 0 s to 1 s uncovers.
+/// Settings of a trace that records the surfaces which a shutter from 0 s to 1 s uncovers.
 inline TraceSettings for_shutter(int levels = 2) {
     TraceSettings s;
     s.subdivision.levels = levels;
@@ -54,6 +56,7 @@ inline TraceSettings for_shutter(int levels = 2) {
     return s;
 }
 
+/// Whether the result has a warning of this code.
 inline bool has_warning(const MotionBlurResult& r, const std::string& code) {
     for (const MotionWarning& w : r.warnings) {
         if (w.code == code) return true;

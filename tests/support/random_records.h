@@ -1,4 +1,4 @@
-// Random sample-file content for tests: quadtrees to any level, shading trees, hidden layers.
+// Random content of sample files: quadtrees of any depth, shading trees and hidden layers.
 #pragma once
 
 #include <algorithm>
@@ -14,17 +14,18 @@
 
 namespace postlens::test {
 
-/// Positions in 1/1024 px, as (y, x), so that a set is in reading order.
+/// Positions (y, x) in 1/1024 px. A set of them is in scanline order.
 using Places = std::set<std::pair<int, int>>;
 inline constexpr int steps_per_px = 1024;
 
+/// Adds the corners of a square cell.
 inline void add_corners(Places& places, int x, int y, int size) {
     for (const int dy : {0, size}) {
         for (const int dx : {0, size}) places.insert({y + dy, x + dx});
     }
 }
 
-/// Subdivides the cell with the given probability, and its quarters in turn.
+/// Subdivides a cell with the given probability, and its quarters recursively up to `levels`.
 inline void subdivide(Places& places, std::mt19937& random, double probability, int levels, int x, int y,
                       int size) {
     add_corners(places, x, y, size);
@@ -36,21 +37,24 @@ inline void subdivide(Places& places, std::mt19937& random, double probability, 
     }
 }
 
+/// What the records hold.
 struct RandomOptions {
     int levels = 0;
-    double probability = 0.5;  ///< of a cell to be subdivided
+    double probability = 0.5;  ///< that a cell is subdivided
     bool has_w = false;
     bool has_layers = false;
     bool has_bend = false;
     bool has_marks = false;
-    int keys = 0;  ///< further instants
+    int keys = 0;  ///< key instants besides the first
 };
 
+/// a / b, rounded down, for b > 0.
 inline int floor_div(int a, int b) {
     return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
-/// Records of columns [x_begin, x_end) and rows [y_begin, y_end); the last of each has corners only.
+/// Random records of columns [x_begin, x_end) and rows [y_begin, y_end). The last column and the last row
+/// have corner samples only.
 inline RecordBand random_band(std::mt19937& random, int x_begin, int x_end, int y_begin, int y_end,
                               const RandomOptions& options) {
     Places places;
@@ -81,7 +85,7 @@ inline RecordBand random_band(std::mt19937& random, int x_begin, int x_end, int 
             r.id = static_cast<std::uint32_t>(random());
             r.path = path;
             r.layer = layer;
-            // What a half float holds.
+            // Values that a half float stores exactly.
             if (options.has_bend)
                 r.w_bend = uniform(random) < 0.2F ? std::numeric_limits<float>::infinity()
                                                   : static_cast<float>(random() % 2048) / 64;
@@ -115,7 +119,7 @@ inline RecordBand random_band(std::mt19937& random, int x_begin, int x_end, int 
     return band;
 }
 
-/// A header that fits `random_band`, with every field set to something of its own.
+/// A header for `random_frame`, with a different value in each field.
 inline SampleHeader full_header(int width, int height, int overscan_px, const RandomOptions& options) {
     SampleHeader h;
     h.width = width;
@@ -151,13 +155,13 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
     return h;
 }
 
-/// Everything that a file with this header holds.
+/// Random records of a whole file with this header.
 inline RecordBand random_frame(std::mt19937& random, const SampleHeader& h, const RandomOptions& options) {
     return random_band(random, -h.overscan_px, h.width + h.overscan_px + 1, -h.overscan_px,
                        h.height + h.overscan_px + 1, options);
 }
 
-/// Rows [y_begin, y_end) of a band, as a band of their own.
+/// Rows [y_begin, y_end) of a band as a separate band.
 inline RecordBand rows_of_band(const RecordBand& band, int y_begin, int y_end) {
     RecordBand out;
     out.x_begin = band.x_begin;

@@ -1,4 +1,5 @@
-// Scenes made in code, for tests: a camera at the origin that looks along -z, and what is put before it.
+// Builds scenes in code: materials, objects and lights in front of a camera at the origin that looks along
+// -z.
 #pragma once
 
 #include <cmath>
@@ -12,22 +13,29 @@
 
 namespace postlens::test {
 
+/// A diffuse material.
 inline Material matte(const glm::dvec3& colour) {
     Material m;
     m.ambient = glm::dvec3(0);
     m.diffuse = colour;
     return m;
 }
+
+/// A black material that emits `radiance`.
 inline Material glowing(const glm::dvec3& radiance) {
     Material m = matte(glm::dvec3(0));
     m.emission = radiance;
     return m;
 }
+
+/// A material that reflects this share of the light.
 inline Material mirror(double reflection = 1) {
     Material m = matte(glm::dvec3(0));
     m.reflection = glm::dvec3(reflection);
     return m;
 }
+
+/// A material that transmits this share of the light and refracts it by `ior`.
 inline Material glass(double ior, double transmission = 1) {
     Material m = matte(glm::dvec3(0));
     m.transmission = glm::dvec3(transmission);
@@ -35,6 +43,7 @@ inline Material glass(double ior, double transmission = 1) {
     return m;
 }
 
+/// A scene with a camera of 64 x 48 px and 50 mm, without ambient light.
 struct SceneBuilder {
     Scene scene;
 
@@ -47,7 +56,7 @@ struct SceneBuilder {
         c.height = 48;
         scene.cameras.push_back(c);
     }
-    /// Returns the object, valid until the next call. Ids count from 1.
+    /// Adds an object. The ids of objects count from 1. The reference is valid until the next call.
     Object& add(Shape shape, const Material& material, const glm::dmat4& world_from_object = glm::dmat4(1)) {
         scene.materials.push_back(material);
         Object o;
@@ -59,6 +68,7 @@ struct SceneBuilder {
         scene.objects.push_back(o);
         return scene.objects.back();
     }
+    /// Adds a point light. The reference is valid until the next call.
     Light& point_light(const glm::dvec3& position, const glm::dvec3& intensity = glm::dvec3(1)) {
         Light l;
         l.position = position;
@@ -68,7 +78,7 @@ struct SceneBuilder {
     }
 };
 
-/// A square of side `size` about `centre`, facing `normal`.
+/// A square with sides of length `size` around `centre`, perpendicular to `normal`.
 inline Rectangle square(const glm::dvec3& centre, const glm::dvec3& normal, double size) {
     const glm::dvec3 n = glm::normalize(normal);
     const glm::dvec3 hint = std::abs(n.y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
@@ -77,7 +87,7 @@ inline Rectangle square(const glm::dvec3& centre, const glm::dvec3& normal, doub
     return {centre - 0.5 * (u + v), u, v};
 }
 
-/// A sphere as a mesh with exact vertex normals.
+/// The unit sphere as a mesh; with exact vertex normals if `smooth`.
 inline std::shared_ptr<const Mesh> sphere_mesh(int rings, int sectors, bool smooth) {
     auto mesh = std::make_shared<Mesh>();
     const double pi = 3.14159265358979323846;

@@ -1,26 +1,26 @@
-// Images of other programs from a function, and what tests read of them.
+// Images of other programs, made by a function of the pixel, and focused.
 #pragma once
 
-#include <cmath>
 #include <functional>
-#include <numbers>
 #include <vector>
 
 #include "focus/foreign_focus.h"
 
 namespace postlens::test {
 
+/// The samples of a pixel, nearest first.
 using Stack = std::vector<StackSample>;
 
-/// Makes images of other programs and focuses them: a raster of 36 mm width before a film distance that makes
-/// `gain_px` 1000 px, and a lens of 2 m diameter, so that what has the inverse depth 1/s - k/1000 has a
-/// signed radius of k px.
+/// Makes images of other programs and focuses them. The film is 36 mm wide, at a film distance of 1000 pixel
+/// pitches. The diameter of the lens is 2 m, so that the inverse depth 1/s - k/1000 has a signed CoC radius
+/// of k px.
 struct StackBench {
     int width = 64, height = 8;
-    int margin_px = 0;  ///< stored beyond the raster
+    int margin_px = 0;  ///< pixels that are stored beyond each side of the raster
     double inverse_focus_per_m = 1;
     FocusSettings settings;
 
+    /// The image whose pixel (x, y) has the samples `stack_at(x, y)`.
     [[nodiscard]] ForeignPicture picture(const std::function<Stack(int x, int y)>& stack_at) const {
         ForeignPicture p;
         p.width = width;
@@ -38,9 +38,11 @@ struct StackBench {
         }
         return p;
     }
+    /// The inverse depth at which the CoC has this signed radius; positive behind the focus.
     [[nodiscard]] float inverse_z(double signed_radius_px) const {
         return static_cast<float>(inverse_focus_per_m - signed_radius_px / 1000);
     }
+    /// Focuses the image at 1 / `inverse_focus_per_m`.
     [[nodiscard]] FocusResult focus(const ForeignPicture& p, FocusMethod method) const {
         FocusSettings s = settings;
         s.method = method;
@@ -50,16 +52,12 @@ struct StackBench {
     }
 };
 
-inline double edge_response(double t) {
-    if (t <= -1) return 0;
-    if (t >= 1) return 1;
-    return 0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / std::numbers::pi;
-}
-
+/// Channel c of pixel (x, y).
 inline float value(const Image& image, int x, int y, std::size_t c) {
     return image.pixel(x, y)[c];
 }
 
+/// The alpha of pixel (x, y).
 inline float alpha(const Image& image, int x, int y) {
     return image.alpha[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
                        static_cast<std::size_t>(x)];

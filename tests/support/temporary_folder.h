@@ -1,4 +1,4 @@
-// A folder for one test, and a stand-in for a full disk.
+// A temporary folder for one test, and a limit of the file size that acts like a full disk.
 #pragma once
 
 #include <csignal>
@@ -10,7 +10,7 @@
 
 namespace postlens::test {
 
-/// Empty at first, removed with all it holds.
+/// A folder of the running test. It is empty at first, and removed at the end with its files.
 class TemporaryFolder {
   public:
     TemporaryFolder() {
@@ -31,6 +31,7 @@ class TemporaryFolder {
     TemporaryFolder& operator=(TemporaryFolder&&) = delete;
 
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    /// The number of files in the folder itself, without those in its folders.
     [[nodiscard]] std::size_t file_count() const {
         std::size_t count = 0;
         for (const auto& entry : std::filesystem::directory_iterator(path_))
@@ -42,7 +43,7 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-/// While it lives, no file of this process may grow beyond `bytes`: writing fails as on a full disk.
+/// During its lifetime, no file of this process can grow beyond `bytes`: writing fails as on a full disk.
 class FileSizeLimit {
   public:
     explicit FileSizeLimit(rlim_t bytes) : previous_handler_(std::signal(SIGXFSZ, SIG_IGN)) {

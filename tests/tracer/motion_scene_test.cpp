@@ -1,139 +1,22 @@
-// Scenes over a time span: a ray at an instant must have the same hit as in the still scene of that instant.
+// Scenes over a time span: a ray at an instant has the same hit as in the still scene of that instant.
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <gtest/gtest.h>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "scene/shape_bounds.h"
 #include "tests/support/random_motion.h"
 #include "tests/support/scene_builder.h"
+#include "tests/tracer/moving_shapes.h"
 #include "tracer/intersection/ray_scene.h"
-#include "tracer/shading/shading.h"
 
 namespace postlens::test {
 namespace {
 
-using glm::dmat4;
 using glm::dvec3;
-
-constexpr TimeSpan shutter{0.25, 1.25};
-// Time of a key inside the shutter interval, at a fraction that neither floats nor equal steps hit exactly.
-constexpr double kink_s = 0.25 + 0.3137;
-
-std::shared_ptr<const Mesh> smooth_ball(int rings, int sectors) {
-    auto mesh = std::make_shared<Mesh>(*sphere_mesh(rings, sectors, true));
-    for (const glm::vec3& p : mesh->positions) mesh->uvs.emplace_back(p.x, p.y * p.z);
-    return mesh;
-}
-
-struct NamedShape {
-    const char* name;
-    Shape shape;
-    bool mesh = false, twice = false;
-};
-
-// All kinds of shapes. With "twice", two objects share the mesh, which is large enough to be shared in
-// Embree.
-std::vector<NamedShape> all_shapes() {
-    return {{"sphere", Sphere{{0.1, 0, 0}, 0.8}},
-            {"box", Box{{-0.8, -0.4, -0.3}, {0.9, 0.5, 0.4}}},
-            {"disc", Disc{{0, 0, 0}, {0, 1, 2}, 1, 0.3}},
-            {"rectangle", Rectangle{{-1, -0.5, 0}, {2, 0, 0}, {0, 1, 0.2}}},
-            {"plane", Plane{{0, 0, 0}, {0.2, 0.1, 1}}},
-            {"cone", Cone{{0, 0, -0.8}, {0, 0.1, 0.9}, 0.7, 0.2, true}},
-            {"cylinder", Cone{{0, -0.9, 0}, {0, 0.9, 0}, 0.4, 0.4, false}},
-            {"flat mesh", sphere_mesh(6, 8, false), true},
-            {"smooth mesh", smooth_ball(6, 8), true},
-            {"shared mesh", smooth_ball(12, 16), true, true}};
-}
-
-// A textured material, because uvs and object positions are only computed for textured objects.
-Material textured() {
-    Material m = matte(dvec3(1));
-    m.colour_texture = std::make_shared<Texture>(Checker{});
-    return m;
-}
-
-struct MotionKind {
-    const char* name;
-    bool uniform;       // the scale is uniform and constant
-    std::size_t count;  // keys
-};
-constexpr MotionKind kinds[] = {{"rigid, two keys", true, 2},
-                                {"stretched, two keys", false, 2},
-                                {"rigid, a kink", true, 3},
-                                {"stretched, a kink", false, 3}};
-
-std::vector<TransformKey> keys_of(const MotionKind& kind, RandomNumbers& random) {
-    RandomKeys options{0.8, 1.2, 0.7, 1.4};
-    if (kind.uniform) options.scale_low = options.scale_high = 1;
-    std::vector<double> times{0.1, 1.6};
-    if (kind.count == 3) times = {0.1, kink_s, 1.6};
-    return random_keys(random, times, options);
-}
-
-SceneBuilder scene_of(const NamedShape& shape, const MotionKind& kind, RandomNumbers& random) {
-    SceneBuilder b;
-    const Material m = textured();
-    Object& o = b.add(shape.shape, m);
-    o.keys = keys_of(kind, random);
-    o.motion_base = glm::translate(dmat4(1), random.in_box(0.2));
-    if (shape.twice) {
-        Object& second = b.add(shape.shape, m);
-        second.keys = keys_of(kind, random);
-        for (TransformKey& k : second.keys) k.translation += dvec3(2.5, 0, 0);
-    }
-    b.add(Sphere{{0, 0, 0}, 40}, matte(dvec3(1)));  // a still background
-    return b;
-}
-
-// Tolerance of a mesh's motion, m.
-constexpr double motion_m = 1e-4;
-MotionAccuracy accuracy() {
-    return {[](const dvec3&, double) { return 0.05 / motion_m; }, 0.05};
-}
-
-struct Rays {
-    RayBatch batch;
-    std::vector<dvec3> o, d;
-
-    void add(const dvec3& from, const dvec3& to, double time) {
-        // Origins and directions are rounded to float, so that both scenes get the same ray in double.
-        const dvec3 start(glm::vec3{from}), direction(glm::vec3(glm::normalize(to - start)));
-        o.push_back(start);
-        d.push_back(glm::normalize(direction));
-        batch.add(start, direction, std::numeric_limits<float>::infinity(), {}, static_cast<float>(time));
-    }
-};
-
-// Rays from around the object towards its position at their time; some miss it. Ray i has time
-// times[i % times.size()], so that a packet has rays of many times.
-Rays rays_at(const Scene& scene, const std::vector<double>& times, int per_time, RandomNumbers& random) {
-    Rays r;
-    r.batch.clear(false, true);
-    for (int i = 0; i < per_time; ++i) {
-        for (const double time : times) {
-            const Object& o = scene.objects[scene.objects.size() > 2 ? static_cast<std::size_t>(i % 2) : 0];
-            const dvec3 middle(transform_at(o.keys, shutter.at(time)) * o.motion_base *
-                               glm::dvec4(0, 0, 0, 1));
-            const dvec3 from = middle + 5.0 * random.direction();
-            r.add(from, middle + random.in_box(0.8), time);
-        }
-    }
-    return r;
-}
-
-std::vector<double> times_of(const MotionKind& kind, RandomNumbers& random, int count) {
-    std::vector<double> times{0, 1, 0.5};
-    if (kind.count == 3) {
-        const auto key = static_cast<float>((kink_s - shutter.open_s) / (shutter.close_s - shutter.open_s));
-        for (const float t : {std::nextafter(key, 0.0F), key, std::nextafter(key, 1.0F)})
-            times.push_back(static_cast<double>(t));
-    }
-    for (int i = 0; i < count; ++i) times.push_back(static_cast<double>(static_cast<float>(random.in(0, 1))));
-    return times;
-}
 
 struct Counts {
     int rays = 0, hits = 0, other = 0;
@@ -231,82 +114,6 @@ TEST(MovingScene, HitsWhatTheSceneOfTheInstantHas) {
     }
 }
 
-TEST(MovingScene, ShadowsAreThoseOfTheInstant) {
-    std::uint64_t seed = 300;
-    for (NamedShape shape : all_shapes()) {
-        for (const MotionKind& kind : {kinds[1], kinds[3]}) {
-            for (const bool glassy : {false, true}) {
-                RandomNumbers random(seed++);
-                SceneBuilder b = scene_of(shape, kind, random);
-                b.scene.objects.pop_back();  // removes the background
-                if (glassy) {
-                    for (Material& m : b.scene.materials) m.transmission = dvec3(0.5, 0.7, 0.9);
-                }
-                const RayScene moving(b.scene, shutter, accuracy());
-                int rays = 0, dark = 0, other = 0;
-                const std::vector<double> times = times_of(kind, random, 6);
-                Rays r = rays_at(b.scene, times, 64, random);
-                for (std::size_t i = 0; i < r.o.size(); ++i) r.batch.t_far[i] = i % 3 == 0 ? 4.5F : 9;
-                RayBatch at_once = r.batch;
-                moving.occlude(r.batch);
-                for (std::size_t k = 0; k < times.size(); ++k) {
-                    const RayScene still(b.scene, shutter.at(times[k]));
-                    still.occlude(at_once);
-                    for (std::size_t i = k; i < r.o.size(); i += times.size()) {
-                        ++rays;
-                        dark += at_once.transmittance[i].x < 1 ? 1 : 0;
-                        other += r.batch.transmittance[i] == at_once.transmittance[i] ? 0 : 1;
-                    }
-                }
-                EXPECT_GT(dark, rays / 8) << shape.name;
-                // As for hits, only rays may differ that pass an outline, or end, within rounding or
-                // motion_m.
-                EXPECT_LE(other, shape.mesh ? rays / 50 : 1)
-                    << shape.name << ", " << kind.name << (glassy ? ", glass" : "");
-            }
-        }
-    }
-}
-
-// For many glass objects with long motions, Embree splits time and may meet the same object in several
-// intervals. Each crossing must filter light only once.
-TEST(MovingScene, LightPassesEachOfACrowdOnce) {
-    for (const int what : {0, 1, 2}) {
-        RandomNumbers random(70);
-        SceneBuilder b;
-        Material m = matte(dvec3(1));
-        m.transmission = dvec3(0.5);
-        for (int i = 0; i < 60; ++i) {
-            Shape shape = Sphere{{0, 0, 0}, 0.5};
-            if (what == 1) shape = Box{{-0.5, -0.4, -0.3}, {0.5, 0.4, 0.3}};
-            if (what == 2) shape = sphere_mesh(6, 8, false);
-            b.add(shape, m).keys = random_keys(random, {0.1, 0.6, 1.6}, {5, 0.5, 1, 1});
-        }
-        const RayScene moving(b.scene, shutter, accuracy());
-        const std::vector<double> times = times_of(kinds[1], random, 9);
-        Rays r;
-        r.batch.clear(false, true);
-        for (int i = 0; i < 64; ++i) {
-            const dvec3 from = 20.0 * random.direction(), to = random.in_box(3);
-            for (const double time : times) r.add(from, to + random.in_box(0.1), time);
-        }
-        std::fill(r.batch.t_far.begin(), r.batch.t_far.end(), 100.0F);
-        RayBatch at_once = r.batch;
-        moving.occlude(r.batch);
-        int coloured = 0, other = 0;
-        for (std::size_t k = 0; k < times.size(); ++k) {
-            const RayScene still(b.scene, shutter.at(times[k]));
-            still.occlude(at_once);
-            for (std::size_t i = k; i < r.o.size(); i += times.size()) {
-                coloured += at_once.transmittance[i].x < 1 ? 1 : 0;
-                other += r.batch.transmittance[i] == at_once.transmittance[i] ? 0 : 1;
-            }
-        }
-        EXPECT_GT(coloured, 100) << what;
-        EXPECT_LE(other, what == 2 ? static_cast<int>(r.o.size()) / 50 : 1) << what;
-    }
-}
-
 // A mesh has one Embree instance per interval between keys. At the instant of a key both instances exist at
 // the same position, but light must be filtered as by one.
 TEST(MovingScene, AtAKeyAMeshIsThereOnce) {
@@ -375,51 +182,6 @@ TEST(MovingScene, RaysOfAPacketEachHaveTheirOwnTime) {
             EXPECT_EQ(bounced.hit(i).valid(), into > 0) << "key " << key << ", time " << r.time[i];
         }
         EXPECT_GT(inside, 500);
-    }
-}
-
-// On a convex object, no point that faces the light lies in the object's own shadow.
-TEST(MovingScene, NothingShadowsItself) {
-    std::uint64_t seed = 500;
-    for (const NamedShape& shape : all_shapes()) {
-        for (const MotionKind& kind : kinds) {
-            RandomNumbers random(seed++);
-            SceneBuilder b = scene_of(shape, kind, random);
-            // Two objects that share a mesh would cast shadows on each other.
-            if (shape.twice) b.scene.objects.erase(b.scene.objects.begin() + 1);
-            b.point_light({9, 7, 8}).casts_shadows = true;
-            const RayScene moving(b.scene, shutter, accuracy());
-            const PlacedLight light = place_light(b.scene.lights[0], 0.0);
-            int lit_points = 0;
-            Rays r = rays_at(b.scene, times_of(kind, random, 6), 96, random);
-            moving.intersect(r.batch, false);
-            RayBatch shadows;
-            shadows.clear(true, true);
-            for (std::size_t i = 0; i < r.o.size(); ++i) {
-                const HitKey key = r.batch.hit(i);
-                const auto time = static_cast<double>(r.batch.time[i]);
-                const SurfacePoint p =
-                    moving.surface(key, r.o[i], r.d[i], static_cast<double>(r.batch.t[i]), time);
-                if (p.object != 0) continue;
-                const Facing f = face(p, r.d[i]);
-                // Tests only the outer side, because the inner side of a closed shape is dark.
-                const bool flat = std::holds_alternative<Disc>(shape.shape) ||
-                                  std::holds_alternative<Rectangle>(shape.shape) ||
-                                  std::holds_alternative<Plane>(shape.shape);
-                if (!flat && f.sign < 0) continue;
-                const Lit lit = lit_by(light, light.position, p, f, b.scene.materials[0], dvec3(1), r.d[i]);
-                // Beyond the horizon of the geometric surface, a smooth normal may still face the light.
-                if (lit.radiance == dvec3(0) || glm::dot(f.geometric_normal, lit.to_light) < 0.01) continue;
-                shadows.add(lit.origin, lit.segment, lit.reach, key, r.batch.time[i]);
-            }
-            moving.occlude(shadows);
-            for (std::size_t i = 0; i < static_cast<std::size_t>(shadows.count); ++i) {
-                ++lit_points;
-                EXPECT_EQ(shadows.transmittance[i], dvec3(1))
-                    << shape.name << ", " << kind.name << ", at " << shadows.time[i];
-            }
-            EXPECT_GT(lit_points, 100) << shape.name << ", " << kind.name;
-        }
     }
 }
 

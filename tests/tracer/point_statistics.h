@@ -1,4 +1,4 @@
-// What tests of point sets count and sum.
+// Statistics of point sets: moments, correlation and chi-square.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 
 namespace postlens::test {
 
+/// All kinds of samplers.
 inline constexpr std::array all_kinds{SamplerKind::grid, SamplerKind::jittered, SamplerKind::random,
                                       SamplerKind::poisson, SamplerKind::sobol};
 
@@ -39,7 +40,7 @@ inline double correlation(const std::vector<double>& x, const std::vector<double
     return covariance(x, y) / std::sqrt(variance(x) * variance(y));
 }
 
-/// Against equal expectations.
+/// The chi-square statistic of counts whose expectations are equal.
 inline double chi_square(const std::vector<int>& counts) {
     const double expected =
         std::accumulate(counts.begin(), counts.end(), 0.0) / static_cast<double>(counts.size());
@@ -48,12 +49,12 @@ inline double chi_square(const std::vector<int>& counts) {
     return sum;
 }
 
-/// Which of `cells` equal intervals of [0, 1) holds x.
+/// The index of the interval that contains x, of `cells` equal intervals of [0, 1).
 inline std::size_t cell_of(double x, std::size_t cells) {
     return static_cast<std::size_t>(x * static_cast<double>(cells));
 }
 
-/// A factor of a smooth function of several dimensions whose integral is 1.
+/// One factor of a smooth function of several dimensions. The integral over [0, 1) is 1.
 inline double smooth(double x) {
     return 1 + 0.8 * (x - 0.5);
 }

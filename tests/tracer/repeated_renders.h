@@ -1,4 +1,4 @@
-// Renders of one scene by many seeds: their mean, and how sure it is.
+// Renders of one scene with many seeds: the mean of a figure and its standard error.
 #pragma once
 
 #include <cmath>
@@ -11,13 +11,15 @@
 
 namespace postlens::test {
 
+/// The number of renders, with seeds 0 to repeats - 1.
 inline constexpr int repeats = 32;
 
+/// The mean of a figure over the renders.
 struct Estimate {
     double mean = 0, standard_error = 0;
 };
 
-/// Several figures of a picture, over the seeds 0 .. repeats - 1: a render with another seed is independent.
+/// Estimates of the figures of an image. Renders with different seeds are independent.
 inline std::vector<Estimate> repeated(const Scene& scene, RenderSettings settings,
                                       const std::function<std::vector<double>(const Image&)>& figures) {
     std::vector<double> sum, squares;
@@ -40,7 +42,7 @@ inline std::vector<Estimate> repeated(const Scene& scene, RenderSettings setting
     return out;
 }
 
-/// The red channel's mean over the rows of every column.
+/// The mean of the red channel in each column.
 inline std::vector<double> column_means(const Image& image) {
     std::vector<double> out(static_cast<std::size_t>(image.width), 0);
     for (int y = 0; y < image.height; ++y) {
@@ -50,16 +52,16 @@ inline std::vector<double> column_means(const Image& image) {
     return out;
 }
 
-/// Red channel, pixel by pixel.
+/// The red channel of all pixels.
 inline std::vector<double> pixels(const Image& image) {
     std::vector<double> out;
     for (std::size_t i = 0; i < image.rgb.size(); i += 3) out.push_back(static_cast<double>(image.rgb[i]));
     return out;
 }
 
-/// Every figure within 4 standard errors of what is expected, and `rounding`. A standard error that 32 values
-/// gave is itself uncertain: by Student's distribution one figure in 2700 lies further out by chance, so of
-/// some hundred in a test one may, up to 6 (one in 800 000).
+/// Expects each figure within 4 standard errors, plus `rounding`, of its expected value. The standard error
+/// of 32 values is itself uncertain: by Student's distribution, one figure in 2700 is outside by chance. One
+/// in 1000 figures, and one more, may therefore be outside, but within 6 standard errors (one in 800 000).
 inline void expect_figures(const std::vector<Estimate>& got, const std::vector<double>& expected,
                            double rounding, const char* what) {
     ASSERT_EQ(got.size(), expected.size());
@@ -74,7 +76,7 @@ inline void expect_figures(const std::vector<Estimate>& got, const std::vector<d
     EXPECT_LE(out, 1 + got.size() / 1000) << what;
 }
 
-/// The mean of f over [a, b] by the middles of n pieces.
+/// The mean of f over [a, b] by the midpoint rule with n intervals.
 template <typename F>
 double mean_over(double a, double b, const F& f, int n = 4000) {
     double sum = 0;

@@ -1,211 +1,26 @@
 #include "tracer/shading_trees/whitted.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
-#include <cmath>
+#include <cstdint>
 #include <limits>
-#include <numbers>
-#include <tuple>
-#include <vector>
+#include <memory>
+#include <utility>
 
 #include "core/sample_hash.h"
 #include "tracer/shading/averaged_shading.h"
-#include "tracer/shading/light_means.h"
 #include "tracer/shading/radiance_bounds.h"
 #include "tracer/shading/shading.h"
 #include "tracer/shading_trees/lobe_means.h"
 #include "tracer/shading_trees/ray_differentials.h"
-#include "tracer/shading_trees/refocus_bend.h"
+#include "tracer/shading_trees/whitted_impl.h"
 
 namespace postlens {
 namespace {
 
 using glm::dvec3;
 
-// A ray of the current generation. `origin` is exact; the origin in the packet is offset from the surface.
-struct PathRay {
-    dvec3 origin{0}, direction{0}, throughput{0};
-    double length = 0;    // of the path so far, m
-    double cos_axis = 1;  // cosine of the angle between the eye ray and the optical axis
-    std::uint32_t sample = 0;
-    std::uint32_t differentials = 0;  // index; unused if W is not computed
-    std::uint32_t layer = 0;
-    std::uint32_t parent = 0;  // id of the object that reflected or transmitted the ray
-    NodePath path;
-    int root_depth = 0;  // depth of the first node of its layer
-};
-
-// A light's contribution to a node, before occlusion.
-struct Shadow {
-    std::uint32_t node = 0;
-    dvec3 radiance{0};
-};
-
-struct Node {
-    Record record;
-    dvec3 radiance{0};
-    dvec3 noisy{0};  // noisy part of the radiance (TracedSamples::noisy)
-    dvec3 throughput{0};
-    std::uint32_t sample = 0;
-    ColourSource source;
-};
-
-// The node to which a lobe's mean is added, and the factor of the mean.
-struct LobeTarget {
-    std::uint32_t node = 0;
-    dvec3 share{0};
-};
-
-// An array whose items are filled in place, field by field, and reused. Building items elsewhere and copying
-// them took longer than the shading.
-template <typename T>
-struct Pool {
-    std::vector<T> items;
-    std::size_t count = 0;
-    T& add() {
-        if (count == items.size()) items.resize(std::max<std::size_t>(256, 2 * count));
-        return items[count++];
-    }
-    [[nodiscard]] T& operator[](std::size_t i) { return items[i]; }
-};
-
-// Buffers of one thread, reused for every batch.
-struct Workspace {
-    std::span<const glm::dvec2> positions;
-    Pool<PathRay> rays, next_rays;
-    Pool<RayDifferentials> differentials, next_differentials;
-    RayDifferentials at_eye;
-    Pool<Node> nodes;
-    std::vector<Pool<Shadow>> shadows;  // per light
-    std::vector<RayBatch> shadow_rays;  // per light
-    RayBatch batch, next_batch;
-    std::vector<std::uint32_t> order;
-    std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
-    std::vector<HiddenHit> hidden;
-    // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays of these
-    // hits.
-    std::vector<FirstHit> chain_hits;
-    std::vector<PathRay> chain_rays;
-    std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
-    std::vector<std::uint32_t> next_layer;  // of each sample
-    // Used only if the nonlinear W of nodes is measured: the bounces of each ray by index of its
-    // differentials, and the nodes to measure.
-    Pool<Bounces> bounces, next_bounces;
-    std::vector<BentNode> bent;
-    std::vector<float> bends;
-    // Means over lobes and over lights with an extent, of all generations.
-    std::vector<LobeHit> lobes;
-    std::vector<LobeTarget> lobe_targets;
-    std::vector<dvec3> lobe_means;
-    std::vector<ExtentLit> extents;
-    std::vector<std::uint32_t> extent_nodes;
-    RayBatch extent_rays;
-};
-
-// Converts nodes, which are ordered by generation, to records, ordered by sample, layer and path.
-void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out) {
-    out.offsets.assign(w.positions.size() + 1, 0);
-    for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
-    for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
-    out.records.resize(w.nodes.count);
-    out.noisy.resize(noisy ? w.nodes.count : 0);
-    out.sources.resize(sources ? w.nodes.count : 0);
-    std::vector<std::uint32_t>& next = w.order;
-    next.assign(out.offsets.begin(), out.offsets.end() - 1);
-    for (std::size_t i = 0; i < w.nodes.count; ++i) {
-        Node& n = w.nodes[i];
-        const dvec3 c = n.radiance * n.throughput;
-        n.record.x = static_cast<float>(w.positions[n.sample].x);
-        n.record.y = static_cast<float>(w.positions[n.sample].y);
-        n.record.r = static_cast<float>(c.x);
-        n.record.g = static_cast<float>(c.y);
-        n.record.b = static_cast<float>(c.z);
-        if (noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
-        if (sources) out.sources[next[n.sample]] = n.source;
-        out.records[next[n.sample]++] = n.record;
-    }
-    const auto before = [](const Record& a, const Record& b) {
-        return a.layer != b.layer ? a.layer < b.layer : a.path.bits() < b.path.bits();
-    };
-    struct All {
-        Record record;
-        glm::vec3 noisy{0};
-        ColourSource source;
-    };
-    std::vector<All> all;
-    for (std::size_t i = 0; i < w.positions.size(); ++i) {
-        const std::size_t begin = out.offsets[i], end = out.offsets[i + 1];
-        const auto first = out.records.begin() + static_cast<std::ptrdiff_t>(begin),
-                   last = out.records.begin() + static_cast<std::ptrdiff_t>(end);
-        if (end - begin <= 2 || std::is_sorted(first, last, before)) continue;
-        if (!noisy && !sources) {
-            std::sort(first, last, before);
-            continue;
-        }
-        all.clear();
-        for (std::size_t k = begin; k < end; ++k) {
-            all.push_back({out.records[k], noisy ? out.noisy[k] : glm::vec3(0),
-                           sources ? out.sources[k] : ColourSource()});
-        }
-        std::sort(all.begin(), all.end(),
-                  [&](const All& a, const All& b) { return before(a.record, b.record); });
-        for (std::size_t k = begin; k < end; ++k) {
-            out.records[k] = all[k - begin].record;
-            if (noisy) out.noisy[k] = all[k - begin].noisy;
-            if (sources) out.sources[k] = all[k - begin].source;
-        }
-    }
-}
-
 }  // namespace
-
-struct WhittedTracer::Impl {
-    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w, const HiddenLayers& h)
-        : rays(s), camera(c), settings(w), hidden(h) {}
-
-    const RayScene& rays;
-    const CameraModel& camera;
-    WhittedSettings settings;
-    HiddenLayers hidden;
-    std::vector<PlacedLight> lights;
-    std::unique_ptr<LobeMeans> lobe_means;  // null: no lobes are averaged
-    bool has_extents = false;
-    bool deeper_nodes = false;
-    bool refocus = false;
-    bool has_sources = false, has_textures = false;
-    std::vector<double> bound;  // per number of nodes left: upper bound of a subtree's radiance
-
-    void start(Workspace& w) const;
-    void generation(Workspace& w, RayCounts& counts) const;
-    void begin_generation(Workspace& w) const;
-    void end_generation(Workspace& w) const;
-    void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
-    void trace_hidden(Workspace& w, RayCounts& counts) const;
-    void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
-    [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
-    void miss(const PathRay& ray, Workspace& w) const;
-    void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
-             RayCounts& counts) const;
-    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
-               const Material& m, const dvec3& colour, Workspace& w, RayCounts& counts) const;
-    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
-               const Material& m, Workspace& w, RayCounts& counts) const;
-    void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const dvec3& direction,
-               const dvec3& off, const dvec3& throughput, NodePath::Bounce bounce, Workspace& w) const;
-    void resolve_shadows(Workspace& w) const;
-    void take_lobe(const PathRay& ray, const SurfacePoint& s, const HitKey& key, const dvec3& axis,
-                   const dvec3& side, double exponent, const dvec3& share, NodePath::Bounce bounce,
-                   Workspace& w) const;
-    void average_lobes(Workspace& w, RayCounts& counts) const;
-    void average_extents(Workspace& w, RayCounts& counts) const;
-    [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
-    [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
-    void trace_bends(Workspace& w, RayCounts& counts) const;
-    void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-};
 
 void WhittedTracer::Impl::start(Workspace& w) const {
     w.rays.count = w.nodes.count = w.differentials.count = w.bounces.count = 0;
@@ -236,8 +51,7 @@ void WhittedTracer::Impl::start(Workspace& w) const {
     w.chain_bounces.clear();
 }
 
-// Adds a node and sets all of it but its depth, id, W and radiance.
-Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
+WhittedTracer::Impl::Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
     Node& n = w.nodes.add();
     n.record.path = ray.path;
     n.record.layer = ray.layer;
@@ -408,25 +222,6 @@ void WhittedTracer::Impl::take_lobe(const PathRay& ray, const SurfacePoint& s, c
     w.lobe_targets.push_back({static_cast<std::uint32_t>(w.nodes.count - 1), share});
 }
 
-void WhittedTracer::Impl::average_lobes(Workspace& w, RayCounts& counts) const {
-    lobe_means->average(w.lobes, w.lobe_means, counts);
-    for (std::size_t i = 0; i < w.lobes.size(); ++i) {
-        Node& n = w.nodes[w.lobe_targets[i].node];
-        const dvec3 mean = w.lobe_targets[i].share * w.lobe_means[i];
-        n.radiance += mean;
-        n.noisy += mean;
-    }
-}
-
-void WhittedTracer::Impl::average_extents(Workspace& w, RayCounts& counts) const {
-    LightMeans(rays).average(w.extents, w.extent_rays, counts.shadow);
-    for (std::size_t i = 0; i < w.extents.size(); ++i) {
-        Node& n = w.nodes[w.extent_nodes[i]];
-        n.radiance += w.extents[i].radiance;
-        n.noisy += w.extents[i].radiance - w.extents[i].steady;
-    }
-}
-
 void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
     for (std::size_t i = 0; i < lights.size(); ++i) {
         RayBatch& batch = w.shadow_rays[i];
@@ -487,140 +282,6 @@ void WhittedTracer::Impl::generation(Workspace& w, RayCounts& counts) const {
     end_generation(w);
 }
 
-// Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit where the
-// ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind it.
-void WhittedTracer::Impl::keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key,
-                                     Workspace& w) const {
-    if (!refocus || ray.path.depth() > LensReach::most_bounces) return;
-    const bool own_way_out =
-        rays.scene().objects[s.object].id == ray.parent && glm::dot(ray.direction, s.geometric_normal) >= 0;
-    if (own_way_out) return;
-    FirstHit first{ray.origin, ray.direction, ray.cos_axis, w.positions[ray.sample],           key,
-                   s,          ray.path,      ray.parent,   w.differentials[ray.differentials]};
-    RayDifferentials there = first.differentials;
-    transfer(there, ray.direction, s.t, s.geometric_normal);
-    const double inverse_depth = LensReach::inverse_depth(refocus_matrix(there));
-    if (!hidden.lens->may_see_past(
-            {first.at, first.path, first.parent, inverse_depth, inverse_depth, first.inverse_depth_limit()}))
-        return;
-    w.chain_hits.push_back(first);
-    w.chain_rays.push_back(ray);
-    if (measures_bends()) w.chain_bounces.push_back(w.bounces[ray.differentials]);
-}
-
-// Adds a hidden surface as the root of its own shading tree, shaded as if nothing were in front of it.
-void WhittedTracer::Impl::root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w,
-                               RayCounts& counts) const {
-    if (ray.path.bits() != 0) {
-        ray.differentials = static_cast<std::uint32_t>(w.differentials.count);
-        w.differentials.add() = first.differentials;
-        if (measures_bends()) w.bounces.add() = w.chain_bounces[h.ray];
-    }
-    ray.root_depth = ray.path.depth();
-    if (h.key.valid()) {
-        hit(ray, h.surface, h.key, w, counts);
-    } else {
-        miss(ray, w);
-    }
-}
-
-void WhittedTracer::Impl::trace_hidden(Workspace& w, RayCounts& counts) const {
-    for (std::size_t i = 0; i < w.positions.size(); ++i) {
-        const CameraRay eye = camera.ray(w.positions[i].x, w.positions[i].y);
-        w.eye_hits[i].origin = eye.origin;
-        w.eye_hits[i].direction = eye.direction;
-        w.eye_hits[i].cos_axis = eye.cos_axis;
-        w.eye_hits[i].at = w.positions[i];
-    }
-    find_hidden_surfaces(rays, hidden, w.eye_hits, w.hidden, counts.hidden);
-    begin_generation(w);
-    w.next_layer.assign(w.positions.size(), 1);
-    for (const HiddenHit& h : w.hidden) {
-        const FirstHit& eye = w.eye_hits[h.ray];
-        w.next_layer[h.ray] = h.layer + 1;
-        PathRay ray;
-        ray.origin = eye.origin;
-        ray.direction = eye.direction;
-        ray.throughput = dvec3(1);
-        ray.cos_axis = eye.cos_axis;
-        ray.sample = h.ray;
-        ray.layer = h.layer;
-        root(eye, h, ray, w, counts);
-    }
-    end_generation(w);
-    while (w.rays.count > 0) generation(w, counts);
-    if (!w.chain_hits.empty()) trace_hidden_in_chains(w, counts);
-}
-
-// Traces hidden surfaces that are seen by reflection or refraction. Each surface becomes a separate layer of
-// its sample, without a primary node.
-void WhittedTracer::Impl::trace_hidden_in_chains(Workspace& w, RayCounts& counts) const {
-    find_hidden_surfaces(rays, hidden, w.chain_hits, w.hidden, counts.hidden);
-    std::sort(w.hidden.begin(), w.hidden.end(), [&](const HiddenHit& a, const HiddenHit& b) {
-        const auto order = [&](const HiddenHit& h) {
-            const PathRay& r = w.chain_rays[h.ray];
-            return std::tuple(r.sample, r.path.bits(), h.layer);
-        };
-        return order(a) < order(b);
-    });
-    begin_generation(w);
-    w.differentials.count = w.bounces.count = 0;
-    for (const HiddenHit& h : w.hidden) {
-        PathRay ray = w.chain_rays[h.ray];
-        ray.layer = w.next_layer[ray.sample]++;
-        root(w.chain_hits[h.ray], h, ray, w, counts);
-    }
-    end_generation(w);
-    while (w.rays.count > 0) generation(w, counts);
-}
-
-// Stores a node whose matrix W may not be exact, so that its error is measured. `s` is null if the ray hit
-// nothing.
-void WhittedTracer::Impl::keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const {
-    const Bounces& bounces = w.bounces[ray.differentials];
-    if (bounces.flat) return;
-    const RayDifferentials& d = w.differentials[ray.differentials];
-    const dvec3 eye = camera.ray(w.positions[ray.sample].x, w.positions[ray.sample].y).direction;
-    BentNode n;
-    n.node = static_cast<std::uint32_t>(w.nodes.count - 1);
-    n.path = ray.path;
-    n.bounces = bounces;
-    n.hidden_bounce = ray.layer > 0 ? ray.root_depth : -1;
-    n.at_infinity = s == nullptr;
-    n.target = s == nullptr ? ray.direction : s->position;
-    n.direction = ray.direction;
-    n.tangent =
-        glm::dvec2(glm::dot(eye, camera.right), glm::dot(eye, camera.down)) / glm::dot(eye, camera.forward);
-    n.by_tangent =
-        s == nullptr ? std::array{d.direction[0], d.direction[1]} : std::array{d.point[0], d.point[1]};
-    n.w = w.nodes[n.node].record.w;
-    w.bent.push_back(n);
-}
-
-void WhittedTracer::Impl::trace_bends(Workspace& w, RayCounts& counts) const {
-    measure_bends(rays, camera, settings.bend_radius_m, w.bent, w.bends, counts.lens);
-    for (std::size_t i = 0; i < w.bent.size(); ++i) w.nodes[w.bent[i].node].record.w_bend = w.bends[i];
-}
-
-// Takes the nonlinear W (`w_bend`) of nodes from samples nearby where possible. The nodes that must be
-// measured stay in w.bent.
-void WhittedTracer::Impl::take_bends_around(Workspace& w,
-                                            const std::function<SamplesAround(std::size_t)>& around) const {
-    const auto little = static_cast<float>(little_bend_px * camera.tangent_per_px /
-                                           (settings.bend_radius_m * settings.bend_radius_m));
-    std::erase_if(w.bent, [&](const BentNode& n) {
-        Node& node = w.nodes[n.node];
-        std::array<std::uint32_t, NodePath::max_bounces> ids{};
-        const auto bounces = static_cast<std::size_t>(n.path.depth());
-        for (std::size_t i = 0; i < bounces; ++i) ids[i] = rays.scene().objects[n.bounces.object[i]].id;
-        const std::optional<float> bend = bend_around(
-            around(node.sample),
-            {n.path, node.record.id, n.hidden_bounce >= 0, std::span(ids).first(bounces)}, little);
-        if (bend) node.record.w_bend = *bend;
-        return bend.has_value();
-    });
-}
-
 WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
                              const WhittedSettings& settings, const HiddenLayers& hidden)
     : impl_(std::make_unique<Impl>(scene, camera, settings, hidden)) {
@@ -658,7 +319,7 @@ bool WhittedTracer::measures_bends() const {
 
 void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                           const std::function<SamplesAround(std::size_t)>& around) const {
-    thread_local Workspace w;
+    thread_local Impl::Workspace w;
     w.shadows.resize(impl_->lights.size());
     w.shadow_rays.resize(impl_->lights.size());
     w.positions = positions;
@@ -670,7 +331,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
     if (!w.lobes.empty()) impl_->average_lobes(w, counts);
     if (!w.extents.empty()) impl_->average_extents(w, counts);
-    collect(w, impl_->noisy(), impl_->has_sources, out);
+    Impl::collect(w, impl_->noisy(), impl_->has_sources, out);
 }
 
 }  // namespace postlens

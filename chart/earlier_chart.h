@@ -1,0 +1,34 @@
+// Measurements of earlier runs and of shares, which a run of the same chart keeps.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "chart/chart_data.h"
+#include "chart/chart_plan.h"
+#include "chart/chart_request.h"
+#include "scene/scene.h"
+
+namespace postlens {
+
+/// Key of a request: everything that determines the result of a point of the chart. The number of rounds and
+/// the choice of points are not part of it.
+[[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
+
+/// The chart that a run goes on with, `chart`, after the charts of shares in `folder`. A share takes only its
+/// own chart.
+[[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
+                                                                const std::filesystem::path& folder,
+                                                                const std::filesystem::path& chart);
+
+/// Adds the measurements of an earlier run to `data`. Of a point that several have measured, the one with
+/// more rounds counts. Returns whether the chart is of another machine. Throws Error(wrong_arguments),
+/// which names `folder`, if its key is not `key`.
+[[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key,
+                                   const std::filesystem::path& folder, ChartData& data);
+
+/// Sorts traces and points into the order of the plan, and adds those that are not measured yet.
+void arrange_by_plan(const ChartPlan& plan, ChartData& data);
+
+}  // namespace postlens

@@ -1,0 +1,36 @@
+// Makes the image of a point of a chart, by its method and settings.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "chart/chart_plan.h"
+#include "chart/chart_request.h"
+#include "focus/frame.h"
+#include "pictures/image.h"
+#include "scene/scene.h"
+
+namespace postlens {
+
+/// `retraced` gets the share of view samples that are rays, `warnings` the codes of the warnings.
+class PointPictures {
+  public:
+    /// Keeps references to all arguments.
+    PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
+        : request_(request), scene_(scene), view_(view) {}
+
+    /// The image of a point, from the sample file `path`; points of rays have none.
+    [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
+                                std::vector<std::string>& warnings) const;
+    /// The image of a point with a lens, from the records of `frame`.
+    [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
+                                double& retraced, std::vector<std::string>& warnings) const;
+
+  private:
+    const ChartRequest& request_;
+    const Scene& scene_;
+    const ChartView& view_;
+};
+
+}  // namespace postlens

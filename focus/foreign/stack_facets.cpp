@@ -1,0 +1,116 @@
+#include "focus/foreign/stack_facets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/memory.h"
+#include "core/sample_hash.h"
+#include "core/threads.h"
+
+namespace postlens {
+
+Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry)
+    : x_begin(p.x_begin),
+      y_begin(p.y_begin),
+      width(p.x_end - p.x_begin),
+      height(p.y_end - p.y_begin),
+      geometry_(geometry) {
+    const auto known = static_cast<std::size_t>(
+        std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha > 0; }));
+    const std::size_t pixels = p.offsets.size() - 1;
+    require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
+                   "the samples as views draw them");
+    facets_.reserve(p.samples.size() + known);
+    offsets_.reserve(pixels + 1);
+    offsets_.push_back(0);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        for (std::uint64_t k = p.offsets[i]; k < p.offsets[i + 1]; ++k) add(i, p.samples[k]);
+        if (!behind.empty() && behind[i].known && behind[i].alpha > 0) {
+            const Behind& b = behind[i];
+            add(i, {.inverse_z = b.inverse_z, .r = b.r, .g = b.g, .b = b.b, .alpha = b.alpha, .id = 0});
+        }
+        offsets_.push_back(facets_.size());
+    }
+    join_neighbours();
+    find_ranges();
+}
+
+void Facets::add(std::size_t pixel, const StackSample& s) {
+    Facet f;
+    f.inverse_z.fill(s.spread_inverse_z());
+    f.sample = s;
+    f.threshold = random_word(pixel, static_cast<std::uint32_t>(facets_.size() - offsets_.back()));
+    facets_.push_back(f);
+}
+
+bool Facets::one_surface(const Facet& a, const Facet& b) const {
+    if (a.sample.id != 0 && b.sample.id != 0 && a.sample.id != b.sample.id) return false;
+    constexpr double least_step_px = 1, share = 1.0 / 16;
+    const double ra = radius_px(a), rb = radius_px(b);
+    return std::abs(ra - rb) < std::max(least_step_px, share * std::min(std::abs(ra), std::abs(rb)));
+}
+
+const Facet* Facets::continued(const Facet& f, int x, int y) const {
+    if (x < 0 || x >= width || y < 0 || y >= height) return nullptr;
+    const Facet* best = nullptr;
+    float apart = std::numeric_limits<float>::infinity();
+    for (const Facet& other :
+         at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))) {
+        const float d = std::abs(other.sample.spread_inverse_z() - f.sample.spread_inverse_z());
+        if (d < apart && one_surface(f, other)) {
+            apart = d;
+            best = &other;
+        }
+    }
+    return best;
+}
+
+void Facets::join_neighbours() {
+    parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < width; ++x) {
+            const std::size_t pixel = row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+            for (std::uint64_t k = offsets_[pixel]; k < offsets_[pixel + 1]; ++k) join(facets_[k], x, y);
+        }
+    });
+}
+
+void Facets::join(Facet& f, int x, int y) const {
+    std::array<const Facet*, 9> around{};
+    for (int v = 0; v < 3; ++v) {
+        for (int u = 0; u < 3; ++u) {
+            if (u == 1 && v == 1) continue;
+            around[3 * static_cast<std::size_t>(v) + static_cast<std::size_t>(u)] =
+                continued(f, x + u - 1, y + v - 1);
+        }
+    }
+    for (std::size_t corner = 0; corner < Facet::corners; ++corner) {
+        const std::size_t u = 2 * (corner % 2), v = 2 * (corner / 2);
+        auto sum = static_cast<double>(f.sample.spread_inverse_z());
+        int count = 1;
+        for (const Facet* other : {around[3 + u], around[3 * v + 1], around[3 * v + u]}) {
+            if (other == nullptr) continue;
+            sum += static_cast<double>(other->sample.spread_inverse_z());
+            ++count;
+        }
+        f.inverse_z[corner] = static_cast<float>(sum / count);
+    }
+}
+
+void Facets::find_ranges() {
+    ranges_.assign(static_cast<std::size_t>(height),
+                   {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity()});
+    for (std::size_t row = 0; row < ranges_.size(); ++row) {
+        auto& [least, most] = ranges_[row];
+        for (std::uint64_t k = offsets_[row * static_cast<std::size_t>(width)];
+             k < offsets_[(row + 1) * static_cast<std::size_t>(width)]; ++k) {
+            for (const float z : facets_[k].inverse_z) {
+                least = std::min(least, z);
+                most = std::max(most, z);
+            }
+        }
+    }
+}
+
+}  // namespace postlens

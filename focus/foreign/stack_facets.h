@@ -1,0 +1,65 @@
+// The samples of another program's image as quadrilaterals, which views draw.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "focus/foreign/behind_fill.h"
+#include "lens/focus_geometry.h"
+#include "pictures/foreign/foreign_picture.h"
+
+namespace postlens {
+
+/// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
+struct Facet {
+    /// Number of a pixel's corners. The corner at (x, y), each 0 or 1, has the index x + 2 y.
+    static constexpr std::size_t corners = 4;
+    std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
+    StackSample sample;
+    std::uint32_t threshold = 0;  ///< random bits by which it is opaque or transparent in a view
+};
+
+/// The samples of an image and of the surfaces behind its edges as quadrilaterals, by pixel. Neighbours that
+/// continue one surface share the depths of their corners.
+class Facets {
+  public:
+    /// `behind`: one per pixel, or empty.
+    Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry);
+
+    int x_begin, y_begin, width, height;
+
+    [[nodiscard]] std::span<const Facet> at(std::size_t pixel) const {
+        return std::span(facets_).subspan(offsets_[pixel], offsets_[pixel + 1] - offsets_[pixel]);
+    }
+    [[nodiscard]] std::uint64_t first_of(std::size_t pixel) const { return offsets_[pixel]; }
+    [[nodiscard]] const Facet& facet(std::uint64_t number) const { return facets_[number]; }
+    /// Smallest and largest inverse depth in a row of pixels; none where it holds no sample.
+    [[nodiscard]] const std::pair<float, float>& range(int row) const {
+        return ranges_[static_cast<std::size_t>(row)];
+    }
+
+  private:
+    void add(std::size_t pixel, const StackSample& s);
+    [[nodiscard]] double radius_px(const Facet& f) const {
+        return geometry_.coc_diameter_px(static_cast<double>(f.sample.spread_inverse_z())) / 2;
+    }
+    [[nodiscard]] bool one_surface(const Facet& a, const Facet& b) const;
+    /// The sample of a pixel that continues the surface of `f`; null where there is none.
+    [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
+    void join_neighbours();
+    /// Sets the corner depths of `f` to the mean over the samples that continue its surface. Thread-safe,
+    /// because no neighbour reads the corners.
+    void join(Facet& f, int x, int y) const;
+    void find_ranges();
+
+    FocusGeometry geometry_;
+    std::vector<Facet> facets_;
+    std::vector<std::uint64_t> offsets_;
+    std::vector<std::pair<float, float>> ranges_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,358 @@
+// How views see highlights: the share of a highlight's light that reaches each pixel of a tile.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <numeric>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/threads.h"
+#include "focus/light_field/field_highlights.h"
+#include "reproject/patches/patch_raster.h"
+#include "reproject/sheets/sample_surfaces.h"
+
+namespace postlens {
+namespace {
+
+/// A surface hides a highlight if its 1/z' is larger than the highlight's by more than this factor.
+constexpr float nearer = 1.02F;
+/// Smallest limit of the total cost of a tile's visibility samples, in units of the cost of one view of the
+/// tile.
+constexpr std::size_t least_drawn = 64;
+/// Smallest cost of one visibility sample, in units of the cost of one view of the whole tile.
+constexpr double least_cost = 0.1;
+/// Positions in a pixel at which visibility is sampled: no two share a row or a column.
+constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
+                                                  glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
+/// Per visibility sample, the position that stands for the highlights of a group, in standard deviations from
+/// their centre: mean 0 and variance 1 along each axis. These positions are uncorrelated with drawn_samples,
+/// because correlation would make the edges of shadows too soft or too hard.
+constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
+                                                  glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
+/// Neighbouring highlights that share their visibility samples each cast a shadow of an occluder into their
+/// blur. If the standard deviation of the shadows' positions is at most this, px, a single shadow stands for
+/// all.
+constexpr double told_apart_px = 0.3;
+
+}  // namespace
+
+/// The highlights for one set of views, with tables of the views nearest to each lens point.
+class FieldHighlights::OverViews final : public Lights {
+  public:
+    OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
+              const std::vector<double>& instants)
+        : of_(of), view_count_(views.size()), set_(set) {
+        always_ = {table_edge, nearest_of(views, table_edge, [](std::size_t) { return 0.0; }),
+                   std::vector<std::uint32_t>(views.size())};
+        std::iota(always_.all.begin(), always_.all.end(), 0U);
+        const bool any_moves =
+            std::any_of(of.sources_.begin(), of.sources_.end(), [](const Source& s) { return s.u >= 0; });
+        if (any_moves && instants.size() == views.size()) lay_timed(views, instants);
+    }
+
+    [[nodiscard]] bool reach(int x, int y, int width, int height) const override {
+        return of_.reach(x, y, width, height);
+    }
+    void add(const TileViews& views, std::vector<double>& light) const override;
+
+  private:
+    using Nearest = std::vector<std::array<std::uint32_t, 3>>;
+    /// Views that decide whether a source is visible: `nearest` has those nearest to each cell of a table
+    /// over the lens with `edge` by `edge` cells; `all` is for sources that are hardly blurred
+    /// (Source::by_all).
+    struct Asked {
+        int edge = 0;
+        Nearest nearest;
+        std::vector<std::uint32_t> all;
+    };
+    /// The three views nearest to each cell of a table over the lens with `edge` by `edge` cells.
+    /// `away2(view)` is added to the squared distance in lens radii.
+    template <typename Away>
+    [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
+                                            const Away& away2);
+    void lay_timed(const std::vector<LensViewPoint>& views, const std::vector<double>& instants);
+    [[nodiscard]] static std::size_t cell_of(const glm::dvec2& q, int edge);
+    [[nodiscard]] const Asked& asked(const Source& s) const {
+        if (s.u < 0 || timed_.empty()) return always_;
+        return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
+    }
+    /// The groups of neighbouring highlights whose light reaches the tile, with their visibility samples per
+    /// pixel.
+    [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
+    void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
+    void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
+    /// Share of the deciding views that see the source at the pixel. Unless Source::by_all, these are the
+    /// views nearest to the lens point through which the light of the source reaches `at`, the pixel's centre
+    /// in image px.
+    [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+                                    const glm::dvec2& at) const;
+    /// Whether one view sees the source at a pixel of the tile.
+    [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
+                            std::size_t pixel) const {
+        const std::size_t k = view * TileViews::view + pixel;
+        return of_.sees(s, views.texel[k], views.inverse_z[k]);
+    }
+
+    static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
+    static constexpr double table_reach = 1.1;              ///< lens radii
+    /// The exposure is divided into this many spans, each with its own table. In distances between views the
+    /// whole exposure counts as much as the lens's diameter.
+    static constexpr int spans = 16;
+    static constexpr double lens_radii_of_open = 2;
+    static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in Asked::all of a span
+    const FieldHighlights& of_;
+    std::size_t view_count_;
+    int set_;
+    Asked always_;
+    std::vector<Asked> timed_;  ///< per span; empty: no highlight moves
+};
+
+std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
+                                              const std::vector<double>& instants) const {
+    return std::make_unique<OverViews>(*this, views, set, instants);
+}
+
+template <typename Away>
+FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
+    const std::vector<LensViewPoint>& views, int edge, const Away& away2) {
+    Nearest out(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge));
+    parallel_for(static_cast<std::size_t>(edge), [&](std::size_t row) {
+        for (std::size_t x = 0; x < static_cast<std::size_t>(edge); ++x) {
+            const auto of_cell = [edge](std::size_t i) {
+                return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
+            };
+            const glm::dvec2 q(of_cell(x), of_cell(row));
+            auto& to = out[row * static_cast<std::size_t>(edge) + x];
+            std::array<std::pair<double, std::uint32_t>, std::tuple_size_v<Nearest::value_type>> best;
+            best.fill({HUGE_VAL, 0});
+            for (std::uint32_t v = 0; v < views.size(); ++v) {
+                const glm::dvec2 d = views[v].lens - q;
+                std::pair<double, std::uint32_t> candidate{glm::dot(d, d) + away2(v), v};
+                if (!(candidate < best.back())) continue;
+                for (auto& b : best) {
+                    if (candidate < b) std::swap(candidate, b);
+                }
+            }
+            for (std::size_t i = 0; i < to.size(); ++i)
+                to[i] = std::isinf(best[i].first) ? best[0].second : best[i].second;
+        }
+    });
+    return out;
+}
+
+void FieldHighlights::OverViews::lay_timed(const std::vector<LensViewPoint>& views,
+                                           const std::vector<double>& instants) {
+    for (int span = 0; span < spans; ++span) {
+        const double middle = (span + 0.5) / spans;
+        const auto away2 = [&](std::size_t v) {
+            const double away = lens_radii_of_open * (instants[v] - middle);
+            return away * away;
+        };
+        std::vector<std::uint32_t> order(views.size());
+        std::iota(order.begin(), order.end(), 0U);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return away2(a) < away2(b); });
+        order.resize(std::min(order.size(), std::max(least_of_span, order.size() / spans)));
+        timed_.push_back({timed_edge, nearest_of(views, timed_edge, away2), std::move(order)});
+    }
+}
+
+bool FieldHighlights::reach(int x, int y, int width, int height) const {
+    if (sources_.empty()) return false;
+    const auto& row = rows_[static_cast<std::size_t>(y / band_px)];
+    return std::any_of(row.begin(), row.end(),
+                       [&](std::uint32_t i) { return reaches(sources_[i], x, y, width, height); });
+}
+
+bool FieldHighlights::reaches(const Source& s, int x, int y, int width, int height) const {
+    const Kernel& k = (*kernels_)[s.kernel];
+    return s.x + k.x_begin < x + width && s.x + k.x_end > x && s.y + k.y_begin < y + height &&
+           s.y + k.y_end() > y;
+}
+
+bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z) const {
+    if (texel == SeenTile::no_texel) return true;
+    const Texel& t = sheets_.primary.texels[texel];
+    const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
+    if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
+    // A reflected or transmitted source is visible where the view sees the object that reflects or transmits
+    // it.
+    if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
+    return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
+}
+
+std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(const TileViews& views) const {
+    std::vector<GroupHere> out;
+    for (const std::uint32_t i : of_.rows_[static_cast<std::size_t>(views.y / band_px)]) {
+        if (!of_.reaches(of_.sources_[i], views.x, views.y, views.width, views.height)) continue;
+        if (out.empty() || of_.sources_[out.back().sources.front()].group != of_.sources_[i].group)
+            out.emplace_back();
+        out.back().sources.push_back(i);
+    }
+    // The cost of a visibility sample is its area. All visibility samples together may cost as much as the
+    // views of the tile, or as least_drawn views if the tile has fewer.
+    const auto group = [&](const GroupHere& here) -> const Group& {
+        return of_.groups_[of_.sources_[here.sources.front()].group];
+    };
+    std::vector<std::size_t> order;
+    double samples = 0;
+    const auto cost = [&](const GroupHere& here) {
+        const Group& g = group(here);
+        const int width = std::min(g.x_end, views.x + views.width) - std::max(g.x_begin, views.x),
+                  height = std::min(g.y_end, views.y + views.height) - std::max(g.y_begin, views.y);
+        return std::max(least_cost, static_cast<double>(width) * height / SeenTile::pixels);
+    };
+    for (std::size_t n = 0; n < out.size(); ++n) {
+        const Source& s = group(out[n]).middle;
+        if (views.patches == nullptr || s.by_all || s.key.path.bits() != 0) continue;
+        order.push_back(n);
+        samples += cost(out[n]);
+    }
+    auto left = static_cast<double>(std::max(least_drawn, view_count_));
+    const int each = samples * drawn_samples.size() <= left ? static_cast<int>(drawn_samples.size()) : 1;
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return group(out[a]).light > group(out[b]).light; });
+    for (const std::size_t n : order) {
+        left -= each * cost(out[n]);
+        if (left < 0) break;
+        out[n].samples = each;
+    }
+    return out;
+}
+
+void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& patches, int samples,
+                                             Part& part) const {
+    const Source& s = g.middle;
+    const int width = part.x1 - part.x0, height = part.y1 - part.y0;
+    // Random offset of the positions at which the visibility of a group of highlights is sampled. It differs
+    // between groups, so that the samples of many highlights do not all miss the same occluder. It is made
+    // from the group's position, because the group's number depends on the crop. It also differs between sets
+    // of views, so that the difference between two images includes the error of this sampling.
+    constexpr int next_row = 89;
+    const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
+                                glm::dvec2(0.7548776662466927, 0.5698402909980532) +
+                            glm::dvec2(set_) * glm::dvec2(0.38196601125010515, 0.6180339887498949);
+    const double x0 = of_.window_.x_begin + part.x0, y0 = of_.window_.y_begin + part.y0;
+    const auto z = static_cast<double>(s.inverse_z);
+    std::vector<PlacedPatch> before;
+    const auto find_before = [&](const glm::dvec2& from_middle_px) {
+        before.clear();
+        const PointRays rays{s.at + from_middle_px + glm::dvec2(of_.window_.x_begin, of_.window_.y_begin),
+                             of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
+                             of_.geometry_.inverse_focus_per_m};
+        for (const Patch& patch : patches.patches) {
+            // Patches are sorted by the depth of their corners only, so later ones may still be nearer.
+            if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
+            place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
+        }
+        std::erase_if(before, [&](const PlacedPatch& p) {
+            const RasterRect r = covered(p.patch, p.place);
+            return !(r.x_max + 1 >= x0 && r.x_min - 1 <= x0 + width && r.y_max + 1 >= y0 &&
+                     r.y_min - 1 <= y0 + height);
+        });
+    };
+    find_before({0, 0});
+    // An occluder in front of an emitter casts one shadow for each of the emitter's highlights. If these
+    // shadows lie apart, each visibility sample uses one of four positions, which have the standard deviation
+    // of the highlights in the group.
+    double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
+    const double s_per_m = of_.geometry_.inverse_focus_per_m;
+    for (const PlacedPatch& p : before) {
+        const auto of_patch = static_cast<double>(patches.sheet(p.patch).inverse_z_max);
+        shadow_px = std::max(shadow_px,
+                             std::abs((of_patch - s_per_m) / (of_patch - static_cast<double>(s.inverse_z))));
+    }
+    const bool apart = samples > 1 && shadow_px * std::max(g.spread_px.x, g.spread_px.y) > told_apart_px;
+    SeenTile seen;
+    for (int n = 0; n < samples; ++n) {
+        const TilePlace place{
+            of_.window_.x_begin + part.x0, of_.window_.y_begin + part.y0, width, height,
+            glm::fract(turn + (samples == 1 ? glm::dvec2(0.5) : drawn_samples[static_cast<std::size_t>(n)]))};
+        if (apart) find_before(spread_places[static_cast<std::size_t>(n)] * g.spread_px);
+        seen.clear(place);
+        for (const PlacedPatch& p : before) draw_patch(patches, p.patch, p.place, place, seen);
+        for (int y = 0; y < height; ++y) {
+            for (int x = 0; x < width; ++x) {
+                const std::size_t k =
+                    static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+                if (n == 0) part.share[k] = 0;
+                part.share[k] +=
+                    of_.sees(s, seen.texel[k], seen.inverse_z[k]) ? 1.0F / static_cast<float>(samples) : 0;
+            }
+        }
+    }
+}
+
+void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>& light) const {
+    Part part;
+    for (const GroupHere& here : groups_in(views)) {
+        if (here.samples > 0) {
+            const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
+            part.x0 = std::max(views.x, g.x_begin);
+            part.x1 = std::min(views.x + views.width, g.x_end);
+            part.y0 = std::max(views.y, g.y_begin);
+            part.y1 = std::min(views.y + views.height, g.y_end);
+            draw_shares(g, *views.patches, here.samples, part);
+        }
+        for (const std::uint32_t i : here.sources)
+            add(of_.sources_[i], here.samples > 0 ? &part : nullptr, views, light);
+    }
+}
+
+void FieldHighlights::OverViews::add(const Source& s, const Part* part, const TileViews& views,
+                                     std::vector<double>& light) const {
+    const Kernel& kernel = (*of_.kernels_)[s.kernel];
+    const int y0 = std::max(views.y, s.y + kernel.y_begin),
+              y1 = std::min(views.y + views.height, s.y + kernel.y_end());
+    for (int y = y0; y < y1; ++y) {
+        const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+        const int x0 = std::max(views.x, s.x + row.x_begin),
+                  x1 = std::min(views.x + views.width, s.x + row.x_end);
+        for (int x = x0; x < x1; ++x) {
+            const int column = x - s.x;
+            const bool inner = column >= row.inner_begin && column < row.inner_end;
+            const int tap = column < row.inner_begin
+                                ? column - row.x_begin
+                                : column - row.x_begin - (row.inner_end - row.inner_begin);
+            const auto value = static_cast<double>(
+                inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
+            const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
+                                      static_cast<std::size_t>(x - views.x);
+            double share = value;
+            if (part != nullptr) {
+                share *=
+                    static_cast<double>(part->share[static_cast<std::size_t>(y - part->y0) * SeenTile::edge +
+                                                    static_cast<std::size_t>(x - part->x0)]);
+            } else {
+                share *= seen_share(s, views, pixel, {x + 0.5, y + 0.5});
+            }
+            double* to = light.data() + values * pixel;
+            for (std::size_t c = 0; c < 3; ++c) to[c] += share * static_cast<double>(s.rgb[c]);
+            to[3] += share * s.square;
+        }
+    }
+}
+
+std::size_t FieldHighlights::OverViews::cell_of(const glm::dvec2& q, int edge) {
+    const auto cell = [edge](double v) {
+        return static_cast<std::size_t>(std::clamp((v / table_reach + 1) / 2 * edge, 0.0, edge - 1.0));
+    };
+    return cell(q.y) * static_cast<std::size_t>(edge) + cell(q.x);
+}
+
+double FieldHighlights::OverViews::seen_share(const Source& s, const TileViews& views, std::size_t pixel,
+                                              const glm::dvec2& at) const {
+    const glm::dvec2 q = s.lens_from_px * (at - s.at);
+    const auto share = [&](const auto& of) {
+        int seen = 0;
+        for (const std::uint32_t v : of) seen += sees(s, views, v, pixel) ? 1 : 0;
+        return static_cast<double>(seen) / static_cast<double>(of.size());
+    };
+    const Asked& from = asked(s);
+    return s.by_all ? share(from.all) : share(from.nearest[cell_of(q, from.edge)]);
+}
+
+}  // namespace postlens

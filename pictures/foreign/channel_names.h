@@ -1,0 +1,29 @@
+// Names of channels as text: layer and last word, upper and lower case.
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "pictures/foreign/foreign_file.h"
+
+namespace postlens {
+
+using ChannelNames = std::vector<std::string>;
+
+/// The first of the names that the part has; empty if it has none.
+[[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
+
+/// Splits a name after its last dot.
+[[nodiscard]] std::pair<std::string, std::string> split_channel(const std::string& name);
+
+/// Converts the letters A to Z to lower case.
+[[nodiscard]] std::string lower_case(std::string text);
+
+/// Whether one of `some` is among the words.
+[[nodiscard]] bool has_any_word(const std::vector<std::string>& words,
+                                std::initializer_list<std::string_view> some);
+
+}  // namespace postlens

@@ -1,0 +1,184 @@
+#include "pictures/foreign/foreign_colours.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <fmt/format.h>
+#include <optional>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "pictures/foreign/channel_groups.h"
+#include "pictures/foreign/channel_names.h"
+
+namespace postlens {
+namespace {
+
+/// Accepted names of colour channels; all three names of a layer must be from the same row.
+constexpr std::array<std::array<const char*, 3>, 4> colour_names{
+    {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
+
+/// ChannelNames of a layer's colour channels; empty if one of the three is missing.
+std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
+    for (const auto& names : colour_names) {
+        std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
+        if (std::all_of(out.begin(), out.end(), [&](const std::string& name) { return part.has(name); }))
+            return out;
+    }
+    return std::nullopt;
+}
+
+/// Preference of a layer for colours; lower is better.
+int rank(const std::string& layer) {
+    const std::vector<std::string> words = words_of(layer);
+    // Channels of such layers hold data, not colours.
+    const bool data = std::any_of(words.begin(), words.end(),
+                                  [](const std::string& w) { return w.find("crypto") != std::string::npos; });
+    if (data || has_any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
+                                     "velocity", "forward", "uv"}))
+        return 4;
+    if (layer.empty()) return 0;
+    if (has_any_word(words, {"combined"})) return 1;
+    return has_any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
+}
+
+/// How well a layer matches the requested name; lower is better, 2 is no match.
+int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
+           const std::string& asked) {
+    const ForeignPart& part = file.parts()[part_number];
+    if (asked.empty() || part.name == asked || part.view == asked) return 0;
+    if (!part.views.empty() && part.views[0] == asked && layer.empty()) return 0;
+    if (layer == asked + "." || layer.starts_with(asked + ".")) return 0;
+    const ChannelGroup group = channel_group(file, part_number, layer, colour_words);
+    if (group.view == asked) return 0;
+    std::vector<std::string> words = words_of(part.name + "." + layer + "." + group.view);
+    const std::vector<std::string> wanted = words_of(asked);
+    const bool all = std::all_of(wanted.begin(), wanted.end(), [&](const std::string& w) {
+        return std::find(words.begin(), words.end(), w) != words.end();
+    });
+    return all && !wanted.empty() ? 1 : 2;
+}
+
+/// The owner of a channel: a part of the file, a view (such as the left eye's) and a layer, as words.
+using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
+
+Owner owner_of(const ChannelGroup& group) {
+    return {group.part, group.view, group.layer};
+}
+
+/// Layers that have a depth channel in their own part.
+std::set<Owner> owners_of_depths(const ForeignFile& file) {
+    std::set<Owner> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        for (const std::string& name : file.parts()[i].channels) {
+            const auto words = split_channel(name);
+            const std::string letter = lower_case(words.second);
+            if (letter != "z" && letter != "v") continue;
+            const ChannelGroup depth = channel_group(file, i, words.first, depth_words);
+            if (letter == "z" || depth.has_pass) out.insert(owner_of(depth));
+        }
+    }
+    return out;
+}
+
+/// Selects the best part and layer for colours among the layers that `layers_of` lists; empty if none fits.
+template <typename LayersOf>
+std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
+                                                              const std::string& asked,
+                                                              const LayersOf& layers_of) {
+    const auto views = file.views();
+    const std::set<Owner> with_depth = owners_of_depths(file);
+    std::optional<std::pair<std::size_t, std::string>> best;
+    std::tuple<int, int, std::size_t, bool> least{2, 0, 0, false};
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (file.parts()[i].use != PartUse::picture) continue;
+        for (const std::string& layer : layers_of(file.parts()[i])) {
+            const ChannelGroup group = channel_group(file, i, layer, colour_words);
+            // The first stereo view of the attribute `multiView` is preferred to the other views, whether a
+            // part's `view` attribute or a channel's name says which view it is.
+            const auto view = std::find(views.begin(), views.end(), group.view);
+            const bool by_name = file.parts()[i].view.empty() && view != views.end();
+            const std::tuple order{misfit(file, i, layer, asked), rank(layer),
+                                   by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
+                                   !with_depth.contains(owner_of(group))};
+            if (order < least) {
+                least = order;
+                best = {i, layer};
+            }
+        }
+    }
+    return best;
+}
+
+/// Layers with luminance, or with alpha and depth.
+ChannelNames grey_layers(const ForeignPart& part) {
+    ChannelNames out;
+    for (const std::string& name : part.channels) {
+        const auto [layer, letter] = split_channel(name);
+        if (letter == "Y" || (letter == "A" && part.has(layer + "Z"))) out.push_back(layer);
+    }
+    return out;
+}
+
+}  // namespace
+
+void find_colours(const ForeignFile& file, const std::string& asked, ForeignChannels& out) {
+    if (const auto best = best_layer(file, asked, colour_layers)) {
+        const ForeignPart& part = file.parts()[best->first];
+        std::tie(out.part, out.layer) = *best;
+        const auto names = colours_of(part, out.layer).value();
+        out.r = names[0];
+        out.g = names[1];
+        out.b = names[2];
+        return;
+    }
+    const auto grey = best_layer(file, asked, grey_layers);
+    if (!grey) {
+        ChannelNames names;
+        for (const ForeignPart& part : file.parts())
+            names.insert(names.end(), part.channels.begin(), part.channels.end());
+        fail(ExitCode::invalid_input, "{}: no colours{} (got channels {}; expected R, G and B)", file.name(),
+             asked.empty() ? "" : " in " + asked, listed(names));
+    }
+    const ForeignPart& part = file.parts()[grey->first];
+    std::tie(out.part, out.layer) = *grey;
+    out.r = out.g = out.b = first_channel(part, {out.layer + "Y"});
+    const std::string ry = out.layer + "RY", by = out.layer + "BY";
+    if (out.r.empty() || part.deep) return;
+    if (part.has(ry) && part.has(by)) {
+        out.ry = ry;
+        out.by = by;
+    } else if (part.has(ry) || part.has(by)) {
+        out.assumed.push_back(fmt::format("{} is left aside without {}: the picture is grey",
+                                          part.has(ry) ? ry : by, part.has(ry) ? by : ry));
+    }
+}
+
+std::vector<std::string> colour_layers(const ForeignPart& part) {
+    ChannelNames out;
+    for (const std::string& name : part.channels) {
+        const auto words = split_channel(name);
+        const bool red = std::any_of(colour_names.begin(), colour_names.end(),
+                                     [&](const auto& names) { return words.second == names[0]; });
+        const std::string& layer = words.first;
+        if (red && colours_of(part, layer) && std::find(out.begin(), out.end(), layer) == out.end())
+            out.push_back(layer);
+    }
+    return out;
+}
+
+std::vector<ChannelGroup> colour_groups(const ForeignFile& file) {
+    std::vector<ChannelGroup> out;
+    for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (file.parts()[i].use != PartUse::picture) continue;
+        for (const std::string& layer : colour_layers(file.parts()[i])) {
+            if (rank(layer) < 4) out.push_back(channel_group(file, i, layer, colour_words));
+        }
+    }
+    return out;
+}
+
+}  // namespace postlens

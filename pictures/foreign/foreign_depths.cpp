@@ -1,0 +1,120 @@
+#include "pictures/foreign/foreign_depths.h"
+
+#include <cstdint>
+#include <fmt/format.h>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "core/error.h"
+#include "core/threads.h"
+#include "pictures/foreign/filtered_depth.h"
+
+namespace postlens {
+namespace {
+
+/// Factor from the inverse depth of the file to the inverse depth along the axis in 1/m, at a pixel.
+float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
+    const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
+    const ForeignCamera& camera = picture.camera;
+    const double pitch = picture.pixel_pitch_mm() / camera.film_distance_mm;
+    const std::size_t column = pixel % width, row = pixel / width;
+    const double u = (picture.x_begin + static_cast<double>(column) + 0.5 - picture.width / 2.0) * pitch,
+                 v = (picture.y_begin + static_cast<double>(row) + 0.5 - picture.height / 2.0) * pitch;
+    const bool along_ray = camera.depth_along == DepthAlong::ray;
+    return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
+}
+
+}  // namespace
+
+void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
+                         const std::vector<float>& covered, ForeignPicture& picture) {
+    const auto width = static_cast<std::size_t>(part.width());
+    const FilteredDepths filtered = mend_filtered_depths(depths, covered, width, !picture.channels.matte);
+    const std::size_t pixels = picture.offsets.size() - 1;
+    const auto place = [&](std::size_t i) {
+        return std::pair(part.data.x_min + static_cast<int>(i % width),
+                         part.data.y_min + static_cast<int>(i / width));
+    };
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const auto [x, y] = place(i);
+        for (std::uint64_t k = picture.offsets[i]; k < picture.offsets[i + 1]; ++k)
+            picture.samples[k].inverse_z = inverse(depths[i], x, y);
+    }
+    const auto share = [&](std::size_t count) {
+        return static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels, 1));
+    };
+    if (filtered.divided > 0) {
+        picture.repairs.push_back(
+            {"repaired", fmt::format("{} depths are multiplied by alpha: divided by it", filtered.divided),
+             share(filtered.divided)});
+    }
+    if (filtered.taken_over > 0) {
+        picture.repairs.push_back(
+            {"repaired",
+             fmt::format("{} depths of rims are means with nothing: they get that of their neighbours",
+                         filtered.taken_over),
+             share(filtered.taken_over)});
+    }
+    if (filtered.mixed.empty()) return;
+    picture.repairs.push_back(
+        {"repaired",
+         fmt::format("{} depths are means of near and far: each part of the pixel gets its own",
+                     filtered.mixed.size()),
+         share(filtered.mixed.size())});
+    for (const MixedDepth& m : filtered.mixed) {
+        const auto [x, y] = place(m.pixel);
+        picture.mixed.push_back({m.pixel, picture.shares.size(), 2});
+        picture.shares.push_back({0, m.near_share, inverse(m.near, x, y)});
+        picture.shares.push_back({0, 1 - m.near_share, inverse(m.far, x, y)});
+        if (m.near_share < 0.5F) std::swap(picture.shares.back(), *(picture.shares.end() - 2));
+    }
+}
+
+void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const {
+    if (negative_ > 0 && positive_ > 0) {
+        fail(ExitCode::invalid_input,
+             "{}: channel {} at pixel {},{} is unusable (got {}; expected a depth of 0 or more, or none "
+             "such)",
+             file.name(), picture.channels.z, first_negative_.x, first_negative_.y, first_negative_.z);
+    }
+    if (negative_ > 0) {
+        picture.repairs.push_back(
+            {"assumed", "all depths are negative: their size is taken as the distance", 1});
+    }
+    warn_of_encoding(picture);
+    const auto width = static_cast<std::size_t>(part.width());
+    const auto scaled = [](float inverse_z, float scale) {
+        const float out = std::abs(inverse_z) * scale;
+        return std::isfinite(out) ? out : std::numeric_limits<float>::max();
+    };
+    parallel_for(static_cast<std::size_t>(part.height()), [&](std::size_t row) {
+        for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+            const float scale = depth_scale(picture, i);
+            const auto stack = std::span(picture.samples)
+                                   .subspan(picture.offsets[i], picture.offsets[i + 1] - picture.offsets[i]);
+            for (StackSample& s : stack) s.inverse_z = scaled(s.inverse_z, scale);
+            std::stable_sort(stack.begin(), stack.end(), [](const StackSample& a, const StackSample& b) {
+                return a.inverse_z > b.inverse_z;
+            });
+        }
+    });
+    for (const MixedPixel& m : picture.mixed) {
+        for (std::size_t k = m.first; k < m.first + m.count; ++k) {
+            auto& inverse_z = picture.shares[k].inverse_z;
+            if (inverse_z) inverse_z = scaled(*inverse_z, depth_scale(picture, m.pixel));
+        }
+    }
+}
+
+void ForeignDepths::warn_of_encoding(ForeignPicture& picture) const {
+    if (encoding_ || negative_ + positive_ == 0 || farthest_ > 1) return;
+    picture.repairs.push_back(
+        {"assumed",
+         fmt::format("no depth is beyond {:.6g}: they may be inverse or normalized, and are taken as "
+                     "distances (--depth-encoding)",
+                     farthest_),
+         1});
+}
+
+}  // namespace postlens

@@ -1,0 +1,64 @@
+// Depths of another program's image: from the values of the file to inverse depths along the axis.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pictures/foreign/depth_encoding.h"
+#include "pictures/foreign/foreign_file.h"
+#include "pictures/foreign/foreign_picture.h"
+
+namespace postlens {
+
+class ForeignDepths {
+  public:
+    /// Renderers write 1e9, 1e10 or infinity where a ray hits nothing.
+    static constexpr float nothing_z = 1e9F;
+
+    /// `encoding`: absent if the values are distances.
+    explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
+
+    [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
+    /// Inverse depth of a value in the file, with its sign.
+    float inverse(float value, int x, int y) { return inverse_of(distance(value), x, y, value); }
+    /// Inverse of the distance `z`, from the value `value` at the pixel (x, y) of the file. Notes the depths'
+    /// signs and largest size for `finish`.
+    float inverse_of(float z, int x, int y, float value) {
+        if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // also NaN
+        farthest_ = std::max(farthest_, std::abs(z));
+        if (z < 0) {
+            if (negative_ == 0) first_negative_ = {x, y, value};
+            ++negative_;
+        } else {
+            ++positive_;
+        }
+        return 1 / z;
+    }
+
+    /// Sets the depths of a flat image's samples from the values of the file, one per pixel. Repairs filtered
+    /// depths. `covered`: alpha of each pixel.
+    void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
+              ForeignPicture& picture);
+    /// Converts depths to metres along the axis and sorts each stack, nearest first. Throws
+    /// Error(invalid_input) if only some depths are negative.
+    void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
+
+  private:
+    struct Place {
+        int x = 0, y = 0;
+        float z = 0;
+    };
+    /// Warns if all depths are between 0 and 1. Scenes within one unit are rare, but other encodings have
+    /// this range.
+    void warn_of_encoding(ForeignPicture& picture) const;
+
+    std::optional<DepthEncoding> encoding_;
+    float farthest_ = 0;  ///< largest finite depth, in the file's unit
+    std::size_t negative_ = 0, positive_ = 0;
+    Place first_negative_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,283 @@
+// Reads an OpenEXR image of another program, and repairs what it can.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fmt/format.h>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "core/memory.h"
+#include "pictures/foreign/deep_volumes.h"
+#include "pictures/foreign/foreign_depths.h"
+#include "pictures/foreign/foreign_picture.h"
+#include "pictures/foreign/foreign_planes.h"
+#include "pictures/foreign/matte_shares.h"
+#include "pictures/foreign/mend_colours.h"
+
+namespace postlens {
+namespace {
+
+/// Target ratio of the far to the near depth of a volume's slice, and largest number of slices of a volume.
+constexpr double slice_ratio = 1.02;
+constexpr int most_slices = 32;
+
+/// Converts the values of the file to stacks of samples.
+class Reader {
+  public:
+    Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
+        : file_(open_foreign_file(path, choice)), depths_(choice.depth_encoding) {
+        out_.channels = find_foreign_channels(file_, choice);
+        part_ = &file_.parts()[out_.channels.part];
+        out_.deep = part_->deep;
+        out_.width = part_->display.x_max - part_->display.x_min + 1;
+        out_.height = part_->display.y_max - part_->display.y_min + 1;
+        out_.x_begin = part_->data.x_min - part_->display.x_min;
+        out_.y_begin = part_->data.y_min - part_->display.y_min;
+        out_.x_end = out_.x_begin + part_->width();
+        out_.y_end = out_.y_begin + part_->height();
+        // One raster holds both the display window and the stored pixels, so its size is limited.
+        const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
+                                                        std::min(0, out_.x_begin)),
+                   rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
+                                                     std::min(0, out_.y_begin));
+        constexpr std::uint64_t unquestioned = std::uint64_t{1} << 25U;
+        const std::uint64_t windows =
+            2 * (static_cast<std::uint64_t>(out_.width) * static_cast<std::uint64_t>(out_.height) + pixels());
+        if (columns * rows > std::max(unquestioned, windows)) {
+            fail(ExitCode::invalid_input,
+                 "{}: windows are out of bounds (got {}x{} px around dataWindow and displayWindow; expected "
+                 "them close "
+                 "to each other)",
+                 file_.name(), columns, rows);
+        }
+        take_camera(camera);
+        const ForeignChannels& c = out_.channels;
+        whole_ids_ = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
+        for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
+        for (const std::string& text : c.assumed) out_.repairs.push_back({"assumed", text, 0});
+        const auto aspect = file_.number(c.part, "pixelAspectRatio");
+        if (aspect && std::abs(*aspect - 1) > 1e-4) {
+            out_.repairs.push_back(
+                {"assumed",
+                 fmt::format("pixels are {:g} times as wide as tall in the file: taken as square", *aspect),
+                 0});
+        }
+    }
+
+    ForeignPicture read() {
+        if (part_->deep) {
+            read_deep();
+        } else {
+            read_flat();
+        }
+        depths_.finish(file_, *part_, out_);
+        bad_colours_ = mend_colours(out_);
+        report();
+        return std::move(out_);
+    }
+
+  private:
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(part_->width()) * static_cast<std::size_t>(part_->height());
+    }
+    void make_room(std::size_t more) {
+        if (out_.samples.capacity() - out_.samples.size() >= more) return;
+        const std::size_t next = std::max(out_.samples.size() + more, out_.samples.capacity() * 3 / 2);
+        require_memory(next * sizeof(StackSample), "the picture's samples");
+        out_.samples.reserve(next);
+    }
+
+    /// The camera, and the frame within the display window.
+    void take_camera(ForeignCameraChoice choice) {
+        const int margin = choice.overscan_px;
+        if (margin < 0 || 2 * margin >= std::min(out_.width, out_.height)) {
+            fail(ExitCode::wrong_arguments,
+                 "--overscan: leaves no frame (got {}; expected 0 to {} for the {}x{} px of {})", margin,
+                 (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
+        }
+        const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
+        // The camera in the file describes the whole display window, so a film width of the frame is
+        // converted to one of the window.
+        if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
+        out_.camera = foreign_camera(file_, out_.channels.part, choice);
+        out_.camera.film_width_mm *= of_frame;
+        out_.width -= 2 * margin;
+        out_.height -= 2 * margin;
+        out_.x_begin -= margin;
+        out_.x_end -= margin;
+        out_.y_begin -= margin;
+        out_.y_end -= margin;
+    }
+
+    void add(const StackSample& s) {
+        // A transparent black sample has no effect. NaN is handled later.
+        if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
+        out_.samples.push_back(s);
+    }
+
+    float checked_alpha(float a) {
+        if (a >= 0 && a <= 1) return a;
+        // Amount by which an alpha that is a sum of rounded values may exceed the range from 0 to 1.
+        constexpr float rounding = 2e-3F;
+        if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
+        return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
+    }
+
+    void read_flat() {
+        const ForeignChannels& c = out_.channels;
+        constexpr float infinite = std::numeric_limits<float>::infinity();
+        JoinedChannels channels(file_, c.part);
+        const auto r = channels.add(c.part, c.r, 0), g = channels.add(c.part, c.g, 0),
+                   b = channels.add(c.part, c.b, 0), a = channels.add(c.alpha_part, c.a, 0),
+                   z = channels.add(c.depth_part, c.z, infinite), id = channels.add(c.id_part, c.id, 0),
+                   ry = channels.add(c.part, c.ry, 0, true), by = channels.add(c.part, c.by, 0, true);
+        if (ry) luminance_ = file_.luminance_weights(c.part);
+        const auto width = static_cast<std::size_t>(part_->width());
+        require_memory(pixels() * 2 * sizeof(float), "depths and alphas of the picture");
+        std::vector<float> depths, covered;
+        depths.reserve(pixels());
+        covered.reserve(pixels());
+        channels.read([&](int, std::span<const float* const> values) {
+            make_room(width);
+            for (std::size_t x = 0; x < width; ++x) {
+                const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                    return channel ? values[*channel][x] : otherwise;
+                };
+                StackSample s{0,
+                              value(r, 0),
+                              value(g, 0),
+                              value(b, 0),
+                              checked_alpha(value(a, 1)),
+                              surface_id(value(id, 0), whole_ids_)};
+                if (ry) add_chroma(s, value(ry, 0), value(by, 0));
+                depths.push_back(value(z, infinite));
+                covered.push_back(s.alpha);
+                add(s);
+                out_.offsets.push_back(out_.samples.size());
+            }
+        });
+        if (c.z.empty()) {
+            out_.repairs.push_back(
+                {"assumed", "no depth is in the file: all is taken to be infinitely far (--depth-channel)",
+                 1});
+        } else {
+            depths_.take(*part_, depths, covered, out_);
+        }
+        if (c.matte) take_matte(file_, *part_, *c.matte, out_);
+    }
+
+    void add_chroma(StackSample& s, float ry, float by) const {
+        const auto y = static_cast<double>(s.r);
+        const double r = (static_cast<double>(ry) + 1) * y, b = (static_cast<double>(by) + 1) * y;
+        s.r = static_cast<float>(r);
+        s.g = static_cast<float>((y - luminance_[0] * r - luminance_[2] * b) / luminance_[1]);
+        s.b = static_cast<float>(b);
+    }
+
+    void read_deep() {
+        const auto width = static_cast<std::size_t>(part_->width());
+        const ForeignChannels& c = out_.channels;
+        ChannelList wanted;
+        const auto r = wanted.add(c.r), g = wanted.add(c.g), b = wanted.add(c.b), a = wanted.add(c.a),
+                   z = wanted.add(c.z), z_back = wanted.add(c.z_back), id = wanted.add(c.id);
+        std::vector<DeepSample> pixel;
+        file_.read_deep(c.part, wanted.names(), [&](const DeepRows& rows) {
+            std::size_t at = 0;
+            for (std::size_t i = 0; i < rows.count.size(); ++i) {
+                const int x = part_->data.x_min + static_cast<int>(i % width),
+                          y = rows.y_begin + static_cast<int>(i / width);
+                pixel.clear();
+                for (std::uint32_t k = 0; k < rows.count[i]; ++k, ++at) {
+                    const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
+                        return channel ? rows.values[*channel][at] : otherwise;
+                    };
+                    DeepSample s{depths_.distance(value(z, 0)),
+                                 depths_.distance(value(z_back, 0)),
+                                 value(r, 0),
+                                 value(g, 0),
+                                 value(b, 0),
+                                 checked_alpha(value(a, 1)),
+                                 surface_id(value(id, 0), whole_ids_)};
+                    pixel.push_back(s);
+                }
+                tidy_volumes(pixel);
+                for (const DeepSample& s : pixel) add_volume(s, x, y);
+                out_.offsets.push_back(out_.samples.size());
+            }
+        });
+    }
+
+    /// Adds a volume from z to z_back, divided into slices. Its density is constant, so equal distances have
+    /// equal transmittance.
+    void add_volume(const DeepSample& from, int x, int y) {
+        const float z = from.z, z_back = from.z_back;
+        const StackSample s{depths_.inverse_of(z, x, y, z), from.r, from.g, from.b, from.alpha, from.id};
+        const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
+        int slices = 1;
+        if (z > 0 && ratio > slice_ratio && z_back < ForeignDepths::nothing_z && s.alpha < 1)
+            slices =
+                std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
+        make_room(static_cast<std::size_t>(slices));
+        if (slices == 1) {
+            add(s);
+            return;
+        }
+        const double step = 1.0 / slices;
+        const double alpha = -std::expm1(step * std::log1p(-static_cast<double>(s.alpha)));
+        const auto share = static_cast<float>(s.alpha > 0 ? alpha / static_cast<double>(s.alpha) : step);
+        for (int i = 0; i < slices; ++i) {
+            StackSample slice = s;
+            slice.inverse_z = static_cast<float>(
+                1 / (static_cast<double>(z) + (i + 0.5) * step * static_cast<double>(z_back - z)));
+            slice.r *= share;
+            slice.g *= share;
+            slice.b *= share;
+            slice.alpha = static_cast<float>(alpha);
+            add(slice);
+        }
+    }
+
+    void report() {
+        const auto share = [&](std::size_t count) {
+            return std::min(
+                1.0, static_cast<double>(count) / static_cast<double>(std::max<std::size_t>(pixels(), 1)));
+        };
+        if (bad_colours_ > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} samples have colours that are not finite: {}", bad_colours_,
+                             out_.deep ? "taken as black" : "they get the mean of those around"),
+                 share(bad_colours_)});
+        }
+        if (bad_alphas_ > 0) {
+            out_.repairs.push_back(
+                {"repaired",
+                 fmt::format("{} samples have an alpha beyond 0 to 1: it is cut off", bad_alphas_),
+                 share(bad_alphas_)});
+        }
+    }
+
+    ForeignFile file_;
+    const ForeignPart* part_ = nullptr;
+    bool whole_ids_ = false;
+    ForeignDepths depths_;
+    std::array<double, 3> luminance_{};
+    ForeignPicture out_;
+    std::size_t bad_alphas_ = 0, bad_colours_ = 0;
+};
+
+}  // namespace
+
+ForeignPicture read_foreign_picture(const std::filesystem::path& path, const ForeignChoice& choice,
+                                    const ForeignCameraChoice& camera) {
+    return Reader(path, choice, camera).read();
+}
+
+}  // namespace postlens

@@ -1,0 +1,137 @@
+#include "reproject/patches/tile_patches.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "core/threads.h"
+#include "reproject/patches/patch_raster.h"
+#include "reproject/patches/patch_sweep.h"
+#include "reproject/raster_rect.h"
+
+namespace postlens {
+namespace {
+
+int tiles(int px) {
+    return (px + SeenTile::edge - 1) / SeenTile::edge;
+}
+
+}  // namespace
+
+PatchBins::PatchBins(const PatchField& field, const MotionMarks& marks)
+    : field_(field), columns_(tiles(field.width)), rows_(tiles(field.height)) {
+    for (const PatchViews& set : field.sets) {
+        for (const PatchView& v : set.views) {
+            farthest_px_ = glm::max(farthest_px_, glm::abs(v.lens.lens_px));
+            farthest_shift_px_ =
+                std::max(farthest_shift_px_,
+                         glm::length(v.lens.inverse_focus_per_m * v.lens.lens_px + v.lens.offset_px));
+        }
+    }
+    farthest_px_ = glm::max(farthest_px_, field.lens_reach_px);
+    for (std::size_t i = 0; i < field.instants.size(); ++i) {
+        primary_.push_back(sorted(*field.instants[i].primary, i, marks));
+        deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i, marks)
+                                                              : Bins());
+        trees_ = trees_ || field.instants[i].deeper != nullptr;
+    }
+}
+
+PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
+                                  const MotionMarks& marks) const {
+    const PatchSweep sweep(field_);
+    std::vector<RasterRect> swept(mesh.patches.size());
+    parallel_for(
+        swept.size(),
+        [&](std::size_t i) {
+            const Patch& p = mesh.patches[i];
+            swept[i] = sweep.of(mesh, p, instant);
+            // A moving object is also assigned to the tiles where it was recorded, as pixels there get
+            // its mark (mark_recorded).
+            PatchPlace recorded;
+            if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
+                swept[i].add(covered(p, recorded));
+        },
+        256);
+    Bins bins(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_));
+    const auto tile_of = [](double px, int first, int count) {
+        return static_cast<int>(
+            std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
+    };
+    for (std::uint32_t i = 0; i < swept.size(); ++i) {
+        const RasterRect& r = swept[i];
+        if (!(r.x_min <= r.x_max && r.y_min <= r.y_max)) continue;
+        const int x0 = std::max(0, tile_of(r.x_min - 1, field_.x, columns_)),
+                  x1 = std::min(columns_ - 1, tile_of(r.x_max + 1, field_.x, columns_)),
+                  y0 = std::max(0, tile_of(r.y_min - 1, field_.y, rows_)),
+                  y1 = std::min(rows_ - 1, tile_of(r.y_max + 1, field_.y, rows_));
+        for (int y = y0; y <= y1; ++y) {
+            for (int x = x0; x <= x1; ++x)
+                bins[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                     static_cast<std::size_t>(x)]
+                    .push_back(i);
+        }
+    }
+    parallel_for(bins.size(), [&](std::size_t t) {
+        std::stable_sort(bins[t].begin(), bins[t].end(), [&](std::uint32_t a, std::uint32_t b) {
+            const Patch &p = mesh.patches[a], &q = mesh.patches[b];
+            const std::uint32_t path = mesh.sheet(p).key.path.bits(), other = mesh.sheet(q).key.path.bits();
+            if (path != other) return path < other;
+            return mesh.planes[p.first_plane].value > mesh.planes[q.first_plane].value;
+        });
+    });
+    return bins;
+}
+
+void PatchBins::gather(std::size_t tile, GatheredTile& out) const {
+    out.primary.resize(field_.instants.size());
+    out.deeper.resize(field_.instants.size());
+    out.chains.assign(field_.instants.size(), {});
+    out.paths.clear();
+    for (std::size_t i = 0; i < field_.instants.size(); ++i)
+        gather(*field_.instants[i].primary, primary_[i][tile], out.primary[i]);
+    if (trees_) gather_chains(tile, out);
+}
+
+void PatchBins::gather_chains(std::size_t tile, GatheredTile& out) const {
+    for (std::size_t i = 0; i < field_.instants.size(); ++i) {
+        if (field_.instants[i].deeper == nullptr) continue;
+        gather(*field_.instants[i].deeper, deeper_[i][tile], out.deeper[i]);
+        const PatchMesh& mesh = out.deeper[i].mesh;
+        std::vector<PatchChain>& chains = out.chains[i];
+        for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+            const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
+            if (chains.empty() || chains.back().path != path) {
+                out.paths.push_back(path);
+                chains.push_back({path, p, p});
+            }
+            chains.back().end = p + 1;
+        }
+    }
+    if (!out.paths.empty()) {
+        out.paths.push_back(NodePath().child(NodePath::Bounce::reflected));
+        out.paths.push_back(NodePath().child(NodePath::Bounce::transmitted));
+    }
+}
+
+void PatchBins::gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
+    out.mesh.sheets = mesh.sheets;
+    out.mesh.overlap_px = mesh.overlap_px;
+    out.mesh.patches.clear();
+    out.mesh.planes.clear();
+    out.reach.clear();
+    out.motion_class.clear();
+    for (const std::uint32_t i : bin) {
+        Patch p = mesh.patches[i];
+        if (field_.motion_class)
+            out.motion_class.push_back(static_cast<std::uint32_t>(motion_class_of(field_, mesh, p)));
+        out.reach.push_back(patch_reach(mesh, p, farthest_px_, farthest_shift_px_));
+        const auto planes = mesh.planes.begin() + p.first_plane;
+        p.first_plane = static_cast<std::uint32_t>(out.mesh.planes.size());
+        out.mesh.planes.insert(out.mesh.planes.end(), planes,
+                               planes + static_cast<std::ptrdiff_t>(mesh.sheets->values));
+        out.mesh.patches.push_back(p);
+    }
+}
+
+}  // namespace postlens

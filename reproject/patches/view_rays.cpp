@@ -1,0 +1,124 @@
+#include "reproject/patches/view_rays.h"
+
+namespace postlens {
+namespace {
+
+/// Whether the records determine the primary surface that use `u` of a view (a recorded instant
+/// reprojected to it) shows in a pixel.
+bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
+    const std::uint32_t texel = shown.seen[u].texel[k];
+    return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);
+}
+
+}  // namespace
+
+void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded) {
+    const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+    if (!shown.passes(x, y)) {
+        recorded[k][3] += weight;
+        return;
+    }
+    lines_.push_back(shown.line(x, y));
+    pixel_.push_back(static_cast<std::uint16_t>(k));
+    weight_.push_back(weight);
+}
+
+void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
+    const PatchView& v = shown.view;
+    for (int y = 0; y < shown.at.height; ++y) {
+        for (int x = 0; x < shown.at.width; ++x) {
+            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            bool sure_of_all = !whole_tile;
+            for (std::size_t u = 0; u < v.uses.size(); ++u) sure_of_all = sure_of_all && sure(shown, u, k);
+            if (sure_of_all && v.uses.size() == 2) sure_of_all = shown.id(0, k) == shown.id(1, k);
+            uses[k] = 0;
+            if (sure_of_all) continue;
+            leave_to_rays(shown, x, y, v.weight, recorded);
+            for (std::size_t u = 0; u < v.uses.size(); ++u) shown.seen[u].texel[k] = SeenTile::no_texel;
+        }
+    }
+}
+
+void RaySamples::set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees,
+                                 LightSums& recorded) {
+    const PatchView& v = shown.view;
+    const PatchMesh& mesh = shown.mesh(u);
+    for (int y = 0; y < shown.at.height; ++y) {
+        for (int x = 0; x < shown.at.width; ++x) {
+            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            const std::uint32_t texel = shown.seen[u].texel[k];
+            if (texel == SeenTile::no_texel || mesh.drawn_children(texel) == 0 || trees.sure(k)) continue;
+            if (v.uses.size() == 1) {
+                leave_to_rays(shown, x, y, v.weight, recorded);
+                shown.seen[u].texel[k] = SeenTile::no_texel;
+                continue;
+            }
+            const double weight = v.weight * shown.share(u, k);
+            if (weight > 0) leave_to_rays(shown, x, y, weight, recorded);
+            uses[k] |= static_cast<std::uint8_t>(1U << u);
+        }
+    }
+}
+
+void RaySamples::trace(const PatchViews& set) {
+    radiance_.resize(lines_.size());
+    set.rays->trace(lines_, set.less, radiance_);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        auto& of = sum[pixel_[i]];
+        for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);
+        of[3] += weight_[i];
+    }
+    lines_.clear();
+    pixel_.clear();
+    weight_.clear();
+}
+
+void CheckedSamples::begin(const PatchField& field, const PatchViews& set, const TilePlace& at) {
+    pixels_.resize(set.views.size());
+    for (auto& of_view : pixels_) of_view.clear();
+    sums.resize(SeenTile::pixels);
+    fill_pixels(at, sums, {});
+    for (int y = 0; y < at.height; ++y) {
+        for (int x = 0; x < at.width; ++x) {
+            views_.clear();
+            set.checked(at.x - field.x + x, at.y - field.y + y, views_);
+            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
+            sums[k].views = static_cast<std::uint32_t>(views_.size());
+            for (const std::uint32_t view : views_) pixels_[view].push_back(static_cast<std::uint16_t>(k));
+        }
+    }
+}
+
+void CheckedSamples::note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
+                          const TreeSums* trees) {
+    const PatchMesh& mesh = shown.mesh(u);
+    for (const std::uint16_t k : pixels_[number]) {
+        const std::uint32_t texel = shown.seen[u].texel[k];
+        // If both recorded instants show the same surface, only the first is compared with a ray.
+        if (texel == SeenTile::no_texel || (rays.uses[k] >> u & 1U) != 0) continue;
+        if (shown.view.uses.size() == 2 && (u == 1 || shown.share(u, k) == 0)) continue;
+        const int x = k % SeenTile::edge, y = k / SeenTile::edge;
+        if (!shown.passes(x, y)) continue;
+        lines_.push_back(shown.line(x, y));
+        pixel_.push_back(k);
+        recorded_.push_back(glm::dvec3(mesh.light(texel)) +
+                            (trees != nullptr ? trees->light(k) : glm::dvec3(0)));
+    }
+}
+
+void CheckedSamples::check(const PatchViews& set) {
+    radiance_.resize(lines_.size());
+    set.rays->trace(lines_, set.less, radiance_);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        PixelCheck& of = sums[pixel_[i]];
+        ++of.rays;
+        for (std::size_t n = 0; n < 3; ++n) {
+            of.sum[n] += static_cast<double>(radiance_[i][n]) - recorded_[i][static_cast<int>(n)];
+        }
+    }
+    lines_.clear();
+    pixel_.clear();
+    recorded_.clear();
+}
+
+}  // namespace postlens

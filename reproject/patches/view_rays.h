@@ -1,0 +1,110 @@
+// View samples that are rays: where the records do not determine them, or to compare the records with rays.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "reproject/patch_field.h"
+#include "reproject/patches/patch_raster.h"
+#include "reproject/patches/seen_light.h"
+#include "reproject/patches/tree_sums.h"
+#include "reproject/sight_rays.h"
+
+namespace postlens {
+
+/// What the uses of a view (recorded instants reprojected to it) show in the pixels of a tile.
+struct ShownView {
+    const PatchField& field;
+    const PatchView& view;
+    TilePlace at;
+    SeenTile* seen = nullptr;  ///< one or two, per use
+
+    [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
+        return *field.instants[view.uses[u].instant].primary;
+    }
+    /// The object that use `u` shows in pixel `k`.
+    [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
+        return mesh(u).id_of(seen[u].texel[k]);
+    }
+    /// Weight of use `u` in pixel `k`. If both uses show the same surface, their colours are blended;
+    /// otherwise only the nearer surface counts.
+    [[nodiscard]] double share(std::size_t u, std::size_t k) const {
+        const std::size_t o = 1 - u;
+        if (seen[o].texel[k] == SeenTile::no_texel) return 1;
+        const float mine = seen[u].inverse_z[k], other = seen[o].inverse_z[k];
+        if (id(u, k) == id(o, k) && std::abs(mine - other) <= same_depth * std::max(mine, other))
+            return view.uses[u].share;
+        return mine > other || (mine == other && u == 0) ? 1 : 0;
+    }
+    /// Whether the lens transmits light to the pixel (x, y) of the tile.
+    [[nodiscard]] bool passes(int x, int y) const {
+        return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
+    }
+    /// Line of sight of the view in the pixel (x, y) of the tile.
+    [[nodiscard]] SightLine line(int x, int y) const {
+        return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
+    }
+
+    /// Largest relative difference of 1/z' at which two instants with equal ids show the same surface.
+    static constexpr float same_depth = 0.02F;
+};
+
+/// Number of lines of sight that are traced together: enough for efficient batches, few enough for the
+/// caches.
+inline constexpr std::size_t lines_together = 4096;
+
+/// View samples of a tile that are replaced by rays.
+class RaySamples {
+  public:
+    bool whole_tile = false;                            ///< all view samples of the tile are rays
+    LightSums sum{};                                    ///< of the traced radiance
+    std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
+
+    /// Replaces view samples by rays if the records do not determine their primary surface. `recorded`: sums
+    /// of the view samples that are not rays.
+    void set_aside(const ShownView& shown, LightSums& recorded);
+    /// Replaces view samples of use `u` by rays if the records do not determine their reflected or
+    /// transmitted nodes.
+    void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
+    [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
+    /// Traces the rays and adds them to `sum`.
+    void trace(const PatchViews& set);
+
+  private:
+    /// Replaces the share `weight` of a view sample by a ray.
+    void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
+
+    std::vector<SightLine> lines_;
+    std::vector<std::uint16_t> pixel_;
+    std::vector<double> weight_;
+    std::vector<std::array<float, 3>> radiance_;
+};
+
+/// View samples of a tile that are compared with a ray.
+class CheckedSamples {
+  public:
+    std::vector<PixelCheck> sums;  ///< per pixel
+
+    void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
+    /// Stores the radiance of the records for checked view samples, unless they are rays. `number`: of the
+    /// view in its set. `trees`: null if no reflected or transmitted node is drawn.
+    void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
+              const TreeSums* trees);
+    [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
+    /// Traces the rays and adds the residuals to `sums`.
+    void check(const PatchViews& set);
+
+  private:
+    std::vector<std::vector<std::uint16_t>> pixels_;  ///< per view, with repetitions
+    std::vector<std::uint32_t> views_;
+    std::vector<SightLine> lines_;
+    std::vector<std::uint16_t> pixel_;
+    std::vector<glm::dvec3> recorded_;
+    std::vector<std::array<float, 3>> radiance_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,97 @@
+// Divides the quadtree leaves of a square of the raster into pieces that each show one surface.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "records/quadtree.h"
+#include "reproject/sheets/sample_surfaces.h"
+#include "reproject/sheets/sheet_keys.h"
+
+namespace postlens {
+
+/// The pixels of a square of the raster: the first `rows` rows of the leaves' band, columns [first_pixel,
+/// last_pixel).
+struct SheetSquare {
+    int first_pixel = 0, last_pixel = 0, rows = 0;
+    int band_width = 0;
+    int x = 0, y = 0;  ///< raster px
+};
+
+/// A leaf that shows one surface, or a quarter of a leaf.
+struct LeafPiece {
+    std::uint32_t key = 0;  ///< index into SheetKeys::keys
+    int cell = 0;
+    float x = 0, y = 0, size = 0;  ///< px from the cell's corner
+    std::array<std::uint32_t, 4> node{};
+    int corners = 4;  ///< 4: the leaf's corners; 1: a quarter, only node[0], at (at_x, at_y) px in the cell
+    float at_x = 0, at_y = 0;
+    bool cut_before = false;  ///< Highlight::cut_before
+    bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
+};
+
+/// If all four corners of a leaf see one surface, the leaf is one piece. If a corner sees another surface, or
+/// the depth jumps, each corner gets the adjacent quarter of the leaf.
+class LeafPieces {
+  public:
+    /// Keeps references to all arguments but `header`.
+    LeafPieces(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
+               const SampleHeader& header);
+    /// Replaces the pieces by those of a square.
+    void collect(const SheetSquare& square);
+    /// Calls take(key, pieces) for each surface of the square, by ascending key, with its pieces in the order
+    /// of the leaves. Must be called once after each `collect`.
+    template <typename Take>
+    void each_surface(const Take& take) {
+        std::uint32_t begin = 0;
+        for (const std::uint32_t key : keys_used_) {
+            const std::uint32_t end = key_pieces_[key];
+            take(key, std::span<const LeafPiece* const>(sorted_).subspan(begin, end - begin));
+            key_pieces_[key] = 0;
+            begin = end;
+        }
+    }
+    /// Whether depths from `low` to `high`, 1/m, within `size` px may belong to one surface.
+    [[nodiscard]] bool continuous(float low, float high, float size) const {
+        return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
+    }
+
+  private:
+    /// The n-th node, counted from the nearest, that a surface (SheetKey) has at each corner of a leaf.
+    struct Group {
+        std::uint32_t key = 0;
+        std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
+        std::array<std::uint32_t, 4> corners{};
+    };
+    void add_leaf(const Leaf& leaf, int cell);
+    void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
+                   float size, int cell, const Leaf& leaf);
+    /// Which other surfaces the corners of a leaf show beside a given one. `before`: a corner shows a nearer
+    /// one. `behind`: a corner shows a farther one, and not the given one.
+    struct Beside {
+        bool before = false, behind = false;
+    };
+    [[nodiscard]] Beside beside(std::uint32_t corner, const TreeSurface& of, float size) const;
+    void add_piece(const LeafPiece& piece);
+    void sort_pieces();
+    [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
+
+    const PixelLeaves& leaves_;
+    const SampleTrees& trees_;
+    const SheetKeys& keys_;
+    double per_px_;
+    bool perspective_;
+    SheetSquare square_;
+    std::vector<LeafPiece> pieces_;
+    std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
+    std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
+    /// Per key, that is per surface: the number of its pieces, later their end in sorted_; and its first
+    /// Group at the current leaf. Reset to 0 and `none` after use.
+    std::vector<std::uint32_t> key_pieces_, key_group_;
+    std::vector<Group> groups_;
+};
+
+}  // namespace postlens

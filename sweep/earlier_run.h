@@ -1,0 +1,40 @@
+// Images that an earlier run of a sweep has made: which of them equal those of this run.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "focus/focus.h"
+#include "sweep/grid.h"
+#include "sweep/sweep.h"
+#include "sweep/sweep_table.h"
+
+namespace postlens {
+
+/// Checksum of a file's bytes (XXH3), as the table states it; that of 0 if the file cannot be read.
+[[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
+[[nodiscard]] std::string checksum_text(std::uint64_t checksum);
+
+/// Keys of the images of a sweep. Images with equal keys are equal (SweepRow::settings_key).
+class SweepKeys {
+  public:
+    /// `exposure_stops`: exposure of all images; `at`: raster positions to report the CoC of, px.
+    SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
+              FocusMethod method, const std::vector<glm::dvec2>& at);
+    [[nodiscard]] std::string of(const SweepSetting& s) const;
+
+  private:
+    std::string common_;  ///< what all images of the sweep depend on
+};
+
+/// Rows of the table from earlier runs, by file name: those of this run's table `json` and, if the run makes
+/// the whole sweep, those of the tables of all shares. None if the settings do not resume.
+[[nodiscard]] std::map<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
+                                                           const std::filesystem::path& folder,
+                                                           const std::filesystem::path& json);
+
+}  // namespace postlens

@@ -1,0 +1,34 @@
+// Checks the settings of a sweep, and derives from them what it reads and writes, before an image is made. An
+// error is Error(wrong_arguments) that names the option.
+#pragma once
+
+#include <filesystem>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+#include "focus/focus.h"
+#include "records/sample_file.h"
+#include "sweep/grid.h"
+#include "sweep/sweep.h"
+
+namespace postlens {
+
+/// Raster positions, px, at which the sweep reports the CoC: those of the settings, or a 3 x 3 grid.
+[[nodiscard]] std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h);
+
+/// File names of the images, in the order of the grid.
+[[nodiscard]] std::vector<std::string> sweep_file_names(const SweepSettings& s, const SweepGrid& grid);
+
+/// Checks the CoC limit and the format of the images.
+void check_sweep_limits(const SweepSettings& settings);
+
+/// Checks the lens settings of all images before the first one is made.
+void check_sweep_lenses(const SweepSettings& settings, const SweepGrid& grid, const SampleHeader& h,
+                        FocusMethod method);
+
+/// The files that a sweep of the sample file `frame` reads.
+[[nodiscard]] std::vector<std::filesystem::path> sweep_inputs(const std::filesystem::path& frame,
+                                                              const SweepSettings& settings);
+
+}  // namespace postlens

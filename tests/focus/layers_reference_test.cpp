@@ -1,0 +1,159 @@
+// The fast form of the layers method against the reference form, for any lens and number of threads.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <gtest/gtest.h>
+#include <limits>
+#include <memory>
+#include <random>
+#include <vector>
+
+#include "core/job.h"
+#include "focus/layers/layers.h"
+#include "focus/layers/visibility.h"
+#include "records/record.h"
+#include "tests/focus/focus_records.h"
+#include "tests/focus/layer_records.h"
+#include "tests/support/random_records.h"
+
+namespace postlens {
+namespace {
+
+using namespace test;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+/// Random records of interpenetrating objects, mirrors, hidden layers, and hidden nodes after bounces.
+RecordBand tangle(std::mt19937& random, int overscan_px, int width, int height) {
+    RecordBand band =
+        random_band(random, -overscan_px, width + overscan_px + 1, -overscan_px, height + overscan_px + 1,
+                    {.levels = 2, .probability = 0.3, .has_w = true, .has_layers = true});
+    for (Record& r : band.records) {
+        r.id = (r.id + static_cast<std::uint32_t>(std::abs(r.x) / 9)) % 5;
+        if (r.layer == 1 && r.id == 3) r.path = reflected_path;
+    }
+    return band;
+}
+
+TEST(Layers, EqualsTheReference) {
+    std::mt19937 random(41);
+    for (const double scale : {1e-6, 0.3, 3.0, 40.0}) {
+        const RecordBand band = tangle(random, 4, 75, 70);
+        FocusGeometry geometry = unit_geometry;
+        geometry.gain_px *= scale;
+        geometry.inverse_focus_per_m = 0.3;
+        for (const DepthModel model :
+             {DepthModel::ray_differentials, DepthModel::path, DepthModel::first_hit}) {
+            const auto splats = splats_of(band, 4, {.geometry = geometry, .model = model});
+            Image fast;
+            layers(*splats, fast);
+            // Tolerance: sums of 1e4 terms in another order, for colours of up to 4.
+            EXPECT_LT(difference(fast, layers_reference(*splats)), 2e-5) << scale;
+        }
+    }
+}
+
+TEST(Layers, EqualsTheReferenceForOtherApertures) {
+    std::mt19937 random(43);
+    const RecordBand band = tangle(random, 4, 40, 30);
+    FocusGeometry geometry = unit_geometry;
+    geometry.gain_px *= 6;
+    geometry.inverse_focus_per_m = 0.3;
+    std::vector<Impulse> impulses(3);
+    impulses[0].kind = ImpulseKind::polygon;
+    impulses[0].blades = 5;
+    impulses[1] = impulses[0];
+    impulses[1].cats_eye = 0.8;
+    impulses[2].kind = ImpulseKind::diffraction;
+    for (const Impulse& impulse : impulses) {
+        const std::shared_ptr<const ResponseModel> response = response_model(impulse, geometry, 25);
+        const auto splats = splats_of(band, 4, {.geometry = geometry}, response);
+        EXPECT_EQ(splats->kernels().channels(), impulse.kind == ImpulseKind::diffraction ? 3U : 1U);
+        Image fast;
+        layers(*splats, fast);
+        EXPECT_LT(difference(fast, layers_reference(*splats)), 2e-5) << impulse_text(impulse);
+    }
+}
+
+TEST(Layers, IsTheSameBitsForAnyNumberOfThreads) {
+    std::mt19937 random(47);
+    const RecordBand band = tangle(random, 4, 140, 130);
+    FocusGeometry geometry = unit_geometry;
+    geometry.gain_px *= 4;
+    geometry.inverse_focus_per_m = 0.3;
+    std::vector<Image> images;
+    for (const int threads : {1, 2, 5}) {
+        const ThreadLimit limit(threads);
+        images.push_back(layered(band, 4, {.geometry = geometry}));
+    }
+    EXPECT_EQ(images[0].rgb, images[1].rgb);
+    EXPECT_EQ(images[0].rgb, images[2].rgb);
+}
+
+TEST(Layers, AnyLensGivesFinitePicturesBetweenTheDarkestAndTheBrightest) {
+    std::mt19937 random(53);
+    const RecordBand band = tangle(random, 2, 24, 16);
+    std::array<float, 3> most{};
+    // Sums the visible nodes of each sample with all reflected ones. Hidden nodes after bounces are added to
+    // the nodes in front of them.
+    for (std::size_t k = 0; k + 1 < band.offsets.size(); ++k) {
+        for (std::size_t i = band.offsets[k]; i < band.offsets[k + 1]; ++i) {
+            std::array<float, 3> sum{};
+            const Record& first = band.records[i];
+            for (std::size_t j = i; j < band.offsets[k + 1]; ++j) {
+                const Record& r = band.records[j];
+                if (r.x == first.x && r.y == first.y && r.layer == first.layer) {
+                    sum = {sum[0] + r.r, sum[1] + r.g, sum[2] + r.b};
+                }
+            }
+            for (std::size_t c = 0; c < 3; ++c) most[c] = std::max(most[c], sum[c]);
+        }
+    }
+    for (const double f_number : {0.5, 1.4, 8.0, 64.0}) {
+        for (const double focus_m : {0.1, 0.7, 3.0, 1e6, static_cast<double>(infinity)}) {
+            // These settings make CoCs of up to four image widths.
+            const FocusGeometry geometry{.aperture_radius_m = 0.025 / f_number,
+                                         .inverse_focus_per_m = 1 / focus_m,
+                                         .gain_px = 200,
+                                         .zoom = 1};
+            const Image image = layered(band, 2, {.geometry = geometry});
+            for (std::size_t i = 0; i < image.rgb.size(); ++i) {
+                ASSERT_TRUE(std::isfinite(image.rgb[i])) << f_number << " " << focus_m;
+                ASSERT_GE(image.rgb[i], 0) << f_number << " " << focus_m;
+                ASSERT_LE(image.rgb[i], most[i % 3]) << f_number << " " << focus_m;
+            }
+        }
+    }
+}
+
+TEST(Composite, LiesOver) {
+    // Without moments and far apart in depth, alphas are multiplied.
+    const FocusGeometry geometry{
+        .aperture_radius_m = 1e-3, .inverse_focus_per_m = 10, .gain_px = 1000, .zoom = 1};
+    const auto fragment = [](double inverse_m, double seen, double hidden, double grey, double covered = 0) {
+        Fragment f{.inverse_depth_per_m = inverse_m, .seen = {}, .hidden = {}};
+        f.seen.alpha = seen;
+        f.hidden.alpha = hidden;
+        f.seen.rgb.fill(seen * grey);
+        f.hidden.rgb.fill(hidden * grey);
+        f.covered = covered;
+        return f;
+    };
+    std::vector<Fragment> two{fragment(0, 0.5, 0.5, 1), fragment(40, 0.3, 0, 4)};
+    EXPECT_NEAR(composite(two, geometry)[0], 0.3 * 4 + 0.7, 1e-12);
+    std::vector<Fragment> three{fragment(-100, 1, 0, 8), fragment(0, 0.5, 0, 1), fragment(40, 0.3, 0, 4)};
+    EXPECT_NEAR(composite(three, geometry)[0], 0.3 * 4 + 0.7 * (0.5 + 0.5 * 8), 1e-12);
+    // With equal CoCs, only the visible parts count, not the hidden ones.
+    std::vector<Fragment> together{fragment(20, 0.5, 0.5, 1, 0.5), fragment(20.001, 0.25, 0, 4),
+                                   fragment(20, 0.25, 0, 2)};
+    EXPECT_NEAR(composite(together, geometry)[0], 0.25 * 4 + 0.25 * 2 + 0.5, 1e-3);
+    // If nothing is recorded behind a fragment, the result is divided by its coverage.
+    std::vector<Fragment> half{fragment(20, 0.5, 0, 3)};
+    EXPECT_NEAR(composite(half, geometry)[0], 3, 1e-12);
+    EXPECT_EQ(composite({}, geometry), (std::array<double, 3>{}));
+}
+
+}  // namespace
+}  // namespace postlens

@@ -1,0 +1,190 @@
+#include "tracer/recording/cell_split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace postlens {
+
+bool CellSplit::has_contrast(double lo, double hi) const {
+    return (hi - lo) / (hi + lo + 0.05) > settings_.threshold;
+}
+
+bool CellSplit::differ(const CornerCell& c, const Seen* s, int count) const {
+    for (int i = 1; i < count; ++i) {
+        if (s[i].id != s[0].id)
+            return c.size > grid_.unit >> std::min(settings_.edge_levels, settings_.levels);
+    }
+    if (c.size <= grid_.unit >> std::min(settings_.colour_levels, settings_.levels)) return false;
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+        float lo = s[0].rgb[channel], hi = lo;
+        for (int i = 1; i < count; ++i) {
+            lo = std::min(lo, s[i].rgb[channel]);
+            hi = std::max(hi, s[i].rgb[channel]);
+        }
+        if (has_contrast(lo, hi)) return true;
+    }
+    return pattern_between(s, count);
+}
+
+bool CellSplit::pattern_between(const Seen* s, int count) const {
+    if (s[0].chunk->sources.empty()) return false;
+    for (std::uint32_t n = 0; n < s[0].count; ++n) {
+        const auto node = nodes_like(s, count, n);
+        if (node && (shadows_differ(s, *node, count) || texture_differs(s, *node, count))) return true;
+    }
+    return false;
+}
+
+void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
+    if (!tracer_.has_textures() ||
+        c.size > std::max(1U, grid_.unit >> std::min(settings_.colour_levels, settings_.levels)))
+        return;
+    std::array<Seen, 4> seen;
+    std::array<std::uint32_t, 4> at{};
+    for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+    mark_textures(seen, marks);
+    while (std::all_of(at.begin(), at.end(), [&, i = std::size_t{0}](std::uint32_t a) mutable {
+        return a < samples_[c.corner[i++]].count;
+    })) {
+        for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+        mark_textures(seen, marks);
+    }
+}
+
+void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const {
+    for (std::uint32_t n = 0; n < s[0].count; ++n) {
+        const auto node = nodes_like(s.data(), 4, n);
+        if (!node || !texture_differs(s.data(), *node, 4)) continue;
+        for (std::size_t i = 0; i < 4; ++i)
+            marks.emplace_back(static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), (*node)[i]);
+    }
+}
+
+std::optional<std::array<std::uint32_t, 4>> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
+    std::array<std::uint32_t, 4> node{s[0].first + n};
+    for (int i = 1; i < count; ++i) {
+        const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
+        if (!found) return std::nullopt;
+        node[static_cast<std::size_t>(i)] = *found;
+    }
+    return node;
+}
+
+std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Seen& in) {
+    for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
+        const Record& r = in.chunk->records[n];
+        if (r.path == wanted.path) return r.id == wanted.id ? std::optional(n) : std::nullopt;
+    }
+    return std::nullopt;
+}
+
+bool CellSplit::shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node, int count) {
+    for (int i = 1; i < count; ++i) {
+        if (s[i].chunk->sources[node[static_cast<std::size_t>(i)]].shadows !=
+            s[0].chunk->sources[node[0]].shadows)
+            return true;
+    }
+    return false;
+}
+
+bool CellSplit::texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node, int count) const {
+    const Texture* texture = s[0].chunk->sources[node[0]].texture;
+    if (texture == nullptr) return false;
+    glm::vec3 low = s[0].chunk->sources[node[0]].place, high = low;
+    for (int i = 1; i < count; ++i) {
+        const ColourSource& source = s[i].chunk->sources[node[static_cast<std::size_t>(i)]];
+        if (source.texture != texture) return false;
+        low = glm::min(low, source.place);
+        high = glm::max(high, source.place);
+    }
+    const ColourRange range = texture->range(low, high);
+    if (range.low == range.high) return false;
+    for (int channel = 0; channel < 3; ++channel) {
+        // The radiance is modelled as plus + times * texel, where texel is the texture's colour.
+        double times = 0, plus = HUGE_VAL;
+        std::array<double, 4> texel{};
+        for (int i = 0; i < count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            texel[k] = texture->colour_at(s[i].chunk->sources[node[k]].place)[channel];
+            if (texel[k] > 1e-6)
+                times = std::max(
+                    times, static_cast<double>(steady_radiance(*s[i].chunk, node[k])[channel]) / texel[k]);
+        }
+        for (int i = 0; i < count; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            plus = std::min(
+                plus, static_cast<double>(s[i].rgb[static_cast<std::size_t>(channel)]) - times * texel[k]);
+        }
+        plus = std::max(plus, 0.0);
+        if (has_contrast(plus + times * range.low[channel], plus + times * range.high[channel])) return true;
+    }
+    return false;
+}
+
+CellSplit::Seen CellSplit::take_layer(const CornerSample& s, std::uint32_t& at) const {
+    const TracedSamples& chunk = chunks_[s.chunk];
+    const Record* r = chunk.records.data() + s.first;
+    const std::uint32_t layer = r[at].layer;
+    Seen out{r[at].id, {}, &chunk, s.first + at, 0};
+    for (; at < s.count && r[at].layer == layer; ++at) {
+        const glm::vec3 c = steady_radiance(chunk, s.first + at);
+        out.rgb[0] += c.r;
+        out.rgb[1] += c.g;
+        out.rgb[2] += c.b;
+        ++out.count;
+    }
+    return out;
+}
+
+bool CellSplit::splits(const CornerCell& c) const {
+    std::array<Seen, 4> seen;
+    bool hidden = false;
+    for (std::size_t i = 0; i < 4; ++i) {
+        const CornerSample& s = samples_[c.corner[i]];
+        seen[i] = {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
+        hidden = hidden || s.count > s.visible;
+    }
+    return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
+           (!things_.empty() && small_things_ask(c, hidden));
+}
+
+bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
+    float farthest = 0;
+    bool edge = false;
+    for (const std::uint32_t corner : c.corner) {
+        const CornerSample& s = samples_[corner];
+        farthest = std::max(farthest, s.z);
+        edge = edge || s.id != samples_[c.corner[0]].id;
+    }
+    const glm::dvec2 at = grid_.position(CornerGrid::key(c.x, c.y));
+    const double size = static_cast<double>(c.size) / grid_.unit;
+    const SmallThings::Wanted wanted = things_.wanted(
+        at.x, at.y, size, hidden ? std::numeric_limits<double>::infinity() : static_cast<double>(farthest));
+    return size > wanted.find_px || (edge && size > wanted.outline_px);
+}
+
+bool CellSplit::hidden_layers_differ(const CornerCell& c) const {
+    std::array<std::uint32_t, 4> at{};
+    for (std::size_t i = 0; i < 4; ++i) at[i] = samples_[c.corner[i]].visible;
+    for (;;) {
+        constexpr std::uint32_t none = 0xFFFFFFFFU;
+        std::uint32_t path = none;
+        for (std::size_t i = 0; i < 4; ++i) path = std::min(path, next_path(c.corner[i], at[i], none));
+        if (path == none) return false;
+        std::array<Seen, 4> seen;
+        int count = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            if (next_path(c.corner[i], at[i], none) != path) continue;
+            seen[static_cast<std::size_t>(count++)] = take_layer(samples_[c.corner[i]], at[i]);
+        }
+        if (differ(c, seen.data(), count)) return true;
+    }
+}
+
+std::uint32_t CellSplit::next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const {
+    const CornerSample& s = samples_[sample];
+    return at < s.count ? chunks_[s.chunk].records[s.first + at].path.bits() : none;
+}
+
+}  // namespace postlens

@@ -1,0 +1,87 @@
+// Decides which cells of the grid split, by what their corners see.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "tracer/recording/corner_grid.h"
+#include "tracer/recording/corner_sampler.h"
+#include "tracer/recording/small_things.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+/// The criteria of sample_corners.
+class CellSplit {
+  public:
+    /// Keeps references to all arguments. `samples` and `chunks` may change between calls.
+    CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
+              const CornerGrid& grid, const std::vector<CornerSample>& samples,
+              const std::vector<TracedSamples>& chunks)
+        : tracer_(tracer),
+          things_(things),
+          settings_(settings),
+          grid_(grid),
+          samples_(samples),
+          chunks_(chunks) {}
+
+    [[nodiscard]] bool splits(const CornerCell& c) const;
+    /// A record, by the index of its chunk and its index there.
+    using Marks = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    /// Adds the nodes at the corners of a leaf (an undivided cell) between which the texture has contrast.
+    /// Only leaves of the smallest size that contrast can produce are examined.
+    void mark_leaf(const CornerCell& c, Marks& marks) const;
+
+  private:
+    /// The properties of one layer of a sample that decide about subdivision. The layer's nodes are the
+    /// records [first, first + count) of `chunk`, sorted by path.
+    struct Seen {
+        std::uint32_t id = 0;
+        std::array<float, 3> rgb{};
+        const TracedSamples* chunk = nullptr;
+        std::uint32_t first = 0, count = 0;
+    };
+    [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
+    /// Contrast as in [mitchell1987]. The term 0.05 keeps small differences of dark colours from splitting.
+    [[nodiscard]] bool has_contrast(double lo, double hi) const;
+    /// True if a cell whose corners have similar colours still contains an edge: the texture between the
+    /// corners has contrast, or different lights are shadowed at them.
+    [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
+    void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
+    /// The n-th node of the first corner, and at each other corner the node with the same path and id. Empty
+    /// if a corner has no such node.
+    [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
+                                                                                std::uint32_t n);
+    /// The node with the path and the id of `wanted`.
+    [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in);
+    [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
+                                             int count);
+    /// Whether the lit texture has contrast between the texture positions of the corners.
+    [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
+                                       int count) const;
+    /// Reads the layer that begins at `at`, an index into the sample's records, and advances `at` to its end.
+    [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
+    /// A cell's corners can all miss a narrow object, so a cell that may contain such an object is split.
+    /// Objects behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
+    /// Hidden layers split cells by the same criteria as visible ones. Corners that lack a layer do not take
+    /// part in its comparison. A hidden layer that begins after a bounce has no primary node, so a layer is
+    /// compared only with layers whose first node has the same path.
+    [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
+    /// The path of the first node of the layer that begins at index `at` of the sample's records; `none`
+    /// after the last layer.
+    [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
+
+    const WhittedTracer& tracer_;
+    const SmallThings& things_;
+    const SubdivisionSettings& settings_;
+    const CornerGrid& grid_;
+    const std::vector<CornerSample>& samples_;
+    const std::vector<TracedSamples>& chunks_;
+};
+
+}  // namespace postlens

@@ -1,0 +1,70 @@
+// The grid of all cell corners of a window, and the point samples there.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+
+#include "tracer/recording/corner_sampler.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+/// Position on the grid of all cell corners, in units of 2^-levels px from the window's upper left corner.
+using CornerKey = std::uint64_t;  // y << 32 | x
+
+struct CornerGrid {
+    CornerGrid(const SampledWindow& of, int subdivision_levels)
+        : window(of),
+          levels(subdivision_levels),
+          unit(1U << subdivision_levels),
+          columns(of.x_end - of.x_begin + 1) {}
+
+    SampledWindow window;
+    int levels;          ///< SubdivisionSettings::levels
+    std::uint32_t unit;  ///< grid units per px
+    int columns;         ///< pixel corners per row
+
+    [[nodiscard]] static CornerKey key(std::uint32_t x, std::uint32_t y) {
+        return (static_cast<CornerKey>(y) << 32) | x;
+    }
+    /// Grid units of the upper edge of the pixel row `y`.
+    [[nodiscard]] std::uint32_t row(int y) const {
+        return static_cast<std::uint32_t>(y - window.y_begin) * unit;
+    }
+    [[nodiscard]] std::uint32_t to_pixels(std::uint32_t grid) const { return grid >> levels; }
+    /// Raster position, px.
+    [[nodiscard]] glm::dvec2 position(CornerKey k) const {
+        return {window.x_begin + static_cast<double>(static_cast<std::uint32_t>(k)) / unit,
+                window.y_begin + static_cast<double>(k >> 32) / unit};
+    }
+};
+
+/// The properties of a point sample that decide about subdivision, and where its records lie.
+struct CornerSample {
+    std::uint32_t x = 0, y = 0;  ///< grid units
+    std::uint32_t chunk = 0, first = 0, count = 0;
+    std::uint32_t visible = 0;  ///< number of records of layer 0, which come first
+    std::uint32_t id = 0;       ///< of the primary node
+    float z = 0;                ///< z' of the primary node, m
+    float r = 0, g = 0, b = 0;
+};
+
+/// A pixel or a part of one, which splits into quarters.
+struct CornerCell {
+    std::uint32_t x, y;  ///< grid units, upper left
+    std::uint32_t size;  ///< grid units; a cell of size 1 cannot be split
+    std::array<std::uint32_t, 4>
+        corner;  ///< sample indices: upper left, upper right, lower left, lower right
+};
+
+/// A record's radiance without its noisy part. The contrast of this part decides which cells split, because
+/// noise would split every cell.
+[[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
+    const Record& r = chunk.records[record];
+    const glm::vec3 all(r.r, r.g, r.b);
+    return chunk.noisy.empty() ? all : all - chunk.noisy[record];
+}
+
+}  // namespace postlens

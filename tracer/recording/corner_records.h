@@ -1,0 +1,23 @@
+// Puts the records of a band's samples into the canonical order of a sample file.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "records/record.h"
+#include "tracer/recording/corner_grid.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+class CornerRecords {
+  public:
+    /// Writes the records of pixel rows [y_begin, y_end), pixel by pixel.
+    void emit(const CornerGrid& grid, const std::vector<CornerSample>& samples,
+              const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
+
+  private:
+    std::vector<std::uint32_t> first_, order_, next_;  ///< buffers, reused to save allocations
+};
+
+}  // namespace postlens

@@ -1,0 +1,163 @@
+// The implementation of WhittedTracer. Only whitted*.cpp include this.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <glm/glm.hpp>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "tracer/shading/light_means.h"
+#include "tracer/shading/shading.h"
+#include "tracer/shading_trees/lobe_means.h"
+#include "tracer/shading_trees/ray_differentials.h"
+#include "tracer/shading_trees/refocus_bend.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+struct WhittedTracer::Impl {
+    // A ray of the current generation. `origin` is exact; the origin in the packet is offset from the
+    // surface.
+    struct PathRay {
+        glm::dvec3 origin{0}, direction{0}, throughput{0};
+        double length = 0;    // of the path so far, m
+        double cos_axis = 1;  // cosine of the angle between the eye ray and the optical axis
+        std::uint32_t sample = 0;
+        std::uint32_t differentials = 0;  // index; unused if W is not computed
+        std::uint32_t layer = 0;
+        std::uint32_t parent = 0;  // id of the object that reflected or transmitted the ray
+        NodePath path;
+        int root_depth = 0;  // depth of the first node of its layer
+    };
+
+    // A light's contribution to a node, before occlusion.
+    struct Shadow {
+        std::uint32_t node = 0;
+        glm::dvec3 radiance{0};
+    };
+
+    struct Node {
+        Record record;
+        glm::dvec3 radiance{0};
+        glm::dvec3 noisy{0};  // noisy part of the radiance (TracedSamples::noisy)
+        glm::dvec3 throughput{0};
+        std::uint32_t sample = 0;
+        ColourSource source;
+    };
+
+    // The node to which a lobe's mean is added, and the factor of the mean.
+    struct LobeTarget {
+        std::uint32_t node = 0;
+        glm::dvec3 share{0};
+    };
+
+    // An array whose items are filled in place, field by field, and reused. Building items elsewhere and
+    // copying them took longer than the shading.
+    template <typename T>
+    struct Pool {
+        std::vector<T> items;
+        std::size_t count = 0;
+        T& add() {
+            if (count == items.size()) items.resize(std::max<std::size_t>(256, 2 * count));
+            return items[count++];
+        }
+        [[nodiscard]] T& operator[](std::size_t i) { return items[i]; }
+    };
+
+    // Buffers of one thread, reused for every batch.
+    struct Workspace {
+        std::span<const glm::dvec2> positions;
+        Pool<PathRay> rays, next_rays;
+        Pool<RayDifferentials> differentials, next_differentials;
+        RayDifferentials at_eye;
+        Pool<Node> nodes;
+        std::vector<Pool<Shadow>> shadows;  // per light
+        std::vector<RayBatch> shadow_rays;  // per light
+        RayBatch batch, next_batch;
+        std::vector<std::uint32_t> order;
+        std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
+        std::vector<HiddenHit> hidden;
+        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays of
+        // these hits.
+        std::vector<FirstHit> chain_hits;
+        std::vector<PathRay> chain_rays;
+        std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
+        std::vector<std::uint32_t> next_layer;  // of each sample
+        // Used only if the nonlinear W of nodes is measured: the bounces of each ray by index of its
+        // differentials, and the nodes to measure.
+        Pool<Bounces> bounces, next_bounces;
+        std::vector<BentNode> bent;
+        std::vector<float> bends;
+        // Means over lobes and over lights with an extent, of all generations.
+        std::vector<LobeHit> lobes;
+        std::vector<LobeTarget> lobe_targets;
+        std::vector<glm::dvec3> lobe_means;
+        std::vector<ExtentLit> extents;
+        std::vector<std::uint32_t> extent_nodes;
+        RayBatch extent_rays;
+    };
+
+    Impl(const RayScene& s, const CameraModel& c, const WhittedSettings& w, const HiddenLayers& h)
+        : rays(s), camera(c), settings(w), hidden(h) {}
+
+    const RayScene& rays;
+    const CameraModel& camera;
+    WhittedSettings settings;
+    HiddenLayers hidden;
+    std::vector<PlacedLight> lights;
+    std::unique_ptr<LobeMeans> lobe_means;  // null: no lobes are averaged
+    bool has_extents = false;
+    bool deeper_nodes = false;
+    bool refocus = false;
+    bool has_sources = false, has_textures = false;
+    std::vector<double> bound;  // per number of nodes left: upper bound of a subtree's radiance
+
+    void start(Workspace& w) const;
+    void generation(Workspace& w, RayCounts& counts) const;
+    void begin_generation(Workspace& w) const;
+    void end_generation(Workspace& w) const;
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit where
+    // the ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind it.
+    void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
+    void trace_hidden(Workspace& w, RayCounts& counts) const;
+    // Traces hidden surfaces that are seen by reflection or refraction. Each surface becomes a separate layer
+    // of its sample, without a primary node.
+    void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
+    // Adds a hidden surface as the root of its own shading tree, shaded as if nothing were in front of it.
+    void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
+    // Adds a node and sets all of it but its depth, id, W and radiance.
+    [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
+    void miss(const PathRay& ray, Workspace& w) const;
+    void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
+             RayCounts& counts) const;
+    void light(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, const glm::dvec3& colour, Workspace& w, RayCounts& counts) const;
+    void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
+               const Material& m, Workspace& w, RayCounts& counts) const;
+    void child(const PathRay& parent, const SurfacePoint& s, const HitKey& key, const glm::dvec3& direction,
+               const glm::dvec3& off, const glm::dvec3& throughput, NodePath::Bounce bounce,
+               Workspace& w) const;
+    void resolve_shadows(Workspace& w) const;
+    void take_lobe(const PathRay& ray, const SurfacePoint& s, const HitKey& key, const glm::dvec3& axis,
+                   const glm::dvec3& side, double exponent, const glm::dvec3& share, NodePath::Bounce bounce,
+                   Workspace& w) const;
+    void average_lobes(Workspace& w, RayCounts& counts) const;
+    void average_extents(Workspace& w, RayCounts& counts) const;
+    [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
+    [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
+    // Stores a node whose matrix W may not be exact, so that its error is measured. `s` is null if the ray
+    // hit nothing.
+    void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
+    void trace_bends(Workspace& w, RayCounts& counts) const;
+    // Takes the nonlinear W (`w_bend`) of nodes from samples nearby where possible. The nodes that must be
+    // measured stay in w.bent.
+    void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
+    // Converts nodes, which are ordered by generation, to records, ordered by sample, layer and path.
+    static void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out);
+};
+
+}  // namespace postlens
