@@ -77,6 +77,36 @@ class MotionblurCommand : public CommandTest {
     Image picture() { return read_image(in("out.exr")); }
 };
 
+TEST_F(MotionblurCommand, WithTheSceneRaysGoWhereTheViewsAreUnsure) {
+    const std::string frame = moving_plate(), scene = in("a.toml");
+    for (const std::string method : {"auto", "lightfield"}) {
+        const Words lens = method == "auto" ? Words{"--method", "auto", "--target-db", "38"}
+                                            : Words{"--method", "hybrid", "--views", "64"};
+        Words shoot{"shoot",   frame, "-o",         in("shot.exr"), "--shutter", "0:0.5",
+                    "--scene", scene, "--f-number", "inf",          "--focus",   "1"};
+        shoot.insert(shoot.end(), lens.begin(), lens.end());
+        ASSERT_EQ(run(shoot).exit_code, 0);
+        Words words{"--scene", scene, "--method", method};
+        words.insert(words.end(), lens.begin() + 2, lens.end());
+        const json said = blurred(frame, words);
+        EXPECT_GT(said.at("retraced_share").get<double>(), 0) << method;
+        EXPECT_TRUE(said.contains("stated_db")) << method;
+        EXPECT_EQ(read_image(in("out.exr")).rgb, read_image(in("shot.exr")).rgb) << method;
+    }
+    // As right as rays: the noise of the reference is well below the error that is allowed.
+    ASSERT_EQ(run({"render", scene, "-o", in("rays.exr"), "--size", "64x36", "--spp", "1024", "--shutter",
+                   "0:0.5", "--f-number", "inf"})
+                  .exit_code,
+              0);
+    const Outcome compared = run({"compare", in("out.exr"), in("rays.exr"), "--json"});
+    EXPECT_GT(json::parse(compared.out).at("psnr_db").get<double>(), 38);
+    const auto two = ExitCode::wrong_arguments;
+    not_blurred(frame, {"--target-db", "40"}, two, "--scene");
+    not_blurred(frame, {"--scene", scene, "--method", "convolve"}, two, "--method convolve");
+    not_blurred(frame, {"--scene", in("none.toml")}, ExitCode::invalid_input, "none.toml");
+    not_blurred(frame, {"--scene", scene, "--share", "0/2"}, two, "--share");
+}
+
 TEST_F(MotionblurCommand, SaysWhatItDid) {
     const std::string frame = moving_plate();
     const json j = blurred(frame, {"--shutter", "0:1"});

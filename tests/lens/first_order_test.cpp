@@ -93,7 +93,7 @@ TEST(FirstOrder, CodeVListing) {
 // The listing's "fio" has the heights of the marginal and the chief ray (14 degrees) at every surface.
 TEST(FirstOrder, ParaxialRaysOfCodeV) {
     const Prescription lens = published_lens("rayoptics_ag_dblgauss.seq");
-    std::ifstream listing(std::string(POSTLENS_TEST_DATA) + "/lens/rayoptics_ag_dblgauss.lis");
+    std::ifstream listing(POSTLENS_TEST_DATA "/lens/rayoptics_ag_dblgauss.lis");
     std::string line;
     while (std::getline(listing, line) && line.find("HMY") == std::string::npos) {
     }

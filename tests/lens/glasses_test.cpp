@@ -27,7 +27,7 @@ TEST(Glasses, TermsGiveThePublishedIndex) {
 
 // The table "REFRACTIVE INDICES" of CODE V's listing has six decimals at three wavelengths.
 TEST(Glasses, TermsGiveTheIndicesOfCodeV) {
-    std::ifstream listing(std::string(POSTLENS_TEST_DATA) + "/lens/rayoptics_ag_dblgauss.lis");
+    std::ifstream listing(POSTLENS_TEST_DATA "/lens/rayoptics_ag_dblgauss.lis");
     std::string line;
     int rows = 0;
     while (std::getline(listing, line) && line.find("GLASS CODE") == std::string::npos) {

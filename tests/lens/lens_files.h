@@ -1,6 +1,7 @@
 // Prescriptions from the files of tests/data/lens, and from text.
 #pragma once
 
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -12,7 +13,7 @@ namespace postlens::test {
 
 /// Reads a prescription from a file of tests/data/lens.
 inline Prescription published_lens(const std::string& name) {
-    return read_prescription(std::string(POSTLENS_TEST_DATA) + "/lens/" + name);
+    return read_prescription(std::filesystem::path(POSTLENS_TEST_DATA) / "lens" / name);
 }
 
 /// Reads a prescription from its text. The extension of `name` states the format.

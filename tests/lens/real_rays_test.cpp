@@ -57,7 +57,7 @@ std::vector<double> numbers_of(const std::string& line) {
 
 Listing read_listing() {
     Listing out;
-    std::ifstream in(std::string(POSTLENS_TEST_DATA) + "/lens/rayoptics_ag_dblgauss.lis");
+    std::ifstream in(POSTLENS_TEST_DATA "/lens/rayoptics_ag_dblgauss.lis");
     std::string line;
     while (std::getline(in, line) && line.rfind("ANA> go", 0) != 0) {
     }
