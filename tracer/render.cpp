@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "core/error.h"
 #include "core/files/output_file.h"
@@ -67,6 +68,13 @@ class Renderer {
         }
     }
 
+    /// Number of blocks of the samples of a pixel, and number of groups of samples in a block.
+    static std::pair<int, int> division(int spp_asked, bool halves) {
+        const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
+                  groups = (spp + group - 1) / group,
+                  block = (groups + most_sample_blocks - 1) / most_sample_blocks;
+        return {(groups + block - 1) / block, block};
+    }
     /// The blocks into which the samples of a pixel are divided: all blocks, or those of a share of the
     /// samples.
     struct Blocks {
@@ -74,10 +82,7 @@ class Renderer {
         bool with_open = false;  ///< a block has several groups of samples; blocks are added up
     };
     static Blocks blocks_of(const RenderSettings& settings) {
-        const int spp = settings.spp / (settings.halves ? 2 : 1), group = std::min(spp, RayBatch::group),
-                  groups = (spp + group - 1) / group,
-                  block = (groups + most_sample_blocks - 1) / most_sample_blocks,
-                  blocks = (groups + block - 1) / block;
+        const auto [blocks, block] = division(settings.spp, settings.halves);
         if (!settings.sample_share) return {0, blocks, block > 1};
         const auto [index, count] = *settings.sample_share;
         if (count > blocks) {
@@ -257,6 +262,10 @@ fs::path with_word(const fs::path& path, const std::string& word, const std::str
 }
 
 }  // namespace
+
+int sample_blocks(int spp, bool halves) {
+    return Renderer::division(spp, halves).first;
+}
 
 std::array<fs::path, 2> half_paths(const fs::path& path) {
     return {with_word(path, "a", path.extension().string()), with_word(path, "b", path.extension().string())};

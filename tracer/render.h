@@ -73,6 +73,10 @@ struct RenderResult {
     double motion_error_px = 0;  ///< greatest error of Embree's linear steps of moving meshes
 };
 
+/// Number of blocks into which the samples of a pixel are divided, of which a share has some
+/// (distributed/render_state.h).
+[[nodiscard]] int sample_blocks(int spp, bool halves);
+
 /// Paths of the two files of `halves`: NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
 /// Path of an unfinished image: NAME.partial.exr. Any viewer can show it; further channels hold the sums.

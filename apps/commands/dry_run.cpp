@@ -11,6 +11,7 @@
 #include "core/files/text_file.h"
 #include "pictures/image.h"
 #include "tracer/distributed/render_state.h"
+#include "tracer/render.h"
 
 namespace postlens {
 namespace {
@@ -205,7 +206,7 @@ class Measured {
         const ImageSize size = read_image_size(output_);
         const bool halves =
             std::find(work_.words.begin(), work_.words.end(), "--halves") != work_.words.end();
-        const int blocks = (std::min(most_sample_blocks, work_.amount) + work_.shares - 1) / work_.shares;
+        const int blocks = (sample_blocks(work_.amount, halves) + work_.shares - 1) / work_.shares;
         const auto bytes = [&](int b) {
             return RenderState::bytes(size.width, size.height, halves ? 2 : 1, b);
         };

@@ -184,7 +184,7 @@ def test_keywords_are_the_commands_options(command):
     from postlens._command import option_name
 
     left_out = {"--help", "--json", "--quiet", "--output", "--frames", "--keep", "--fps", "--resume",
-                "--share", "--share-by", "--requeue-code"}  # fmt: skip
+                "--share", "--share-by", "--dry-run", "--requeue-code"}  # fmt: skip
     of_frame = {"--salvage"}  # an option of Frame itself
     for name, call in (
         ("focus", postlens.Frame.focus), ("shoot", postlens.Frame.shoot),

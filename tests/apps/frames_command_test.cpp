@@ -70,7 +70,8 @@ class Frames : public CommandTest {
     /// What --keep says of each frame: empty for one that was kept, else why it was made again.
     Words made_again(const Words& words) {
         Words out;
-        for (const json& frame : done(words + Words{"--keep"}).at("frames"))
+        const json said = done(words + Words{"--keep"});
+        for (const json& frame : said.at("frames"))
             out.push_back(frame.value("made_again", frame.at("kept") ? "" : "absent"));
         return out;
     }
@@ -178,7 +179,8 @@ TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
     // A file that a scene refers to is its input as well, and a file that says nothing is made again.
     std::ofstream(in("t.ppm")) << "P3 1 1 255 255 0 0\n";
     const std::string textured = in("textured.toml");
-    std::ofstream(textured) << text_of(scene()) << "[[material]]\nname = \"t\"\ndiffuse = \"t.ppm\"\n";
+    std::ofstream(textured) << text_of(scene())
+                            << "[[texture]]\nname = \"t\"\nkind = \"image\"\nfile = \"t.ppm\"\n";
     const Words rays{"render", textured, "-o", in("r.%d.exr"), "--frames", "0", "--spp", "1"};
     done({"render", textured, "-o", in("r.0.exr"), "--spp", "1"});
     EXPECT_EQ(made_again(rays), (Words{"its file does not say how"}));
