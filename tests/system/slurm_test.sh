@@ -62,7 +62,7 @@ ReturnToService=2
 KillWait=10
 SchedulerParameters=batch_sched_delay=1,sched_interval=2
 RequeueExit=75
-NodeName=$node NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
+NodeName=$node NodeAddr=127.0.0.1 CPUs=2 RealMemory=4096 State=UNKNOWN
 PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 CONF
 export SLURM_CONF=$folder/slurm.conf
@@ -92,7 +92,7 @@ running() { [[ -n $(squeue -h -t R -j "$1") ]]; }
 cd "$folder/work"
 scenes=$source_dir/samples/scenes
 lens=(--f-number 1.4 --focus 5)
-submit() { "$source_dir/scripts/slurm/submit" "$@" 2>>submitted; }
+submit() { "$source_dir/scripts/slurm/submit" "$@" 2>>"$folder/log/submitted"; }
 
 # A film of 12 frames, whose first task is killed as it runs and requeued, and whose node is drained meanwhile.
 film=("$postlens" render "$scenes/motion.toml" --size 96x54 --spp 192 --frames 0-11)
