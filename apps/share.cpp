@@ -63,7 +63,7 @@ class Digests {
     }
 
     void set(const std::string& path, std::vector<fs::path> files, const std::string& digest) {
-        files.push_back(path);
+        files.emplace_back(path);
         Known now{{}, digest};
         for (const fs::path& file : files) {
             std::error_code none;
@@ -99,7 +99,7 @@ std::string digest_of(const std::string& path, bool scene) {
         remember_digest(path, read);
         return read.sha256;
     }
-    const std::string digest = sha256_of_file(path);
+    std::string digest = sha256_of_file(path);
     digests().set(path, {}, digest);
     return digest;
 }

@@ -6,12 +6,14 @@
 BUILD is a built folder (build/release). For each work it measures, with all threads of this machine, the undivided run, the
 cost of a task before it works (the smallest share that there is), and what merging costs for each part. From these it
 simulates N tasks on N such machines that begin at once: the longest task, and the merge after it. Real shares of 4 check
-the model. OUT gets the table as farm.md.
+the model. A second table holds what `--dry-run` tells against runs of the same tasks. OUT gets both as farm.md.
 """
 
 import argparse
 import json
 import os
+import shutil
+import statistics
 import subprocess
 import sys
 import time
@@ -20,6 +22,45 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes")
 TASKS = (1, 10, 100, 1000)
 REPEATS = 3
+
+
+def told_and_measured(program, at, lens, bars, life):
+    """What --dry-run tells of a task in the middle, and what that task takes."""
+    subprocess.run([program, "trace", bars, "-o", at("bars.exr"), "--size", "960x540", "--for-f-number", "1.4",
+                    "--for-focus", "5", "--quiet"], check=True)  # fmt: skip
+    focus = ["focus", at("bars.exr"), *lens, "-o"]
+    works = [
+        ("`focus --method lightfield`, 256 views, rows", 4, [*focus, at("p.exr"), "--method", "lightfield", "--views", "256"]),
+        ("`focus --method layers`, rows", 4, [*focus, at("p.exr"), "--method", "layers"]),
+        ("`focus --scene`, alone", 1, [*focus, at("p.exr"), "--scene", bars]),
+        ("`trace`, rows", 4, ["trace", bars, "--size", "960x540", "--for-f-number", "1.4", "-o", at("p.exr")]),
+        ("`trace`, alone", 1, ["trace", bars, "--size", "960x540", "--for-f-number", "1.4", "-o", at("p.exr")]),
+        ("`render`, 256 samples, rows", 8, ["render", bars, "--size", "480x270", "--spp", "256", *lens, "-o", at("p.exr")]),
+        ("`render`, 256 samples, by samples", 4, ["render", life, "--size", "240x160", "--spp", "256", "--f-number", "1.8",
+                                                  "--focus", "0.8", "--share-by", "samples", "-o", at("p.exr")]),
+        ("`render`, 12 frames", 3, ["render", bars, "--size", "240x135", "--spp", "64", "--frames", "0-11", *lens, "-o", at("f.%d.exr")]),
+        ("`sweep`, 12 lenses", 3, ["sweep", at("bars.exr"), "--f-number", "1.4:5.6:1", "--focus", "1,5", "--method", "scatter",
+                                   "-o", at("sweep")]),
+    ]  # fmt: skip
+    lines = ["", "| work | shares | told, s | measured, s | told, MB | measured, MB | `--dry-run` itself, s |", "|---|---|---|---|---|---|---|"]
+    for name, shares, words in works:
+        def run(*more):
+            start = time.monotonic()
+            out = subprocess.run([program, *words, *more, "--json"], check=True, capture_output=True, text=True).stdout
+            return json.loads(out), time.monotonic() - start
+
+        said, dry_s = run("--share", f"0/{shares}", "--dry-run")
+        task = said["tasks"][shares // 2]
+        share = ["--share", f"{shares // 2}/{shares}"] if shares > 1 else []
+        runs = []
+        for _ in range(REPEATS):
+            shutil.rmtree(at("sweep"), ignore_errors=True)
+            runs.append(run(*share))
+        measured = statistics.median(seconds for _, seconds in runs)
+        lines.append(f"| {name} | {shares} | {task['seconds']:.2f} | {measured:.2f} | {task['memory_bytes'] / 1e6:.0f} | "
+                     f"{max(r['peak_memory_bytes'] for r, _ in runs) / 1e6:.0f} | {dry_s:.1f} |")  # fmt: skip
+        print(lines[-1], flush=True)
+    return lines
 
 
 def main():
@@ -81,6 +122,7 @@ def main():
         lines.append(f"| {name} | {whole:.2f} | {before:.2f} | {merge:.3f} | {' | '.join(cells)} | "
                      f"{simulated(4):.2f}, {max(shares) + of_four:.2f} |")  # fmt: skip
         print(lines[-1], flush=True)
+    lines += told_and_measured(program, at, lens, bars, life)
     with open(at("farm.md"), "w", encoding="utf-8") as f:
         f.write("\n".join(lines) + "\n")
     with open(at("farm.json"), "w", encoding="utf-8") as f:

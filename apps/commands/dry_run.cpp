@@ -36,6 +36,7 @@ struct Line {
 std::vector<int> spread(int count, int most) {
     std::vector<int> out;
     const int n = std::min(count, most);
+    out.reserve(static_cast<std::size_t>(n));
     for (int k = 0; k < n; ++k)
         out.push_back(n == 1 ? 0 : static_cast<int>(static_cast<std::int64_t>(count - 1) * k / (n - 1)));
     return out;
@@ -230,6 +231,7 @@ class Measured {
             measured[i] = c;
         }
         std::vector<Cost> out;
+        out.reserve(static_cast<std::size_t>(work_.shares));
         for (int i = 0; i < work_.shares; ++i) out.push_back(between(measured, i));
         return out;
     }
