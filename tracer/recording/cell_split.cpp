@@ -40,9 +40,19 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
     if (!tracer_.has_textures() ||
         c.size > std::max(1U, grid_.unit >> std::min(settings_.colour_levels, settings_.levels)))
         return;
+    // Textures are compared from the first corner on, so nothing is marked where that has none.
+    const CornerSample& first = samples_[c.corner[0]];
+    const ColourSource* sources = chunks_[first.chunk].sources.data() + first.first;
+    if (std::none_of(sources, sources + first.count,
+                     [](const ColourSource& s) { return s.texture != nullptr; }))
+        return;
     std::array<Seen, 4> seen;
     std::array<std::uint32_t, 4> at{};
-    for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const CornerSample& s = samples_[c.corner[i]];
+        seen[i] = visible_layer(s);
+        at[i] = s.visible;
+    }
     mark_textures(seen, marks);
     while (std::all_of(at.begin(), at.end(), [&, i = std::size_t{0}](std::uint32_t a) mutable {
         return a < samples_[c.corner[i++]].count;
@@ -54,6 +64,7 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
 
 void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const {
     for (std::uint32_t n = 0; n < s[0].count; ++n) {
+        if (s[0].chunk->sources[s[0].first + n].texture == nullptr) continue;
         const auto node = nodes_like(s.data(), 4, n);
         if (!node || !texture_differs(s.data(), *node, 4)) continue;
         for (std::size_t i = 0; i < 4; ++i)
@@ -64,14 +75,18 @@ void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const 
 std::optional<std::array<std::uint32_t, 4>> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
     std::array<std::uint32_t, 4> node{s[0].first + n};
     for (int i = 1; i < count; ++i) {
-        const auto found = node_like(s[0].chunk->records[node[0]], s[i]);
+        const auto found = node_like(s[0].chunk->records[node[0]], s[i], n);
         if (!found) return std::nullopt;
         node[static_cast<std::size_t>(i)] = *found;
     }
     return node;
 }
 
-std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Seen& in) {
+std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Seen& in, std::uint32_t guess) {
+    if (guess < in.count) {
+        const Record& r = in.chunk->records[in.first + guess];
+        if (r.path == wanted.path) return r.id == wanted.id ? std::optional(in.first + guess) : std::nullopt;
+    }
     for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
         const Record& r = in.chunk->records[n];
         if (r.path == wanted.path) return r.id == wanted.id ? std::optional(n) : std::nullopt;
@@ -142,7 +157,7 @@ bool CellSplit::splits(const CornerCell& c) const {
     bool hidden = false;
     for (std::size_t i = 0; i < 4; ++i) {
         const CornerSample& s = samples_[c.corner[i]];
-        seen[i] = {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
+        seen[i] = visible_layer(s);
         hidden = hidden || s.count > s.visible;
     }
     return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||

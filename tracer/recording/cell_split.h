@@ -56,13 +56,18 @@ class CellSplit {
     /// if a corner has no such node.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n);
-    /// The node with the path and the id of `wanted`.
-    [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in);
+    /// The node with the path and the id of `wanted`. Looks at the node number `guess` first, because most
+    /// corners of a cell have the same tree.
+    [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
+                                                                std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                              int count);
     /// Whether the lit texture has contrast between the texture positions of the corners.
     [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                        int count) const;
+    [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
+        return {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
+    }
     /// Reads the layer that begins at `at`, an index into the sample's records, and advances `at` to its end.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// A cell's corners can all miss a narrow object, so a cell that may contain such an object is split.

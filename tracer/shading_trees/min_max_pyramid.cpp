@@ -67,9 +67,10 @@ int MinMaxPyramid::level_of_width(double px) const {
 
 MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
     const Level& of = levels_[static_cast<std::size_t>(level)];
-    const double x = at.x - x_begin_, y = at.y - y_begin_, size = 1 << level;
-    const auto square_of = [size](double place, int squares) {
-        return static_cast<int>(std::clamp(std::floor(place / size), 0.0, squares - 1.0));
+    const double x = at.x - x_begin_, y = at.y - y_begin_, per_px = 1.0 / (1 << level);
+    // Clamped first, so that the conversion, which rounds towards zero, rounds down.
+    const auto square_of = [per_px](double place, int squares) {
+        return static_cast<int>(std::clamp(place * per_px, 0.0, squares - 1.0));
     };
     return {square_of(x - radius, of.width), square_of(x + radius, of.width),
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
