@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <set>
 
 #include "apps/numbers.h"
 #include "core/child_process.h"
@@ -178,26 +179,38 @@ class Measured {
         return out;
     }
 
-    /// Of a sweep: the first picture alone, another alone, and both, which tells what they share.
+    /// Of a sweep: one picture, whose own seconds the table states, which leaves what all share; and up to
+    /// twice four, evenly spaced from the first and up to the last.
     [[nodiscard]] std::vector<Cost> of_pictures() {
-        const int n = work_.pictures;
+        const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
             return std::vector<std::string>{fmt::format("--share={}/{}", i, count)};
         };
-        const Cost one = run(share(0, n), 0);
-        double fixed = one.seconds, each = 0;
+        const Cost one = run(share(middle, n), 0);
+        constexpr std::uintmax_t largest_bytes = 64'000'000;
+        const Json table = Json::parse(
+            read_text_file(output_ / fmt::format("sweep.{}-of-{}.json", middle, n), largest_bytes), nullptr,
+            false);
+        const double fixed =
+            std::max(0.0, one.seconds - table.at("pictures").at(0).at("seconds").get<double>());
+        constexpr int most_measured = 4;
+        const int step = n / std::min(n, most_measured);
+        double sum_s = 0;
+        int runs = 0, pictures_run = 0;
         std::uint64_t memory = one.memory_bytes;
-        if (n > 1) {
-            const int half = (n + 1) / 2;
-            const Cost other = run(share(half, n), 0), both = run(share(0, half), 0);
-            fixed = std::clamp(one.seconds + other.seconds - both.seconds, 0.0, both.seconds);
-            each = (both.seconds - fixed) / 2;
-            memory = std::max({memory, other.memory_bytes, both.memory_bytes});
+        for (const int first : std::set<int>{0, step - 1}) {
+            const Cost some = run(share(first, step), 0);
+            sum_s += some.seconds;
+            ++runs;
+            pictures_run += (n - first + step - 1) / step;
+            memory = std::max(memory, some.memory_bytes);
         }
+        const double each = std::max(0.0, sum_s - runs * fixed) / pictures_run;
         std::vector<Cost> out;
+        out.reserve(static_cast<std::size_t>(work_.shares));
         for (int i = 0; i < work_.shares; ++i) {
             const int pictures = (n - i + work_.shares - 1) / work_.shares;
-            out.push_back({n > 1 ? fixed + each * pictures : fixed, memory});
+            out.push_back({fixed + each * pictures, memory});
         }
         return out;
     }
