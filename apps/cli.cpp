@@ -38,7 +38,10 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     const auto state = std::make_shared<CommandOptions>();
     state->common.join = in_process.join;
     state->merge.run_words = [](std::vector<std::string> words, Join join) {
-        return parse_command_line(std::move(words), {.join = join}).run();
+        const ParsedCommand command = parse_command_line(std::move(words), {.join = join});
+        if (!command.run)
+            fail(ExitCode::invalid_input, "a part's command does nothing (expected sweep or chart)");
+        return command.run();
     };
     state->image.kept = state->focus.kept = state->shoot.focus.kept = state->motionblur.kept =
         in_process.kept;
@@ -84,8 +87,9 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     refuse_shared_files(files_of(app), state->frames.frames);
     if (state->frames.frames) {
         state->frames.asked_for = [asked = asked_for(app)](int frame) {
-            return asked.fingerprint(
-                [frame](const AskedFor::Input& i) { return FrameName(i.path, i.hashes).of(frame); });
+            return asked.fingerprint([frame](const AskedFor::Input& i) {
+                return i.numbered ? FrameName(i.path, i.hashes).of(frame) : i.path;
+            });
         };
     }
     if (state->share) {

@@ -13,7 +13,6 @@
 
 namespace postlens {
 Share parse_share(std::string_view option, std::string_view text) {
-    constexpr int most = 100000;
     Share out;
     const std::size_t slash = text.find('/');
     const auto number = [](std::string_view word, int& to) {
@@ -21,11 +20,11 @@ Share parse_share(std::string_view option, std::string_view text) {
         return error == std::errc() && end == word.data() + word.size() && !word.empty();
     };
     if (slash == std::string_view::npos || !number(text.substr(0, slash), out.index) ||
-        !number(text.substr(slash + 1), out.count) || out.count < 1 || out.count > most || out.index < 0 ||
-        out.index >= out.count) {
+        !number(text.substr(slash + 1), out.count) || out.count < 1 || out.count > most_shares ||
+        out.index < 0 || out.index >= out.count) {
         fail(ExitCode::wrong_arguments,
              "{}: out of range (got {}; expected I/N, I from 0 to N - 1, N from 1 to {})", option, text,
-             most);
+             most_shares);
     }
     return out;
 }
@@ -125,7 +124,7 @@ std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop) {
     return nlohmann::ordered_json{{"share", {work.share.index, work.share.count}},
                                   {"crop", crop ? list(*crop) : nlohmann::ordered_json()},
                                   {"made_by", work.asked_for()}}
-        .dump();
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {
@@ -133,7 +132,7 @@ std::string mark_of_items(const Share& share, const AskedFor& asked, const std::
                                   {"crop", nullptr},
                                   {"made_by", asked.fingerprint()},
                                   {"words", words}}
-        .dump();
+        .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height) {

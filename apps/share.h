@@ -14,6 +14,8 @@
 
 namespace postlens {
 
+inline constexpr int most_shares = 100000;
+
 /// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) that
 /// names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
@@ -29,9 +31,10 @@ struct AskedFor {
     struct Input {
         std::string option;
         std::string before, after;  ///< what else the text of the option holds, around the path
-        std::string path;     ///< with --frames, may hold a placeholder for the frame number (FrameName)
-        bool hashes = false;  ///< # is such a placeholder as well
-        bool scene = false;   ///< the files that the scene refers to count as well
+        std::string path;
+        bool numbered = false;  ///< with --frames, may hold a placeholder for the frame number (FrameName)
+        bool hashes = false;    ///< # is such a placeholder as well
+        bool scene = false;     ///< the files that the scene refers to count as well
     };
     std::vector<Input> inputs;
     /// JSON with the version of postlens, the options, and the SHA-256 of the input files, whose paths do not

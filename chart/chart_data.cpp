@@ -177,6 +177,7 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
         ChartData out;
         out.key = json.at("key").get<std::string>();
         out.about = json.at("about");
+        out.part = json.value("part", Json());
         out.affected_share = json.at("affected_share").get<double>();
         if (!json.at("noise_rms").is_null()) out.noise_rms = number(json.at("noise_rms"));
         if (!json.at("record_floor").is_null()) out.record_floor = error_from(json.at("record_floor"));

@@ -140,13 +140,13 @@ class Runner {
         for (const char* name : {"pictures", "maps"}) make_folder(folder_ / name);
         make_folder(frames_folder());
         const std::string key = chart_key(request_, view_, scene_);
-        if (!restart) {
+        if (!restart || request_.join != Join::no) {
             for (const fs::path& path : earlier_charts(request_, folder_, chart_path()))
                 other_machine_ = take_over_chart(path, key, folder_, data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
         // Shares have their images in common; what another one has made stays.
-        if (data_.key.empty() && !request_.share) {
+        if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
         }

@@ -54,12 +54,16 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 
 bool take_over_chart(const fs::path& path, const std::string& key, const fs::path& folder, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
+    // What the shares of another request have left in the folder does not count.
+    if (from.key != key && !from.part.is_null() && path.filename().string().find("-of-") != std::string::npos)
+        return false;
     if (from.key != key) {
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew", folder.string(),
              from.key, key);
     }
-    const bool other_machine = from.about.value("machine", Json()) != machine_json();
+    const bool other_machine =
+        (from.about.is_object() ? from.about.value("machine", Json()) : Json()) != machine_json();
     const auto add = [](auto& to, auto& of, const auto& same) {
         for (auto& m : of) {
             const auto at =

@@ -15,10 +15,10 @@
 namespace postlens {
 namespace {
 
-/// XXH3 checksum of a file's bytes; 0 if the file cannot be read.
-std::uint64_t file_checksum(const std::filesystem::path& path) {
+/// XXH3 checksum of a file's bytes; empty if the file cannot be read.
+std::optional<std::uint64_t> file_checksum(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
-    if (!in) return 0;
+    if (!in) return std::nullopt;
     XXH3_state_t state;
     XXH3_64bits_reset(&state);
     std::vector<char> buffer(1U << 16U);
@@ -26,7 +26,8 @@ std::uint64_t file_checksum(const std::filesystem::path& path) {
         in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
         XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(in.gcount()));
     }
-    return in.bad() ? 0 : XXH3_64bits_digest(&state);
+    if (in.bad()) return std::nullopt;
+    return XXH3_64bits_digest(&state);
 }
 
 }  // namespace
@@ -36,7 +37,8 @@ std::string checksum_text(std::uint64_t checksum) {
 }
 
 std::string file_checksum_text(const std::filesystem::path& path) {
-    return checksum_text(file_checksum(path));
+    const std::optional<std::uint64_t> checksum = file_checksum(path);
+    return checksum ? checksum_text(*checksum) : "";
 }
 
 SweepKeys::SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
@@ -66,9 +68,9 @@ std::string SweepKeys::of(const SweepSetting& s) const {
     return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
 }
 
-std::map<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
-                                             const std::filesystem::path& folder,
-                                             const std::filesystem::path& json) {
+std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
+                                                  const std::filesystem::path& folder,
+                                                  const std::filesystem::path& json) {
     constexpr std::uintmax_t largest_bytes = 64'000'000;
     if (!settings.resume) return {};
     std::vector<std::filesystem::path> tables;
@@ -82,10 +84,10 @@ std::map<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
         std::sort(tables.begin(), tables.end());
     }
     if (std::filesystem::exists(json)) tables.push_back(json);
-    std::map<std::string, SweepRow> out;
+    std::multimap<std::string, SweepRow> out;
     for (const std::filesystem::path& table : tables) {
         for (auto& [name, row] : rows_of_json(read_text_file(table, largest_bytes), table.string()))
-            out.insert_or_assign(name, std::move(row));
+            out.emplace(name, std::move(row));
     }
     return out;
 }

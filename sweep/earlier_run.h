@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// Checksum of a file's bytes (XXH3), as the table states it; that of 0 if the file cannot be read.
+/// Checksum of a file's bytes (XXH3), as the table states it; empty if the file cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 [[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
@@ -32,9 +32,10 @@ class SweepKeys {
 };
 
 /// Rows of the table from earlier runs, by file name: those of this run's table `json` and, if the run makes
-/// the whole sweep, those of the tables of all shares. None if the settings do not resume.
-[[nodiscard]] std::map<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
-                                                           const std::filesystem::path& folder,
-                                                           const std::filesystem::path& json);
+/// the whole sweep, those of the tables of all shares, so that a name may have several rows. None if the
+/// settings do not resume.
+[[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
+                                                                const std::filesystem::path& folder,
+                                                                const std::filesystem::path& json);
 
 }  // namespace postlens

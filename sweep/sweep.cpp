@@ -131,12 +131,18 @@ class Sweep {
     }
 
     /// Keeps image `i` of an earlier run if it is valid, and reads it into `image` unless that is null.
-    bool keep(std::size_t i, const std::map<std::string, SweepRow>& earlier, Image* image) {
-        const auto found = earlier.find(names_[i]);
+    bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
+        const auto [begin, end] = earlier.equal_range(names_[i]);
+        if (begin == end) return false;
         const SweepSetting& s = grid_.pictures[i];
-        if (found == earlier.end() || found->second.settings_key != keys_->of(s)) return false;
         const std::filesystem::path path = folder_ / names_[i];
-        if (found->second.picture_checksum != file_checksum_text(path)) return false;
+        const std::string key = keys_->of(s), checksum = file_checksum_text(path);
+        const auto found = std::find_if(begin, end, [&](const auto& named) {
+            const SweepRow& row = named.second;
+            return row.settings_key == key && !checksum.empty() && row.picture_checksum == checksum &&
+                   row.coc_px.size() == out_.table.at.size();
+        });
+        if (found == end) return false;
         if (image != nullptr) *image = read_image(path);
         SweepRow row = found->second;
         row.setting = s;
@@ -146,7 +152,7 @@ class Sweep {
     }
 
     void keep_what_is_there(ContactSheet* sheet, Progress& progress) {
-        const std::map<std::string, SweepRow> earlier = earlier_rows(settings_, folder_, out_.json);
+        const std::multimap<std::string, SweepRow> earlier = earlier_rows(settings_, folder_, out_.json);
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             if (!is_mine(i)) continue;
             throw_if_interrupted();

@@ -111,7 +111,8 @@ std::string json_text(const SweepTable& table) {
     for (const SweepRow& row : table.rows) rows.push_back(row_json(table, row));
     Json all = {{"frame", table.frame}, {"coc_limit_px", table.coc_limit_px}, {"pictures", rows}};
     if (!table.part.empty()) all["part"] = Json::parse(table.part);
-    return all.dump(1) + "\n";
+    // A name of a file need not be UTF-8.
+    return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::map<std::string, SweepRow> rows_of_json(const std::string& text, const std::string& source) {

@@ -60,6 +60,26 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
+    /// Throws what the command would refuse before its work, as far as the parts that are run differ in it.
+    void check() const {
+        const fs::path folder = fs::absolute(work_.output).parent_path();
+        if (std::error_code none; !fs::is_directory(folder, none))
+            fail(ExitCode::cannot_write, "{}: cannot be written (no such folder)", work_.output);
+        if (work_.frames && work_.output_of(0) == work_.output_of(1)) {
+            fail(ExitCode::wrong_arguments,
+                 "--frames: the output holds no frame number (got {}; expected one, e.g. f.%04d.exr)",
+                 work_.output);
+        }
+        if (!work_.by_samples || work_.frames) return;
+        if (const int blocks = sample_blocks(work_.amount, halves()); work_.shares > blocks) {
+            fail(ExitCode::wrong_arguments,
+                 "--share: more shares than the samples can be divided into (got {}; expected {} or less for "
+                 "{} "
+                 "samples a pixel, or --share-by tiles)",
+                 work_.shares, blocks, work_.amount);
+        }
+    }
+
     [[nodiscard]] Json tasks() {
         const std::vector<Cost> costs = costs_of_tasks();
         Json out = Json::array();
@@ -83,6 +103,10 @@ class Measured {
     }
 
   private:
+    [[nodiscard]] bool halves() const {
+        return std::find(work_.words.begin(), work_.words.end(), "--halves") != work_.words.end();
+    }
+
     [[nodiscard]] std::vector<Cost> costs_of_tasks() {
         if (work_.frames) return of_frames();
         if (work_.pictures > 0) return of_pictures();
@@ -134,9 +158,11 @@ class Measured {
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        Cost a = run(more, std::max(1, work_.amount / first_part));
+        // Even, because --halves divides it by two.
+        int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
+        Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
-        for (int amount = std::max(1, work_.amount / first_part);;) {
+        for (;;) {
             if (amount >= work_.amount) return {a.seconds, 0, amount, a.memory_bytes};
             const int twice = std::min(2 * amount, work_.amount);
             const Cost b = run(more, twice);
@@ -218,11 +244,9 @@ class Measured {
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
         // A part keeps the sums of its blocks of samples apart, an undivided run does not.
         const ImageSize size = read_image_size(output_);
-        const bool halves =
-            std::find(work_.words.begin(), work_.words.end(), "--halves") != work_.words.end();
-        const int blocks = (sample_blocks(work_.amount, halves) + work_.shares - 1) / work_.shares;
+        const int blocks = (sample_blocks(work_.amount, halves()) + work_.shares - 1) / work_.shares;
         const auto bytes = [&](int b) {
-            return RenderState::bytes(size.width, size.height, halves ? 2 : 1, b);
+            return RenderState::bytes(size.width, size.height, halves() ? 2 : 1, b);
         };
         Cost each = whole.at(static_cast<double>(work_.amount) / work_.shares);
         each.memory_bytes += bytes(blocks) - bytes(1);
@@ -278,6 +302,7 @@ class Measured {
 
 CommandResult dry_run(const DryRun& work) {
     Measured measured(work);
+    measured.check();
     CommandResult out;
     out.json = {{"tasks", measured.tasks()}, {"merge", measured.merge()}};
     double longest = 0, sum = 0;

@@ -61,7 +61,7 @@ void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vect
                          *range.smallest_f_number, h.film_distance_mm, lens.lens.f_number,
                          lens.lens.focal_length_mm)});
     }
-    if (range.nearest_focus_m && range.farthest_focus_m &&
+    if (range.nearest_focus_m && range.farthest_focus_m && std::isfinite(lens.lens.f_number) &&
         (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
         out.push_back({"insufficient",
                        fmt::format("the file was traced for focus at {}{} m (got {})", *range.nearest_focus_m,

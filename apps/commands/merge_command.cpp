@@ -4,6 +4,7 @@
 #include "apps/command.h"
 #include "apps/commands/merge_parts.h"
 #include "apps/deliver.h"
+#include "apps/share.h"
 #include "core/memory.h"
 #include "pictures/picture_part.h"
 #include "tracer/distributed/render_state.h"
@@ -81,6 +82,10 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
         found.add(facts);
         if (part.part.whole != size || part.exposure_stops != stops) {
             fail(ExitCode::invalid_input, "{}: has another size or exposure than {}", name, out.first.name);
+        }
+        if (part.part.place != rows_of_share(part.share, crop_in(part.mark), size.width, size.height)) {
+            fail(ExitCode::invalid_input, "{}: is a damaged part (its rows are not those of share {}/{})",
+                 name, part.share.index, part.share.count);
         }
         paste(part.part, name, out.image);
     }

@@ -27,7 +27,13 @@ std::vector<std::string> words_in(const PartFacts& part) {
     const Json words = part.mark.value("words", Json());
     const bool texts = words.is_array() && !words.empty() &&
                        std::all_of(words.begin(), words.end(), [](const Json& w) { return w.is_string(); });
-    if (!texts || (words[0] != "sweep" && words[0] != "chart"))
+    const auto foreign = [](const Json& w) {
+        const std::string word = w.get<std::string>();
+        return word.starts_with("--dry-run") || word.starts_with("--share") || word.starts_with("--output") ||
+               word.starts_with("-o");
+    };
+    if (!texts || (words[0] != "sweep" && words[0] != "chart") ||
+        std::any_of(words.begin(), words.end(), foreign))
         fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", part.name);
     return words.get<std::vector<std::string>>();
 }

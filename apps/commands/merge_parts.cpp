@@ -7,12 +7,19 @@
 namespace postlens {
 
 Share share_in(const Json& mark, const std::string& name) {
-    const bool whole = mark.is_object() && mark.contains("share") && mark["share"].is_array() &&
-                       mark["share"].size() == 2 && mark["share"][0].is_number_integer() &&
-                       mark["share"][1].is_number_integer() && mark.contains("made_by") &&
-                       mark["made_by"].is_object() && mark.contains("crop");
+    const auto numbers = [&mark](const char* key, std::size_t count) {
+        const auto at = mark.find(key);
+        return at != mark.end() && at->is_array() && at->size() == count &&
+               std::all_of(at->begin(), at->end(), [](const Json& n) { return n.is_number_integer(); });
+    };
+    const bool whole = mark.is_object() && numbers("share", 2) && mark.contains("made_by") &&
+                       mark["made_by"].is_object() && mark.contains("crop") &&
+                       (mark["crop"].is_null() || numbers("crop", 4));
     if (!whole) fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", name);
-    return {mark["share"][0].get<int>(), mark["share"][1].get<int>()};
+    const auto index = mark["share"][0].get<std::int64_t>(), count = mark["share"][1].get<std::int64_t>();
+    if (count < 1 || count > most_shares || index < 0 || index >= count)
+        fail(ExitCode::invalid_input, "{}: is a damaged part (got share {}/{})", name, index, count);
+    return {static_cast<int>(index), static_cast<int>(count)};
 }
 
 void check_same_work(const PartFacts& first, const PartFacts& other) {

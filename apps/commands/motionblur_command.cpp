@@ -154,6 +154,8 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (o.settings.fit_px)
         fail(ExitCode::wrong_arguments, "--fit-paths: not with --scene (expected nothing)");
     const bool automatic = o.settings.method == MotionMethod::automatic;
+    if (o.target_db && !automatic)
+        fail(ExitCode::wrong_arguments, "--target-db: not with --method lightfield (expected auto)");
     ShootOptions shoot{.focus = {.shared = o.shared,
                                  .input = o.input,
                                  .output = o.output,
@@ -171,8 +173,9 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .curve = o.curve,
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
-    // The focus distance of a pinhole has no effect.
-    shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity(), .focus_m = 1};
+    shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
+    // The focus distance of a pinhole has no effect, but a lens needs one.
+    if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     if (o.settings.views) shoot.focus.views = *o.settings.views;
     return run_shoot(shoot);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "apps/options/frame_range.h"
 #include "pictures/stacks/object_choice.h"
@@ -90,24 +91,31 @@ AskedFor asked_for(CLI::App& app) {
     AskedFor out;
     out.command = app.get_name();
     // Options that change where, how fast or with which messages a result is made, but not the result itself.
-    const std::vector<std::string> left_out{"--share", "--threads", "--quiet",        "--json",   "--resume",
-                                            "--keep",  "--frames",  "--requeue-code", "--dry-run"};
+    std::vector<std::string> left_out{"--share",  "--threads", "--quiet",        "--json",
+                                      "--resume", "--keep",    "--requeue-code", "--dry-run"};
+    if (app.get_option_no_throw("--keep") != nullptr)
+        left_out.emplace_back("--frames");  // a range, not a name
     for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
         const std::string name = option->get_positional() ? option->get_type_name() : option->get_name();
         if (has_mark(option, write_mark) ||
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
+        // Other options name the same file for every frame (frame_commands.cpp).
+        const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
+                                           "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
+        const bool numbered = option->get_positional() || passes.contains(name);
         for (const std::string& text : option->results()) {
             const std::string path = path_in(option, text);
             const std::size_t at = text.find(path);
             std::error_code none;
             if (!path.empty() &&
-                (std::filesystem::exists(path, none) || FrameName(path, !scene).has_number())) {
+                (std::filesystem::exists(path, none) || (numbered && FrameName(path, !scene).has_number()))) {
                 out.inputs.push_back({.option = name,
                                       .before = text.substr(0, at),
                                       .after = text.substr(at + path.size()),
                                       .path = path,
+                                      .numbered = numbered,
                                       .hashes = !scene,
                                       .scene = scene});
             } else if (out.options.empty() || out.options.back().first != name) {
@@ -129,7 +137,7 @@ std::vector<std::string> words_of(CLI::App& app) {
         out.insert(out.end(), words.begin(), words.end());
     }
     for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
-        const std::vector<std::string> left_out{"--share", "--dry-run", "--json"};
+        const std::vector<std::string> left_out{"--share", "--dry-run", "--json", "--restart"};
         if (has_mark(option, write_mark) ||
             std::find(left_out.begin(), left_out.end(), option->get_name()) != left_out.end())
             continue;

@@ -77,11 +77,19 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
+/// Text of a fingerprint. An option need not be UTF-8.
+std::string text_of(const nlohmann::ordered_json& made_by) {
+    return made_by.is_null() ? ""
+                             : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 /// Why an output is not what a command would make: the first setting that differs; empty if none does.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
-    return json.is_object() ? first_difference(json, made_by) : "its file does not say how";
+    if (!json.is_object()) return "its file does not say how";
+    // As it would be written, for texts that are not UTF-8.
+    return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
 nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
@@ -242,9 +250,15 @@ CommandResult run_frame_range(
             nlohmann::ordered_json made_by = options.asked_for ? options.asked_for(frame) : nullptr;
             if (in_time) made_by["frame"] = frame;
             keep = options.keep && all_whole(files);
-            if (keep) made_again = why_again(files.output, made_by);
+            if (keep) {
+                made_again = why_again(files.output, made_by);
+                if (files.halves) {
+                    for (const fs::path& half : half_paths(files.output))
+                        if (made_again.empty()) made_again = why_again(half, made_by);
+                }
+            }
             keep = keep && made_again.empty();
-            if (!keep) one = run(files, frame, made_by.is_null() ? "" : made_by.dump());
+            if (!keep) one = run(files, frame, text_of(made_by));
         } catch (const Error& e) {
             throw Error(e.code(), fmt::format("frame {}: {}", frame, e.what()));
         } catch (const std::bad_alloc&) {

@@ -187,6 +187,18 @@ TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
     EXPECT_EQ(made_again(rays), (Words{""}));
     std::ofstream(in("t.ppm")) << "P3 1 1 255 0 255 0\n";
     EXPECT_EQ(made_again(rays)[0].rfind("SCENE (got", 0), 0U);
+    // So are the halves of a render, each by itself.
+    const Words halves{"render", scene(), "-o", in("h.%d.exr"), "--frames", "0", "--spp", "4", "--halves"};
+    done(halves);
+    EXPECT_EQ(made_again(halves), (Words{""}));
+    done({"render", scene(), "-o", in("o.%d.exr"), "--frames", "0", "--spp", "8", "--halves"});
+    fs::copy_file(in("o.0.b.exr"), in("h.0.b.exr"), fs::copy_options::overwrite_existing);
+    EXPECT_EQ(made_again(halves), (Words{R"(--spp (got ["8"]; expected ["4"]))"}));
+    // A file that is the same for every frame may have any name.
+    std::ofstream(in("s%d.toml")) << text_of(scene());
+    EXPECT_EQ(made_again({"focus", in("f.%04d.exr"), "-o", in("x.%d.exr"), "--frames", "0", "--focus", "3",
+                          "--f-number", "2", "--method", "hybrid", "--scene", in("s%d.toml")}),
+              (Words{"absent"}));
     const Outcome line = run(image + Words{"--keep", "--exposure", "1"});
     EXPECT_NE(line.err.find("frame 0 (and 2 more): made again, as it was made otherwise: --exposure"),
               std::string::npos)

@@ -102,6 +102,12 @@ TEST_F(MotionblurCommand, WithTheSceneRaysGoWhereTheViewsAreUnsure) {
     EXPECT_GT(json::parse(compared.out).at("psnr_db").get<double>(), 38);
     const auto two = ExitCode::wrong_arguments;
     not_blurred(frame, {"--target-db", "40"}, two, "--scene");
+    not_blurred(frame, {"--target-db", "40", "--scene", scene, "--method", "lightfield"}, two, "--target-db");
+    // The focus for which a file was traced does not matter to a pinhole.
+    const std::string lens = traced("l", std::string(camera) + materials + wall + plate,
+                                    {"--for-shutter", "0:1", "--for-f-number", "2", "--for-focus", "3"});
+    blurred(lens, {"--scene", in("l.toml"), "--shutter", "0:0.5", "--method", "lightfield", "--views", "8",
+                   "--strict"});
     not_blurred(frame, {"--scene", scene, "--method", "convolve"}, two, "--method convolve");
     not_blurred(frame, {"--scene", in("none.toml")}, ExitCode::invalid_input, "none.toml");
     not_blurred(frame, {"--scene", scene, "--share", "0/2"}, two, "--share");

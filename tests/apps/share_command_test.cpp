@@ -165,6 +165,22 @@ TEST_F(ShareCommand, ItemsOfASweepMergeInTheirFolder) {
         }
     }
     EXPECT_TRUE(std::filesystem::exists(in("parts/sweep.csv")));
+    // Tables of other sweeps in the folder do not count.
+    const Words named{"sweep",   frame(),    "--focus", "5",  "--method",
+                      "scatter", "--frames", "p.%02d",  "-o", in("twice")};
+    done(named + Words{"--f-number", "2,4"});
+    for (const std::string share : {"0/3", "1/3", "2/3"})
+        done(named + Words{"--f-number", "8,11,16", "--share", share});
+    for (const std::string share : {"0/2", "1/2"})
+        done(named + Words{"--f-number", "1.4,2.8", "--share", share});
+    said = done({"merge", in("twice/sweep.0-of-2.json"), in("twice/sweep.1-of-2.json"), "-o", in("twice")});
+    EXPECT_EQ(said.at("kept"), 2);
+    // The names of pictures are a setting.
+    done(sweep + Words{"-o", in("named"), "--share", "0/2", "--frames", "a.%d"});
+    done(sweep + Words{"-o", in("named"), "--share", "1/2", "--frames", "b.%d"});
+    refused({"merge", in("named/sweep.0-of-2.json"), in("named/sweep.1-of-2.json"), "-o", in("named")}, bad,
+            "--frames (got [\"b.%d\"]; expected [\"a.%d\"])");
+    said = done({"merge", table(1), table(2), table(0), "-o", in("parts")});
     std::filesystem::remove(in("parts/" + said.at("pictures")[0].at("file").get<std::string>()));
     refused({"merge", table(1), table(2), table(0), "-o", in("parts")}, bad, "1 of 4 pictures are missing");
     std::ofstream(in("parts/sweep.9-of-9.json")) << "{}";
@@ -183,7 +199,7 @@ TEST_F(ShareCommand, PointsOfAChartMergeInTheirFolder) {
     EXPECT_FALSE(std::filesystem::exists(in("c/index.html")));
     done(chart + Words{"-o", in("c"), "--share", "0/3"});
     refused(Words{"merge", "-o", in("c"), parts[0], parts[1]}, ExitCode::invalid_input, "2/3");
-    done(chart + Words{"-o", in("c"), "--share", "2/3"});
+    done(chart + Words{"-o", in("c"), "--share", "2/3", "--restart"});
     const json merged = done(Words{"merge", "-o", in("c")} + parts);
     ASSERT_EQ(merged.at("points").size(), whole.at("points").size());
     for (std::size_t i = 0; i < whole.at("points").size(); ++i) {
@@ -221,6 +237,13 @@ TEST_F(ShareCommand, DryRunsTellTasksAndWriteNothing) {
     said = dry({"trace", scene_, "--size", "32x18", "-o", in("t.exr")});
     EXPECT_EQ(said.at("tasks").size(), 1U);
     EXPECT_EQ(folder_.file_count(), before);
+    const Words few = Words{"render", scene_, "--size", "16x9", "--spp", "16", "--halves"} + lens_;
+    EXPECT_EQ(dry(few + Words{"-o", in("h.exr"), "--share", "0/2"}).at("tasks").size(), 2U);
+    const auto two = ExitCode::wrong_arguments;
+    refused(few + Words{"-o", in("h.exr"), "--dry-run", "--share", "0/9", "--share-by", "samples"}, two,
+            "more shares than the samples");
+    refused(few + Words{"-o", in("h.exr"), "--dry-run", "--frames", "1-3"}, two, "no frame number");
+    refused(few + Words{"-o", in("none/h.exr"), "--dry-run"}, ExitCode::cannot_write, "no such folder");
     refused(Words{"focus", in("none.exr"), "-o", in("p.exr"), "--dry-run"} + lens_, ExitCode::invalid_input,
             "none.exr");
     refused({"render", scene_, "-o", in("p.exr"), "--spp", "8", "--f-number", "-1", "--dry-run"},
@@ -276,6 +299,21 @@ TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
     done(Words{"focus", in("other.exr"), "--method", "scatter", "-o", part("s", 1), "--share", "1/3"} +
          lens_);
     refused({"merge", part("p", 0), part("s", 1), "-o", out}, bad, "FRAME");
+    // A mark that was changed.
+    const auto altered = [&](const std::string& share) {
+        std::string all = bytes(part("p", 0));
+        const std::string mark = R"("share":[0,3])";
+        const std::size_t at = all.find(mark);
+        EXPECT_NE(at, std::string::npos);
+        all.replace(at, mark.size(), R"("share":)" + share);
+        std::ofstream(part("altered", 0), std::ios::binary) << all;
+        return part("altered", 0);
+    };
+    refused({"merge", part("p", 0), altered("[1,3]"), part("p", 2), "-o", out}, bad,
+            "not those of share 1/3");
+    refused({"merge", altered("[3,3]"), "-o", out}, bad, "got share 3/3");
+    refused({"merge", altered("[0,1]"), "-o", out}, bad, "not those of share 0/1");
+    refused({"merge", altered("[0,0]"), "-o", out}, bad, "got share 0/0");
     // One changed byte of a pixel.
     std::string changed = bytes(part("p", 1));
     changed[changed.size() - 3] = static_cast<char>(changed[changed.size() - 3] ^ 1);
