@@ -17,7 +17,7 @@ struct ParsedCommand {
     bool quiet = false;
     bool json = false;
     Join join = Join::no;   ///< for `merge`: the command only joins what its shares have made
-    bool dry_run = false;   ///< tells what the command would take instead of running it
+    bool dry_run = false;   ///< predicts files, memory and time instead of running the command
     int requeue_code = 75;  ///< exit code if a batch system's signal ends the command (core/signals.h)
 };
 

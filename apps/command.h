@@ -52,18 +52,18 @@ struct ExposureOption {
     bool automatic = false;
 };
 
-/// A share of an image: the rows or samples that one call makes. The share becomes a file, which `merge`
-/// joins with those of the other shares (apps/share.h).
+/// A share of an image: the rows or samples that one call computes. Every share is written to its own file;
+/// `merge` joins these files (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
-    std::string mark;                                   ///< of the part; set by take_share
+    std::string mark;  ///< written to the share's file (mark_of); set by take_share
 };
 
 struct TraceOptions {
     std::optional<SharedWork> shared;
     std::string scene, output;
-    std::string made_by;  ///< for the file, as for Image::made_by; likewise below
+    std::string made_by;  ///< Image::made_by of the output file; also in the structs below
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
@@ -91,13 +91,13 @@ struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
     std::vector<std::string> behind;  ///< images of the same camera that lie behind this one, nearest first
-    std::string behind_layer;         ///< their layer; empty: the same as `choice.layer`
+    std::string behind_layer;         ///< layer of the images in `behind`; empty: `choice.layer`
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; none: the whole image
     FocusPasses passes;
     /// Names of files that change from frame to frame with the image: images behind it, and masks of objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Whether the samples in the stack of one pixel are composited separately, even by a pinhole.
+    /// Whether a pixel may hold several samples, which are composited even for a pinhole.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -210,7 +210,7 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    std::optional<std::string> map_causes, frame;  ///< image to write; the sample file it needs
+    std::optional<std::string> map_causes, frame;  ///< image to write, and the sample file needed for it
     std::optional<std::string> scene;  ///< scene of the sample file, to test whether rays remove an error
     double metres_per_unit = 1;
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
@@ -245,7 +245,8 @@ void refuse_foreign_options(const ForeignOptions& options);
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Opens the sample file of a command, whose colours are read at the given exposure, or takes it from `kept`.
+/// The open sample file of a command. It is taken from `kept` if that is set. Its colours are read at the
+/// given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,

@@ -15,12 +15,12 @@ namespace postlens {
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses and runs a command as run_timed does. `words` are those after the name of the program. Images are
-/// returned unless the words name an output. `kept` is the command's sample file if it is open already; the
-/// call waits until no other call uses it.
+/// returned unless the words name an output. `kept`: the command's sample file, if it is open already. The
+/// call waits until no other call uses this file.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words,
                                         const std::shared_ptr<KeptFrame>& kept = nullptr);
 
-/// The JSON that `--json` prints: the result's own, the greatest memory of the process and the warnings.
+/// The JSON that `--json` prints: that of the result, the peak memory of the process, and the warnings.
 [[nodiscard]] nlohmann::ordered_json report_json(const CommandResult& result);
 
 }  // namespace postlens

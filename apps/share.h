@@ -24,40 +24,43 @@ inline constexpr int most_shares = 100000;
 /// Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
-/// The options and input files of a command, as far as its result depends on them.
+/// The options and input files on which the result of a command depends.
 struct AskedFor {
     std::string command;
     std::vector<std::pair<std::string, std::vector<std::string>>> options;  ///< by name
     struct Input {
         std::string option;
-        std::string before, after;  ///< what else the text of the option holds, around the path
+        std::string before, after;  ///< the option's text before and after the path
         std::string path;
-        bool numbered = false;  ///< with --frames, may hold a placeholder for the frame number (FrameName)
-        bool hashes = false;    ///< # is such a placeholder as well
-        bool scene = false;     ///< the files that the scene refers to count as well
+        bool numbered =
+            false;  ///< with --frames, `path` may hold a placeholder for the frame number (FrameName)
+        bool hashes = false;  ///< `#` in `path` is a placeholder as well
+        bool scene = false;   ///< `path` is a scene; files that it refers to are inputs as well
     };
     std::vector<Input> inputs;
-    /// JSON with the version of postlens, the options, and the SHA-256 of the input files, whose paths do not
-    /// count. `file_of` returns the path of an input. Throws Error(invalid_input) for a file that cannot be
-    /// read.
+    /// JSON with the version of postlens, the options, and the SHA-256 of the input files. The paths of the
+    /// files are not part of it. `file_of` returns the path of an input. Throws Error(invalid_input) for a
+    /// file that cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Saves AskedFor::fingerprint from reading a scene that the command has read already.
+/// Stores the digest of a scene that the command has read, so that AskedFor::fingerprint does not read the
+/// scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// The mark of a part, from which `merge` recognises it: JSON with the share, the crop of the whole image,
-/// and the fingerprint of the command.
+/// The mark by which `merge` recognises the file of a share (a part of the result): JSON with the share, the
+/// crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
 /// The mark of a part that consists of items, such as the pictures of a sweep: JSON with the share, the
-/// fingerprint of the command, and the command's words without share and output, with which `merge` joins
-/// them.
+/// fingerprint of the command, and the command's words without share and output. `merge` runs these words to
+/// join the parts.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 
-/// Sets the share's rows as the crop of a command, and the mark of its part.
+/// Sets `crop` to the rows of the share, and work->mark to the mark of its file. Does nothing if `work` is
+/// empty.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
 /// Name of the first setting in which two fingerprints differ, with both values; empty if they are equal.

@@ -37,13 +37,13 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    std::string curve;  ///< method; with the name of its sample file if that is not the best
+    std::string curve;  ///< method; also the name of its sample file unless that is from best_trace
     std::string name;   ///< unique name: curve and amount
     int amount = 0;     ///< depths K, views M or samples per pixel; 0: the method has no such setting
     std::string trace;  ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round, without the trace
-    /// Seconds in a sweep, one value per round: of the first image, with reading of the file, and of a
-    /// further image with another lens. Empty if the images of a sweep share no work.
+    /// Seconds in a sweep, one value per round: of the first image, including the reading of the file, and of
+    /// each further image, with another lens. Empty if the images of a sweep share no work.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;

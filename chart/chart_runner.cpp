@@ -145,7 +145,7 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, folder_, data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // Shares have their images in common; what another one has made stays.
+        // All shares write their images to the same folder, so the run of a share removes none of them.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -157,7 +157,7 @@ class Runner {
         save();
     }
 
-    // Leaves out, or refuses, the points that no share has measured.
+    // Handles the points that no share has measured: leaves them out, or refuses to join.
     void check_join() {
         std::vector<std::string> missing;
         for (const ChartPoint& p : data_.points)

@@ -16,15 +16,15 @@ namespace postlens {
 /// the choice of points are not part of it.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// The chart that a run goes on with, `chart`, after the charts of shares in `folder`. A share takes only its
-/// own chart.
+/// Files of the earlier charts whose measurements a run keeps: the charts of shares in `folder`, then `chart`
+/// if it exists. A run that measures a share keeps only `chart`.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements of an earlier run to `data`. Of a point that several have measured, the one with
-/// more rounds counts. Returns whether the chart is of another machine. Throws Error(wrong_arguments),
-/// which names `folder`, if its key is not `key`.
+/// Adds the measurements of an earlier run to `data`. If `data` has measured a point already, the measurement
+/// with more rounds is kept. Returns true if the chart was measured on another machine. Throws
+/// Error(wrong_arguments), which names `folder`, if its key is not `key`.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key,
                                    const std::filesystem::path& folder, ChartData& data);
 

@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// `retraced` gets the share of view samples that are rays, `warnings` the codes of the warnings.
+/// Makes the images of points. `retraced` is set to the share of view samples that are rays, and `warnings`
+/// to the codes of the warnings.
 class PointPictures {
   public:
     /// Keeps references to all arguments.

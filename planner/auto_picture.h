@@ -14,8 +14,8 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. None: default_target_db; then an error
-    /// bound that misses the target causes no warning.
+    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. Absent: default_target_db, and no warning
+    /// if the error bound misses this target.
     std::optional<double> target_db;
 };
 
@@ -32,8 +32,9 @@ struct AutoResult {
     double mean_views = 0;
     /// Share of the view samples that the records do not determine. Only set without a scene.
     double unsure_share = 0;
-    /// Measured noise of the views; bound of the error by noise and by view samples that the records do not
-    /// determine (planner/errors/records_bound.h). Only set without a scene, where `hybrid.stated` is empty.
+    /// noise_mse: measured noise of the views. bound_mse: upper bound of the error that noise and unsure view
+    /// samples cause together (planner/errors/records_bound.h). Only set without a scene, where
+    /// `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -42,8 +43,8 @@ struct AutoResult {
 };
 
 /// Makes a light field image with as many views per tile as the target error needs. Starts with a few views
-/// per tile. Doubles the number of views where this removes most error per cost, until the upper end of the
-/// 95 % interval of the error is below the target.
+/// per tile. Then repeatedly doubles the number of views of those tiles where this reduces the error most for
+/// its cost, until the upper end of the 95 % interval of the image's error is below the target.
 ///
 /// Unsure view samples are those that the records do not determine. With a scene, they are replaced by rays.
 /// Check rays also measure the error of the other samples: if it exceeds a tile's noise or keeps the image

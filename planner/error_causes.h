@@ -28,7 +28,7 @@ inline constexpr std::size_t error_causes = 9;
 
 struct CauseRequest {
     HybridSettings view;                ///< lens, shutter and motion; the method is ignored
-    std::optional<FocusMethod> method;  ///< with which the image was made; none: unknown
+    std::optional<FocusMethod> method;  ///< method that made the image; empty: unknown
     std::optional<int> depths;          ///< number of depths that `scatter` was limited to
     /// A pixel is wrong if a channel differs by more than this, sRGB values.
     double wrong_above = 1.0 / 255;
@@ -46,14 +46,13 @@ struct CauseMap {
 ///    light field with many views. The latter removes visibility, path_and_depth_correlated with an open
 ///    shutter, record_density of a light field with fewer views, and curvature_of_w if another depth model
 ///    than W was used. A pixel whose error falls to half or less has that cause.
-/// 2. With `view.scene`, if a tenth of the error is still unexplained, the scene is traced again
-/// (error_trials).
-/// 3. For pixels that are still unexplained, the error of each remaining cause is estimated. Hidden surfaces
-/// and
-///    light from beyond the overscan are estimated by the local contrast, nonlinear W by the radiance it
-///    moves, and the record density by the error of edges that are known only to a quadtree cell
-///    (record_floor). The cause with the largest estimate is chosen if that is at least a tenth of the error;
-///    otherwise view-dependent shading.
+/// 2. With `view.scene`, if a tenth of the error is still unexplained, the scene is traced again, without
+///    limits that may be the cause (error_trials).
+/// 3. For pixels that are still unexplained, an error is estimated for each remaining cause: for hidden
+///    surfaces and light from beyond the overscan from the local contrast, for nonlinear W from the radiance
+///    that it moves, and for the record density from the record floor (record_floor). The cause with the
+///    largest estimate is chosen if that is at least a tenth of the error. Otherwise the cause is
+///    view-dependent shading.
 ///
 /// Throws what hybrid_picture throws. The images' size must be the file's.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,

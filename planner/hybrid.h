@@ -29,8 +29,8 @@ struct HybridSettings {
     /// For measurements, with a scene: replaces the choice of the view samples that are compared with rays
     /// (FieldViews::checked), for each half of the views. The image's error is then not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Without a scene: a pixel's records count as insufficient if a larger share of its light than this is
-    /// unknown, or if nonlinear W moves more radiance than this.
+    /// Without a scene: limit for the unknown share of a pixel's light, and for the radiance that nonlinear W
+    /// moves. A pixel that exceeds it has insufficient records.
     double tolerated = 0.02;
 };
 

@@ -30,10 +30,10 @@ struct PredictedError {
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
 /// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens` with `views` views
-/// (0: by another method than views). Draws two independent images a and b, each of `views` other views, at
-/// least 64. The expectation of (image - a)(image - b) is the squared error of `image`, since the errors of a
-/// and b are independent. Throws what check_predictable and field_focus throw. The result is bit-identical
-/// for any number of threads.
+/// (0: the method draws no views). Draws two independent images a and b. Each has `views` views, at least 64,
+/// none of which `image` has. The expectation of (image - a)(image - b) is the squared error of `image`,
+/// since the errors of a and b are independent. Throws what check_predictable and field_focus throw. The
+/// result is bit-identical for any number of threads.
 [[nodiscard]] PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const Image& image,
                                            int views);
 

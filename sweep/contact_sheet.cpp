@@ -13,7 +13,7 @@ namespace {
 
 constexpr Rgb8 background{24, 24, 24}, missing{48, 48, 48};
 constexpr int gap_px = 6, line_px = 18;
-/// Approximate width of the sheet, least and greatest width of a thumbnail; px.
+/// Approximate width of the sheet, and least and greatest width of a thumbnail, px.
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 

@@ -1,4 +1,4 @@
-// Images that an earlier run of a sweep has made: which of them equal those of this run.
+// Finds images of an earlier run of a sweep that equal images of this run.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// Checksum of a file's bytes (XXH3), as the table states it; empty if the file cannot be read.
+/// Checksum (XXH3) of a file's bytes, in the form that the table has. Empty if the file cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 [[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
@@ -31,9 +31,9 @@ class SweepKeys {
     std::string common_;  ///< what all images of the sweep depend on
 };
 
-/// Rows of the table from earlier runs, by file name: those of this run's table `json` and, if the run makes
-/// the whole sweep, those of the tables of all shares, so that a name may have several rows. None if the
-/// settings do not resume.
+/// Table rows of earlier runs, by file name. They are read from the table `json` and, if this run makes the
+/// whole sweep, also from the tables of all shares, so that a name may have several rows. Empty unless
+/// `settings.resume` is set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -25,7 +25,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     return out;
 }
 
-/// Names of impulse responses, of letters, digits, dots and dashes. Equal names get a number.
+/// Names of impulse responses, which consist of letters, digits, dots and dashes. Names that would be equal
+/// get a number.
 std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     std::vector<std::string> out;
     for (const Impulse& i : impulses) {

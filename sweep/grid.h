@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Values of each setting that a sweep varies. All lists but `shutters` need a value, with one exception: an
-/// impulse response of a lens prescription has its own focal length, which replaces `focal_lengths_mm`, and
-/// its own f-number, which is used if `f_numbers` is empty.
+/// Values of each setting that a sweep varies. All lists but `shutters` need a value. An exception is an
+/// impulse response of a lens prescription: its focal length replaces `focal_lengths_mm`, and its f-number is
+/// used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur

@@ -26,8 +26,9 @@ struct TraceSettings {
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     bool seek_small_things = true;  ///< subdivides at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `bend_radius_m`, to the lens of `for_f_number`, and `lens_radius_m`, to the lens of
-    /// `for_f_number`, else of the camera, else of f/1.4.
+    /// trace_to_file overwrites two radii. With `for_f_number`, both become the radius of that lens. Without
+    /// it, `lens_radius_m` becomes the radius of the camera's lens, or of a lens of f/1.4 if the camera has
+    /// no f-number; `bend_radius_m` stays.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =

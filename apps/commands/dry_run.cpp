@@ -25,15 +25,16 @@ struct Cost {
     std::uint64_t memory_bytes = 0;
 };
 
-/// Cost by the amount of samples or views.
+/// Seconds as a linear function of the number of samples or views.
 struct Line {
     double fixed_s = 0, each_s = 0;
-    int measured = 1;  ///< amount that was run
+    int measured = 1;  ///< largest number of samples or views that was run
     std::uint64_t memory_bytes = 0;
     [[nodiscard]] Cost at(double amount) const { return {fixed_s + each_s * amount, memory_bytes}; }
 };
 
-/// The numbers of at most `most` of `count` items, evenly spaced, with the first and the last.
+/// Indices of at most `most` of `count` items. They are evenly spaced and include the first and the last
+/// item.
 std::vector<int> spread(int count, int most) {
     std::vector<int> out;
     const int n = std::min(count, most);
@@ -43,7 +44,7 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Cost of item i by a straight line between the measured ones.
+/// Cost of item i, by linear interpolation between the measured items.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -116,7 +117,8 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command with other words, and an amount if it has one. Returns what that cost.
+    /// Runs the command with the additional words `more`, and with `amount` samples or views if it has such
+    /// an option. Returns the measured cost.
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -140,7 +142,7 @@ class Measured {
         return run(more, amount, fs::path(work_.output).extension().string());
     }
 
-    /// Throws the error that a run of the command has ended with.
+    /// Throws the error with which a run of the command has ended.
     [[noreturn]] static void refuse(const ChildResult& child, const fs::path& log) {
         constexpr std::uintmax_t longest = 1'000'000;
         const std::string said = read_text_file(log, longest);
@@ -153,8 +155,9 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Measures the command with few samples or views, and with twice as many. Begins with a 16th of what is
-    /// asked for, and takes more where these are done too soon to be told from chance.
+    /// Measures the command with some number of samples or views, and with twice that number. Begins with a
+    /// 16th of `amount`, and doubles it until the two times differ by more than `clear_s`, because smaller
+    /// differences may be noise.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -191,7 +194,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // What the amount costs in another frame differs as the whole does.
+            // The cost with all samples or views is assumed to differ between frames by the same factor as
+            // the measured cost.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -205,8 +209,10 @@ class Measured {
         return out;
     }
 
-    /// Of a sweep: one picture, whose own seconds the table states, which leaves what all share; and up to
-    /// twice four, evenly spaced from the first and up to the last.
+    /// Costs of the tasks of a sweep. First measures the sweep of a single image: its seconds, minus those
+    /// that the table states for the image, are the fixed cost of a task. Then measures one or two sweeps of
+    /// a few evenly spaced images each, at least four if there are as many. They give the cost of each
+    /// further image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -242,7 +248,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A part keeps the sums of its blocks of samples apart, an undivided run does not.
+        // A share stores the sums of each of its blocks of samples separately, which needs more memory than
+        // an undivided run.
         const ImageSize size = read_image_size(output_);
         const int blocks = (sample_blocks(work_.amount, halves()) + work_.shares - 1) / work_.shares;
         const auto bytes = [&](int b) {
@@ -255,7 +262,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A share has that much less to do, so that it may be measured with more.
+        // A share has fewer rows than the whole image, so it is measured with more samples or views in about
+        // the same time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;
@@ -295,7 +303,7 @@ class Measured {
 
     const DryRun& work_;
     ScratchFile folder_;
-    fs::path output_;  ///< of the last run
+    fs::path output_;  ///< output of the last run
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// What a command would do, in shares or at once: its tasks, their outputs, memory and seconds.
+// Predicts what a command would do, divided into shares or not: its tasks, and the outputs, memory and
+// seconds of each task.
 #pragma once
 
 #include <functional>
@@ -10,23 +11,24 @@
 
 namespace postlens {
 
-/// A command line that `--dry-run` looks at.
+/// A command for which `--dry-run` predicts the tasks.
 struct DryRun {
     std::vector<std::string> words;  ///< the command, without --share, --dry-run and output (words_of)
     std::string output;
     int shares = 1;
     bool by_samples = false;                          ///< shares are samples of every pixel
     std::optional<std::vector<int>> frames;           ///< shares are frames
-    std::function<std::string(int frame)> output_of;  ///< with `frames`: their files
-    int pictures = 0;                                 ///< of a sweep, whose shares are pictures; else 0
-    /// Option in which the seconds are linear, such as --spp, and its value; empty: none.
+    std::function<std::string(int frame)> output_of;  ///< with `frames`: the file of a frame
+    int pictures = 0;  ///< number of images of a sweep, whose shares are images; else 0
+    /// Option on whose value (`amount`) the seconds depend linearly, such as --spp; empty: none.
     std::string amount_option;
     int amount = 0;
 };
 
-/// Tells the tasks, as JSON: runs parts of the command as programs of their own, with few samples or views,
-/// some of the frames, pictures or shares, and measures them. What it does not run it takes from those by
-/// straight lines. Nothing is written but in a temporary folder. Throws the errors of the command.
+/// Predicts the tasks, as JSON. Runs small parts of the command in separate processes (few samples or views;
+/// some of the frames, images or shares) and measures their seconds and memory. The costs of all other parts
+/// are interpolated or extrapolated linearly from these. Writes only to a temporary folder. Throws the errors
+/// of the command.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

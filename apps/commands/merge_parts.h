@@ -1,4 +1,5 @@
-// The parts that `merge` joins, whatever they hold: which share each is, and whether they belong together.
+// The parts that `merge` joins, with any contents: finds out which share each part is, and whether the parts
+// belong to the same command.
 #pragma once
 
 #include <map>
@@ -23,14 +24,14 @@ struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of t
     Share share;
 };
 
-/// Throws Error(invalid_input) if two parts do not belong to the same work.
+/// Throws Error(invalid_input) if two parts are not from shares of the same command.
 void check_same_work(const PartFacts& first, const PartFacts& other);
 
 /// The parts that were found, by share. Throws Error(invalid_input) if two parts have the same share.
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Shares without a part; throws if there are any, unless `partial`.
+    /// Numbers of the shares whose parts are missing. Throws if there are any, unless `partial` is set.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:
@@ -43,8 +44,8 @@ class FoundParts {
 /// Joins parts of a trace, which are sample files, to the sample file of the undivided trace.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the items that the shares of a sweep or a chart have left in one folder. The parts are the shares'
-/// tables, FOLDER/*.I-of-N.json; the output is the folder.
+/// Joins the results that the shares of a sweep or a chart have written into one folder. The parts are the
+/// tables of the shares, FOLDER/*.I-of-N.json; the output is the folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

@@ -56,7 +56,7 @@ void add_view(CLI::App& root, CommandOptions& s);
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
 /// --frames, --keep and, for commands whose frames are instants, --fps.
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// What --dry-run looks at, for a parsed command with these options.
+/// The command for which --dry-run predicts the tasks, from its parsed options.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// What the words of a command line name: the files that it reads and writes, the options of its result, and
-// the same command for `merge` and --dry-run.
+// Finds what a command line names: the files that it reads and writes, and the options that determine its
+// result. Also repeats the command line for `merge` and --dry-run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@ CLI::Option* writes(CLI::Option* option);
 /// The options of the parsed subcommand, and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& app);
 
-/// The command line again, without --share, --dry-run, --json and the options of outputs.
+/// The words of the command line without --share, --dry-run, --json and the options that name outputs.
 [[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
 
 }  // namespace postlens

@@ -36,7 +36,7 @@ struct FrameOptions {
     std::optional<double> fps;  ///< for trace and render; absent: 24
     bool keep =
         false;  ///< skip frames whose output is complete and was made from the same inputs and options
-    /// Fingerprint of the command for one frame (AskedFor), which the frame's file states.
+    /// Fingerprint of the command for one frame (AskedFor), which is written to the frame's file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
     std::optional<SharedWork>
         shared;          ///< makes every N-th frame of N shares, or without a range a part of the image
@@ -56,9 +56,9 @@ void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
 /// Runs the command for each frame. `in_time`: the command has a time that differs between frames, so that
 /// the input name needs no placeholder. `run` also gets the text for Image::made_by. With --keep, a frame is
-/// made again, with a warning that says which setting differs, unless its file states the same. An error
-/// names its frame and ends the range. The exit code is the first nonzero one. Throws Error(wrong_arguments)
-/// for names without a placeholder, before any work, and the errors of `run`.
+/// kept if its file states the same fingerprint. Otherwise it is made again, with a warning that names the
+/// setting that differs. An error names its frame and ends the range. The exit code is the first nonzero one.
+/// Throws Error(wrong_arguments) for names without a placeholder, before any work, and the errors of `run`.
 [[nodiscard]] CommandResult run_frame_range(
     const FrameOptions& options, const FrameFiles& names, bool in_time,
     const std::function<CommandResult(const FrameFiles& files, int frame, const std::string& made_by)>& run);

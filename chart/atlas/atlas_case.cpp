@@ -107,8 +107,8 @@ const std::vector<AtlasCause>& atlas_causes() {
          "The colour of a point depends on where it is seen from, or when; the "
          "records have it for the pinhole and the frame's instant."},
         {"path-and-depth-correlated",
-         "What is blurred changes along its path: its depth, its outline, or "
-         "what covers it, at the same instants."},
+         "While an object moves, its depth, its outline or its occluder changes: "
+         "the path alone is not enough."},
         {"frame-edge", "Light comes into the picture from beyond the border of the records."},
         {"kernel-truncation", "An impulse response is too coarse, too small or too large for its raster."},
         {"record-density", "Too few point samples, views or instants for what they stand for."},

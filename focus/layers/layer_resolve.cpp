@@ -106,8 +106,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path that continues this one provides the radiance, so this path's nodes need no
-        // substitute.
+        // The longer path has added its radiance, weighted by its outer masks, so stand_in is not blended in
+        // for missing nodes of this path.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

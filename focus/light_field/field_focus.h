@@ -22,7 +22,7 @@
 
 namespace postlens {
 
-/// An open shutter: its interval, the weight of each instant, and the motion meanwhile.
+/// An open shutter: its interval, the weight of each instant, and the motion during the interval.
 struct FieldShutter {
     const FrameMotion* motion = nullptr;
     double open_s = 0, close_s = 0;
@@ -35,15 +35,16 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< none: all views show the frame's own instant
-    /// Leaves out the pixels where nothing moves and only one surface is seen, for which scattering is exact.
-    /// They are left out only if they are at least this share of the image. None: draws all pixels.
+    /// If set, pixels where nothing moves and only one surface is seen are not drawn, because scattering is
+    /// exact for them. They are left out only if they make up at least this share of the image. Absent: all
+    /// pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// Draws only these pixels of the window, bit-identical to a drawing of all; the others are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit of the surfaces. Larger surfaces are read again for each image, in strips of a quarter of
-    /// the limit; the result is bit-identical.
+    /// Memory limit of the surfaces, bytes. If all surfaces together need more, they are read again for each
+    /// image, in strips that need a quarter of the limit. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces rays for view samples that the records do not determine. Only highlights whose radiance is the
     /// same for all rays are then spread by their impulse response; no pixel is left out or unknown. Null: no

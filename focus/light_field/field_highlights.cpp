@@ -16,7 +16,7 @@ namespace {
 /// Smaller semi-axis of the CoC, px, from which views would show a highlight as separate dots.
 constexpr double spread_from_px = 2;
 /// Area of all highlights of a sheet (one surface within a square of the raster), px^2, below which they are
-/// spread by their impulse response however little they are blurred, as few views hit them.
+/// spread by their impulse response even with little blur, because only few views hit them.
 constexpr float small_px2 = 4;
 /// Edges of the squares in which the highlights of one surface are merged, px: merged_px for a blur of
 /// spread_from_px or more, merged_sharp_px for less.

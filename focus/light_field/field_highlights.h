@@ -23,7 +23,7 @@ namespace postlens {
 /// through one lens point, and counts if that lens point sees the highlight. For highlights that are seen
 /// directly, this is computed exactly, by rasterising the nearer surfaces along the rays from the highlight
 /// (PointRays). For reflected, transmitted and moving highlights, and for all but the brightest highlights of
-/// a tile, it is decided by the views nearest to the lens point (and to the instant).
+/// a tile, the views nearest to the lens point (and to the instant) decide whether the highlight is seen.
 class FieldHighlights {
   public:
     /// Keeps a reference to `sheets`. `window`: the image's pixels. `motion`: null if nothing moves.

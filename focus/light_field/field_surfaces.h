@@ -34,21 +34,22 @@ struct FieldSurfaces {
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
 /// Approximate memory of a file's surfaces and patches, bytes per record, measured on a few rows of squares
-/// of the first instant: from 25 without reflections to 140 for many small reflecting objects.
+/// of the first instant: from 25 in scenes without reflections to 140 in scenes with many small reflecting
+/// objects.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces of an image in strips: for each strip those that reach it in any view. The first read
-/// finds how far the surfaces of each row of squares reach, and keeps the few that reach far. For later
-/// strips, only the rows close to the strip are read.
+/// Reads the surfaces of an image strip by strip: for each strip, the surfaces that reach the strip in any
+/// view. The first read finds how far the surfaces of each row of squares reach, and keeps the few that reach
+/// far. For later strips, only the rows close to the strip are read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views`: a field without instants. Surfaces that are seen from a
-    /// lens point within its lens_reach_px are included. `lens_box_px`: half the width and height of the
-    /// lens, as LensShift::lens_px, which limits the reach of highlights. `motion`: motion of highlights;
-    /// null: no highlight moves.
+    /// Keeps references to its arguments. `views`: a field without instants. A strip also gets the surfaces
+    /// that reach it from any other lens point within views.lens_reach_px. `lens_box_px`: half the width and
+    /// height of the lens, as LensShift::lens_px, which limits the reach of highlights. `motion`: motion of
+    /// highlights; null: no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);

@@ -19,10 +19,11 @@ namespace {
 
 /// A surface hides a highlight if its 1/z' is larger than the highlight's by more than this factor.
 constexpr float nearer = 1.02F;
-/// Smallest limit of the total cost of a tile's visibility samples, in units of the cost of one view of the
-/// tile.
+/// The visibility samples of a tile together may cost as much as drawing all its views. If the tile has fewer
+/// views than this, they may cost as much as drawing this number of views.
 constexpr std::size_t least_drawn = 64;
-/// Smallest cost of one visibility sample, in units of the cost of one view of the whole tile.
+/// Lower bound of the cost of one visibility sample, as a share of the cost of drawing one view of the whole
+/// tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled: no two share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
@@ -32,9 +33,8 @@ constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm:
 /// because correlation would make the edges of shadows too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// Neighbouring highlights that share their visibility samples each cast a shadow of an occluder into their
-/// blur. If the standard deviation of the shadows' positions is at most this, px, a single shadow stands for
-/// all.
+/// An occluder casts one shadow for each highlight of a group. If the standard deviation of the positions of
+/// these shadows is at most this number of px, a single shadow replaces them.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -60,8 +60,8 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// Views that decide whether a source is visible: `nearest` has those nearest to each cell of a table
-    /// over the lens with `edge` by `edge` cells; `all` is for sources that are hardly blurred
+    /// Views that decide whether a source is visible. `nearest`: the views nearest to each cell of a table
+    /// over the lens, which has `edge` by `edge` cells. `all`: the views for sources that are hardly blurred
     /// (Source::by_all).
     struct Asked {
         int edge = 0;

@@ -1,4 +1,5 @@
-// Selects the highlights that are spread by their impulse response in images that also have rays.
+// Selects the highlights that are spread by their impulse response, for images in which rays replace some
+// view samples.
 #pragma once
 
 #include "reproject/sheets/sheet_mesh.h"

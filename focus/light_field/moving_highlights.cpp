@@ -11,7 +11,8 @@ namespace {
 
 /// Number of instants at which the speed of a highlight is measured.
 constexpr int looks = 64;
-/// Largest step from one instant of a streak to the next: px, or share of the CoC radius if that is more.
+/// Largest step from one instant of a streak to the next: in px, or as a share of the CoC radius, whichever
+/// is more.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
 /// For jittered instants: each share of the exposure is divided into this many parts, and the instant of a
 /// highlight lies in one of them. The factors, 1/px, choose the part by raster position, so that highlights a

@@ -17,8 +17,8 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Area of a surface's highlights within a square of the raster, px^2, up to which they are spread as
-    /// streaks of impulse responses. For larger areas the views alone show a streak.
+    /// Largest area, px^2, that the highlights of a surface within a square of the raster may have to be
+    /// spread as streaks of impulse responses. If the area is larger, the views alone show a streak.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance above the highlights' limit that is spread as a streak. A dimmer highlight leaves no
     /// visible dots in the mean of the views.

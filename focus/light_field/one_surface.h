@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// One value per cell of `edge` x `edge` px of the window, row by row. 1: light of a single object arrives,
-/// from all lens points; its surface does not overlap itself and has no slope that matters for the lens. 0:
-/// otherwise, also if nothing is recorded, or if there are reflected or transmitted nodes.
+/// One value per cell of `edge` x `edge` px of the window, row by row. 1: from all lens points a single
+/// object is seen, whose surface does not overlap itself and is nowhere so steep that this matters for the
+/// lens. 0: otherwise, also if nothing is recorded, or if there are reflected or transmitted nodes.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;

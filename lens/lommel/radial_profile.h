@@ -24,12 +24,12 @@ class RadialProfile {
 
     /// Share of the energy within a radius from 0 to end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// `within` without structure finer than `width_px`: exact to fourth order where it is smooth, averaged
-    /// over the width where fringes are finer. The radius must be at least 3/2 widths away from 0 and from
-    /// the end.
+    /// `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, averaging
+    /// changes it only by terms of fourth order in `width_px`. The radius must differ from 0 and from
+    /// end_px() by at least 3/2 widths.
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// `smoothed_within` for `count` radii from `begin_px` on, `row_steps` per width. Faster, because four
-    /// radii share each integral.
+    /// The values of `smoothed_within` at `count` radii: the first is `begin_px`, the next ones follow at
+    /// steps of width_px / row_steps. Faster than single calls, because four radii share each integral.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Energy per px^2 at the radius, from the closed form of each part.

@@ -226,7 +226,9 @@ class DirectConvolution {
         });
     }
 
-    /// Computes the terms of each row of the path's raster, with offsets relative to the tile.
+    /// Lists the terms of the convolution, row by row of the path's raster. A short run of equal weights
+    /// becomes one CellTerm for each cell, a long run becomes a single RunTerm. Offsets are relative to the
+    /// tile's position.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {

@@ -1,4 +1,4 @@
-// Reads rows of a sample file and turns their records into quadtree leaves and surfaces, pixel by pixel.
+// Reads rows of a sample file, and finds the quadtree leaves and the surfaces of each pixel from the records.
 #pragma once
 
 #include <functional>

@@ -15,10 +15,10 @@ inline constexpr int most_slices = 64;
 /// Number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Largest area that the motion uncovers between parts of a group at different depths, or over which these
-/// parts come to overlap, as a share of the group's recorded area. Depth steps whose sides separate by less
-/// than 0.5 px do not count. DepthSlices treats all parts as one opaque surface, so it is in error over this
-/// area.
+/// Parts of a group at different depths move differently: areas between them are uncovered, and the parts
+/// come to overlap. The result is the largest such area, as a share of the group's recorded area. Depth steps
+/// whose sides separate by less than 0.5 px do not count. DepthSlices treats all parts as one opaque surface,
+/// so it is in error over this area.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -34,11 +34,11 @@ struct PathAxis {
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
 /// Change of a surface's projected area along its path. A point at 1/z' moves by path(t) * (1/z') /
-/// path_inverse_z. At time t, a piece of surface on which 1/z' has the gradient G per px therefore has
-/// 1 + sum over the axes of rate * (path(t) . axis) times its recorded area, with rate = G . axis /
-/// path_inverse_z, 1/px. This is exact for a translation parallel to the film. A piece that turns over along
-/// the path counts only while its area is positive: `area` and the rates then describe a linear function that
-/// falls to 0 at the end of the path and has the same integral.
+/// path_inverse_z. At time t, a piece of surface on which 1/z' has the gradient G per px therefore has 1 +
+/// sum over the axes of rate * (path(t) . axis) times its recorded area, with rate = G . axis /
+/// path_inverse_z, 1/px. This is exact for a translation parallel to the film. If this area becomes negative,
+/// the piece has turned over and is no longer drawn. `area` and the rates then describe a linear function
+/// that falls to 0 at the end of the path and has the same integral as the positive part.
 struct Stretch {
     double area = 1;
     glm::dvec2 rate_per_px{0};
@@ -66,7 +66,7 @@ class DepthSlices {
     /// Factor by which the path of the whole group is multiplied to give the path of slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// Window of every slice: the cells in which the group was recorded.
+    /// The window that all slices have: the cells that contain the group at the recorded instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

@@ -1,5 +1,5 @@
-// Motion blur of a moving group of objects: the convolution of its raster with that of its path, for the
-// whole group or for each of its depth slices.
+// Motion blur of a moving group of objects: the convolution of the group's raster with the raster of its
+// path, for the whole group or for each of its depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"

@@ -27,9 +27,9 @@ struct GroupPicture {
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// Cells [x, x + n) x [y, y + n) that the quarter of a leaf at one corner covers, each by the share `share`
-/// of its area. Sizes of leaves and cells are powers of 2, so that a quarter covers whole cells or lies
-/// within one.
+/// The cells [x, x + n) x [y, y + n) that a quarter of a leaf covers: the quarter at one of the leaf's
+/// corners. `share`: the share of each cell's area that it covers. Sizes of leaves and cells are powers of 2,
+/// so that a quarter covers whole cells or lies within one.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -41,8 +41,8 @@ struct QuarterCells {
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Draws the raster of moving group g, in cells of 1/cells_per_px px: at every position the nearest recorded
-/// surface of the group, from all layers.
+/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Every cell shows the group's nearest
+/// recorded surface there, of any layer.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 

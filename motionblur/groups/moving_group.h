@@ -31,10 +31,10 @@ struct MovingGroup {
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
 /// Groups all moving objects that share a path; the nearest group comes first. Objects share a group if their
-/// displacements agree within 0.02 px at all times. Objects with parallax share one if they overlap in depth
-/// and their displacements agree at equal depths. `fit_px`: tolerance within which each path is replaced by a
-/// spline of few knots (`fit_path`); absent: paths are not replaced. Throws Error(wrong_arguments) for an
-/// object that passes the camera, since it has no path.
+/// displacements agree within 0.02 px at all times. Objects with parallax share a group if they overlap in
+/// depth and their displacements agree at equal depths. `fit_px`: tolerance within which each path is
+/// replaced by a spline of few knots (`fit_path`); absent: paths are not replaced. Throws
+/// Error(wrong_arguments) for an object that passes the camera, since it has no path.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Bounding box of the area in which a group was recorded and over which its path takes it, raster px.
+/// Bounding box, raster px, of the area over which a group moves, which includes its recorded position.
 struct PassedBox {
     glm::dvec2 low_px{0}, high_px{0};
 };
@@ -21,9 +21,9 @@ struct PassedBox {
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// The reason why lightfield is the better method for groups[g], which has parallax; empty if convolve is. A
-/// group has such a reason if its parallax exceeds `most_parallax_px`, if another object lies in its range of
-/// depth along its path, or if it is several surfaces that uncover each other.
+/// The reason why lightfield is the better method for groups[g], which has parallax; empty if convolve is the
+/// better one. Reasons for lightfield are: the group's parallax exceeds `most_parallax_px`; another object
+/// lies in the group's range of depth along its path; parts of the group uncover each other (torn_share).
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);

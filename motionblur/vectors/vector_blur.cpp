@@ -74,8 +74,9 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Background colours for the unknown shares of pixels, from the static pixels around (`weight` 1). If
-/// `weight` is empty, the colours come from what the views show there and around.
+/// An image of the background, which replaces the light that no view determines. Moving pixels (`weight` 0)
+/// get colours from the static pixels around them (`weight` 1). If `weight` is empty, the background is the
+/// image of the views; pixels that no view determines get colours from the pixels around them.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

@@ -10,8 +10,9 @@
 
 namespace postlens {
 
-/// A random straight edge separates the corners of a square. The share of corners on one side estimates the
-/// share of area; this is the mean squared error of that estimate, from 200,000 random edges.
+/// A straight edge divides a square. The share of the square's corners on one side of the edge estimates the
+/// share of the area on that side. This is the mean squared error of the estimate, over 200,000 random edges
+/// that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
 /// The mean squared error of that estimate for an edge parallel to a side of the square, at a uniformly
 /// distributed position.
@@ -38,8 +39,8 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// The radiance above 1 of some cells, and the error where their circle of confusion spreads it. sRGB
-/// encoding clips this radiance within the cells, but not where it is spread to.
+/// The radiance above 1 of some cells, and the error that it causes in the pixels over which their circle of
+/// confusion spreads it. sRGB encoding clips this radiance within the cells, but not in those pixels.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,

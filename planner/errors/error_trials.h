@@ -11,9 +11,10 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;      ///< cause that the trial removes
-    Image image;           ///< light field of the new records, in the window of the file
-    bool decides = false;  ///< later trials remove more; they are not used for pixels that this one corrects
+    ErrorCause cause;  ///< cause that the trial removes
+    Image image;       ///< light field of the new records, in the window of the file
+    /// If this trial corrects a pixel, later trials, which remove more limits, are not used for the pixel.
+    bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 

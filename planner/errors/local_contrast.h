@@ -16,8 +16,9 @@ namespace postlens {
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Expected squared error of a pixel if `light` (sRGB values) of it is reprojected to a wrong position: a
-/// quarter of the square of `light`, as on average half of it still reaches the right pixel.
+/// Expected squared error of a pixel if a part of its radiance, `light` (sRGB values), is reprojected to a
+/// wrong position. On average half of this part still reaches the right pixel, so the error is a quarter of
+/// the square of `light`.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

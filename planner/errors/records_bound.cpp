@@ -19,8 +19,8 @@ namespace {
 /// hundredths.
 constexpr int views_that_tell = 16;
 
-/// Stands in for a ray tracer, but traces nothing: only the share of view samples that rays would replace is
-/// needed.
+/// Replaces the ray tracer but traces nothing, because only the share of view samples that rays would replace
+/// is needed.
 class NoRays final : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

@@ -1,4 +1,5 @@
-// An upper bound of the error by view samples that the records do not determine, where no rays replace them.
+// An upper bound of the error that arises if no rays replace the view samples that the records do not
+// determine.
 #pragma once
 
 #include <cmath>
@@ -23,14 +24,15 @@ struct RecordsBound {
     [[nodiscard]] double mean_mse(int width, const std::optional<Crop>& crop) const;
 };
 
-/// Bounds the error by unsure view samples, those that the records do not determine (docs/light_field.md). A
-/// few views find their share in each pixel. The radiance of an unsure sample is assumed to lie between the
-/// darkest and the brightest value of the pinhole image within the pixel's largest circle of confusion, and
-/// all unsure samples of a pixel are assumed to err in the same direction.
+/// Bounds the error that unsure view samples cause, those that the records do not determine
+/// (docs/light_field.md). A few views are drawn to find the share of unsure samples in each pixel. The
+/// radiance of an unsure sample is assumed to lie between the darkest and the brightest value of the pinhole
+/// image within the pixel's largest circle of confusion, and all unsure samples of a pixel are assumed to err
+/// in the same direction.
 ///
-/// The bound is mostly far above the error. Radiance that the pinhole image does not contain can exceed it.
-/// `image`: scene-linear. `lens.scene` and the number of views are ignored. Throws what hybrid_picture
-/// throws.
+/// The bound is mostly far above the error. The error can exceed the bound where the image shows radiance
+/// that the pinhole image does not contain. `image`: scene-linear. `lens.scene` and the number of views are
+/// ignored. Throws what hybrid_picture throws.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

@@ -15,8 +15,8 @@ namespace {
 
 /// Number of scrambled sets of lens points that the image's square pieces use in turn, and the step from one
 /// row of pieces to the next. Moving scenes use fewer sets, since the objects must be placed for every view.
-/// The numbers are prime, so that a set repeats along a row, a column or a diagonal only after that many
-/// pieces.
+/// All three numbers are prime, so that a set repeats along a row, a column or a diagonal only after as many
+/// pieces as there are sets.
 constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
 /// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.

@@ -40,7 +40,8 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
     if (!tracer_.has_textures() ||
         c.size > std::max(1U, grid_.unit >> std::min(settings_.colour_levels, settings_.levels)))
         return;
-    // Textures are compared from the first corner on, so nothing is marked where that has none.
+    // The comparison of textures starts with the first corner's nodes, so without a texture there, nothing is
+    // marked.
     const CornerSample& first = samples_[c.corner[0]];
     const ColourSource* sources = chunks_[first.chunk].sources.data() + first.first;
     if (std::none_of(sources, sources + first.count,

@@ -1,4 +1,4 @@
-// Decides which cells of the grid split, by what their corners see.
+// Decides which quadtree cells are divided, from the records at their corners.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// The criteria of sample_corners.
+/// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
     /// Keeps references to all arguments. `samples` and `chunks` may change between calls.
@@ -30,10 +30,11 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// A record, by the index of its chunk and its index there.
+    /// Records. Each is given by the index of its chunk and by its index in that chunk.
     using Marks = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-    /// Adds the nodes at the corners of a leaf (an undivided cell) between which the texture has contrast.
-    /// Only leaves of the smallest size that contrast can produce are examined.
+    /// Appends to `marks` the nodes at the corners of a leaf (an undivided cell) if their texture has
+    /// contrast between the corners. Ignores leaves larger than the smallest cells into which contrast of
+    /// colours divides a pixel (SubdivisionSettings::colour_levels).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:

@@ -13,7 +13,8 @@ namespace postlens {
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Predicted size of a sample file, bytes, without its header. Pairs of rows, evenly spaced in the window,
-/// are traced and packed as those of the file. The result is scaled to all rows and to `instants` instants.
+/// are traced and compressed like the rows of the file. The result is scaled to all rows and to `instants`
+/// instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

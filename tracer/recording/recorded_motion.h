@@ -13,7 +13,7 @@ namespace postlens {
 /// shadows may move. If shapes of one id move differently, the first moving shape stands for all.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// The ids, ascending, whose shapes have different keys.
+/// The ids, ascending, whose shapes move differently, because their keys differ.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// A share of a trace: some rows of the records, in a sample file that `merge` joins with those of the others.
+// A share of a trace: some rows of the records, in a sample file of their own. `merge` joins the files of all
+// shares.
 #pragma once
 
 #include <functional>
@@ -14,8 +15,9 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// The rows that are a share of the rows [y_begin, y_end) of records; shares differ by at most one row.
-/// Throws Error(wrong_arguments) if there are more shares than rows.
+/// The rows of a share, when the rows [y_begin, y_end) of records are divided into shares. The numbers of
+/// rows of two shares differ by at most one. Throws Error(wrong_arguments) if there are more shares than
+/// rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
 /// Traces the rows of a share of `window`, as sample_corners traces them, and passes all rows of the window

@@ -1,5 +1,5 @@
-// Estimates the nonlinear W (`w_bend`, the second-order error of a node's W over the lens) from the samples
-// around the node where their values are small. The estimate saves the rays that would measure it.
+// Estimates the nonlinear W (`w_bend`, the second-order error of a node's W over the lens) from the values at
+// the samples around the node, if these are small. The estimate saves the rays of a measurement.
 #pragma once
 
 #include <array>

@@ -30,7 +30,8 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; empty: 1
-    /// Weight of each ray in the result, by which `min_contribution` is judged; empty: 1.
+    /// Weight of each ray in the result; empty: 1. The contribution of a ray, times this weight, is compared
+    /// with `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that rays must not count; null: all counts
     /// Only with `less`: raster position, px, at which the pinhole sees the point at distance t on a ray.

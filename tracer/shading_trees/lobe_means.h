@@ -50,8 +50,8 @@ class LobeMeans {
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean of hits[i], before its weight. Adds the numbers of rays to counts.reflect,
-    /// .refract and .shadow. Thread-safe.
+    /// Sets means[i] to the mean radiance over the lobe of hits[i], not multiplied by hits[i].weight. Adds
+    /// the numbers of rays traced to counts.reflect, counts.refract and counts.shadow. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:

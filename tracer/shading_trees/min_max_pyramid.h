@@ -36,8 +36,8 @@ class MinMaxPyramid {
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// The least of all values; infinity if there is none.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// The greatest value within `radius` of `at`. It may be a greater value that lies within 9/8 of the
-    /// radius. If all values are below `floor`, the result is `floor`.
+    /// The greatest value within `radius` of `at`, or a greater value that lies within 9/8 of the radius. If
+    /// all values are below `floor`, the result is `floor`.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// An upper bound of greatest(at, radius, floor), from a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;

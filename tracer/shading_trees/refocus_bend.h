@@ -41,8 +41,8 @@ struct BentNode {
 /// largest |e| / |q|^2.
 ///
 /// Lens points: four at `radius_m` on the raster axes; only two at right angles if both have an error below
-/// 0.05 px. The ray from a lens point is found by Newton's method, with the derivatives at the pinhole, along
-/// the same sequence of objects up to the last bounce; the residual after five steps is added to the error.
+/// 0.05 px. Newton's method, with the derivatives at the pinhole, finds the ray from a lens point to the
+/// target that bounces at the same sequence of objects. The residual after five steps is added to the error.
 /// Infinity if this does not converge or ends in total internal reflection. A lens point whose ray is
 /// blocked, or passes the outline of an object, is skipped; if all four are, the result is infinity.
 /// Occlusion between the last bounce and the target is ignored.

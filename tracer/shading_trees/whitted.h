@@ -19,7 +19,7 @@ namespace postlens {
 
 struct WhittedSettings {
     int max_depth = 5;  ///< nodes along a path, the primary node counts 1; 1 to NodePath::max_bounces + 1
-    double min_contribution = 1e-3;  ///< radiance; subtrees that cannot contribute as much are not traced
+    double min_contribution = 1e-3;  ///< radiance; subtrees that can contribute only less are not traced
     bool refocus_matrices = true;    ///< computes W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; 0: not measured
     /// Lens radius, m. A rough surface whose lobe is wider than this lens (lobe_is_wide) is recorded with the
