@@ -91,8 +91,9 @@ AskedFor asked_for(CLI::App& app) {
     AskedFor out;
     out.command = app.get_name();
     // Options that change where, how fast or with which messages a result is made, but not the result itself.
-    std::vector<std::string> left_out{"--share",  "--threads", "--quiet",        "--json",
-                                      "--resume", "--keep",    "--requeue-code", "--dry-run"};
+    std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
+                                      "--resume",  "--keep",    "--requeue-code", "--dry-run",
+                                      "--restart", "--strict",  "--force"};
     if (app.get_option_no_throw("--keep") != nullptr)
         left_out.emplace_back("--frames");  // a range, not a name
     for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
