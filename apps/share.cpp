@@ -10,6 +10,7 @@
 #include "pictures/crop.h"
 #include "scene/file_digest.h"
 #include "scene/scene.h"
+#include "tracer/recording/trace_share.h"
 
 namespace postlens {
 Share parse_share(std::string_view option, std::string_view text) {
@@ -32,15 +33,8 @@ Share parse_share(std::string_view option, std::string_view text) {
 Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height) {
     check_crop(crop, width, height);
     const Crop whole = crop.value_or(Crop{0, 0, width, height});
-    if (share.count > whole.height) {
-        fail(ExitCode::wrong_arguments, "--share: more shares than rows (got {}; expected {} or less)",
-             share.count, whole.height);
-    }
-    const auto row = [&](int i) {
-        return static_cast<int>(static_cast<std::int64_t>(whole.height) * i / share.count);
-    };
-    const int begin = row(share.index), end = row(share.index + 1);
-    return {whole.x, whole.y + begin, whole.width, end - begin};
+    const RowRange rows = rows_of_share(share, whole.y, whole.y + whole.height);
+    return {whole.x, rows.begin, whole.width, rows.end - rows.begin};
 }
 
 namespace {

@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"
+#include "core/files/share_table.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "focus/frame.h"
@@ -85,10 +86,6 @@ ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     return out;
 }
 
-std::string share_suffix(const ChartRequest& r) {
-    return r.share ? fmt::format(".{}-of-{}", r.share->index, r.share->count) : "";
-}
-
 class Runner {
   public:
     Runner(const ChartRequest& request, fs::path folder)
@@ -142,7 +139,7 @@ class Runner {
         const std::string key = chart_key(request_, view_, scene_);
         if (!restart || request_.join != Join::no) {
             for (const fs::path& path : earlier_charts(request_, folder_, chart_path()))
-                other_machine_ = take_over_chart(path, key, folder_, data_) || other_machine_;
+                other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
         // All shares write their images to the same folder, so the run of a share removes none of them.
@@ -197,9 +194,12 @@ class Runner {
     }
 
     [[nodiscard]] fs::path chart_path() const {
-        return folder_ / ("chart" + share_suffix(request_) + ".json");
+        return folder_ / (request_.share ? share_table_name("chart", *request_.share) : "chart.json");
     }
-    [[nodiscard]] fs::path frames_folder() const { return folder_ / ("frames" + share_suffix(request_)); }
+    [[nodiscard]] fs::path frames_folder() const {
+        const auto& share = request_.share;
+        return folder_ / (share ? fmt::format("frames.{}-of-{}", share->index, share->count) : "frames");
+    }
     [[nodiscard]] fs::path frame_path(const std::string& name) const {
         return frames_folder() / (point_file_name(name) + ".exr");
     }

@@ -8,6 +8,7 @@
 
 #include "chart/machine.h"
 #include "core/error.h"
+#include "core/files/share_table.h"
 #include "core/files/text_file.h"
 
 namespace postlens {
@@ -39,28 +40,19 @@ std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& sc
 std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path& folder,
                                      const fs::path& chart) {
     std::vector<fs::path> out;
-    if (!request.share) {
-        for (const auto& entry : fs::directory_iterator(folder)) {
-            const std::string name = entry.path().filename().string();
-            if (name.starts_with("chart.") && name.ends_with(".json") &&
-                name.find("-of-") != std::string::npos)
-                out.push_back(entry.path());
-        }
-        std::sort(out.begin(), out.end());
-    }
+    if (!request.share) out = share_tables(folder, "chart");
     if (fs::exists(chart)) out.push_back(chart);
     return out;
 }
 
-bool take_over_chart(const fs::path& path, const std::string& key, const fs::path& folder, ChartData& data) {
+bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
-    // What the shares of another request have left in the folder does not count.
-    if (from.key != key && !from.part.is_null() && path.filename().string().find("-of-") != std::string::npos)
-        return false;
     if (from.key != key) {
+        // What the shares of another request have left in the folder does not count.
+        if (!own) return false;
         fail(ExitCode::wrong_arguments,
-             "{}: holds another chart (got {}; expected {}); --restart begins anew", folder.string(),
-             from.key, key);
+             "{}: holds another chart (got {}; expected {}); --restart begins anew",
+             path.parent_path().string(), from.key, key);
     }
     const bool other_machine =
         (from.about.is_object() ? from.about.value("machine", Json()) : Json()) != machine_json();

@@ -23,10 +23,11 @@ namespace postlens {
                                                                 const std::filesystem::path& chart);
 
 /// Adds the measurements of an earlier run to `data`. If `data` has measured a point already, the measurement
-/// with more rounds is kept. Returns true if the chart was measured on another machine. Throws
-/// Error(wrong_arguments), which names `folder`, if its key is not `key`.
-[[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key,
-                                   const std::filesystem::path& folder, ChartData& data);
+/// with more rounds is kept. Returns true if the chart was measured on another machine. A chart with another
+/// key than `key` is left alone, unless it is the run's `own`: then throws Error(wrong_arguments), which
+/// names its folder.
+[[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
+                                   ChartData& data);
 
 /// Sorts traces and points into the order of the plan, and adds those that are not measured yet.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);

@@ -7,6 +7,7 @@
 #include <utility>
 #include <xxhash.h>
 
+#include "core/files/share_table.h"
 #include "core/files/text_file.h"
 #include "lens/impulse.h"
 #include "planner/auto_picture.h"
@@ -74,15 +75,7 @@ std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
     constexpr std::uintmax_t largest_bytes = 64'000'000;
     if (!settings.resume) return {};
     std::vector<std::filesystem::path> tables;
-    if (!settings.share) {
-        for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-            const std::string name = entry.path().filename().string();
-            if (name.starts_with("sweep.") && name.ends_with(".json") &&
-                name.find("-of-") != std::string::npos)
-                tables.push_back(entry.path());
-        }
-        std::sort(tables.begin(), tables.end());
-    }
+    if (!settings.share) tables = share_tables(folder, "sweep");
     if (std::filesystem::exists(json)) tables.push_back(json);
     std::multimap<std::string, SweepRow> out;
     for (const std::filesystem::path& table : tables) {

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"
+#include "core/files/share_table.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "focus/bend_warning.h"
@@ -67,9 +68,7 @@ class Sweep {
         out_.table.at = sweep_points(settings, file_.header());
         out_.csv = folder / "sweep.csv";
         out_.json = folder / "sweep.json";
-        if (settings.share)
-            out_.json =
-                folder / fmt::format("sweep.{}-of-{}.json", settings.share->index, settings.share->count);
+        if (settings.share) out_.json = folder / share_table_name("sweep", *settings.share);
         check_sweep_lenses(settings, grid_, file_.header(), maker_.method());
         check_outputs(frame);
         make_folder(folder);

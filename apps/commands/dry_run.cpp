@@ -9,6 +9,7 @@
 #include "apps/numbers.h"
 #include "core/child_process.h"
 #include "core/files/scratch_file.h"
+#include "core/files/share_table.h"
 #include "core/files/text_file.h"
 #include "pictures/image.h"
 #include "tracer/distributed/render_state.h"
@@ -221,8 +222,7 @@ class Measured {
         const Cost one = run(share(middle, n), 0);
         constexpr std::uintmax_t largest_bytes = 64'000'000;
         const Json table = Json::parse(
-            read_text_file(output_ / fmt::format("sweep.{}-of-{}.json", middle, n), largest_bytes), nullptr,
-            false);
+            read_text_file(output_ / share_table_name("sweep", {middle, n}), largest_bytes), nullptr, false);
         const double fixed =
             std::max(0.0, one.seconds - table.at("pictures").at(0).at("seconds").get<double>());
         constexpr int most_measured = 4;
@@ -292,7 +292,7 @@ class Measured {
         const fs::path output(work_.output);
         if (work_.pictures > 0) {
             const std::string table =
-                work_.shares == 1 ? "sweep.json" : fmt::format("sweep.{}-of-{}.json", i, work_.shares);
+                work_.shares == 1 ? "sweep.json" : share_table_name("sweep", {i, work_.shares});
             return {(output / table).string()};
         }
         if (work_.shares == 1) return {work_.output};

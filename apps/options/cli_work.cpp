@@ -19,7 +19,10 @@ void frame_options(CLI::App& app, FrameOptions& to, bool in_time) {
            "Do so for each of these frames; file names hold the number as f.%04d.exr or f.####.exr "
            "(docs/frames.md)")
         ->type_name("1-48[x2],...");
-    app.add_flag("--keep", to.keep, "With --frames: leave out those whose output is there and whole");
+    app.add_flag("--keep", to.keep,
+                 "With --frames: leave out those whose output is there, whole, and made by the same options "
+                 "from the same "
+                 "inputs");
     if (in_time)
         number(app, "--fps", to.fps, "With --frames: frame n is at n / FPS s [default: 24]", "FPS", above_0);
 }

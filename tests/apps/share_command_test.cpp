@@ -210,6 +210,10 @@ TEST_F(ShareCommand, PointsOfAChartMergeInTheirFolder) {
     }
     EXPECT_EQ(merged.at("noise_rms"), whole.at("noise_rms"));
     EXPECT_TRUE(std::filesystem::exists(in("c/index.html")));
+    // A share keeps to its own request, too.
+    Words other = chart;
+    std::replace(other.begin(), other.end(), std::string("48x27"), std::string("32x18"));
+    refused(other + Words{"-o", in("c"), "--share", "0/3"}, ExitCode::wrong_arguments, "holds another chart");
     refused(chart + Words{"-o", in("d"), "--share", "0/99"}, ExitCode::wrong_arguments,
             "more shares than points");
 }
