@@ -31,6 +31,13 @@ struct Warning {
     double share = 0;
 };
 
+/// Warnings as `--json` lists them.
+[[nodiscard]] inline nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
+    nlohmann::ordered_json out = nlohmann::ordered_json::array();
+    for (const Warning& w : warnings) out.push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
+    return out;
+}
+
 struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines

@@ -30,9 +30,7 @@ CommandResult run_command(std::vector<std::string> words, const std::shared_ptr<
 nlohmann::ordered_json report_json(const CommandResult& result) {
     nlohmann::ordered_json json = result.json;
     json["peak_memory_bytes"] = peak_memory_bytes();
-    json["warnings"] = nlohmann::ordered_json::array();
-    for (const Warning& w : result.warnings)
-        json["warnings"].push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
+    json["warnings"] = warnings_json(result.warnings);
     return json;
 }
 

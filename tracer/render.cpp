@@ -85,13 +85,7 @@ class Renderer {
         const auto [blocks, block] = division(settings.spp, settings.halves);
         if (!settings.sample_share) return {0, blocks, block > 1};
         const auto [index, count] = *settings.sample_share;
-        if (count > blocks) {
-            fail(ExitCode::wrong_arguments,
-                 "--share: more shares than the samples can be divided into (got {}; expected {} or less for "
-                 "{} "
-                 "samples a pixel, or --share-by tiles)",
-                 count, blocks, settings.spp);
-        }
+        static_cast<void>(sample_blocks(count, settings.spp, settings.halves));  // refuses too many shares
         return {blocks * index / count, blocks * (index + 1) / count, false};
     }
     /// An empty state for these settings.
@@ -263,8 +257,15 @@ fs::path with_word(const fs::path& path, const std::string& word, const std::str
 
 }  // namespace
 
-int sample_blocks(int spp, bool halves) {
-    return Renderer::division(spp, halves).first;
+int sample_blocks(int shares, int spp, bool halves) {
+    const int blocks = Renderer::division(spp, halves).first;
+    if (shares > blocks) {
+        fail(ExitCode::wrong_arguments,
+             "--share: more shares than the samples can be divided into (got {}; expected {} or less for {} "
+             "samples a pixel, or --share-by tiles)",
+             shares, blocks, spp);
+    }
+    return blocks;
 }
 
 std::array<fs::path, 2> half_paths(const fs::path& path) {

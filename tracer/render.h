@@ -74,8 +74,8 @@ struct RenderResult {
 };
 
 /// Number of blocks into which the samples of a pixel are divided, of which a share has some
-/// (distributed/render_state.h).
-[[nodiscard]] int sample_blocks(int spp, bool halves);
+/// (distributed/render_state.h). Throws Error(wrong_arguments) if there are more shares than blocks.
+[[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
 /// Paths of the two files of `halves`: NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);

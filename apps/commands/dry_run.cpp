@@ -72,14 +72,9 @@ class Measured {
                  "--frames: the output holds no frame number (got {}; expected one, e.g. f.%04d.exr)",
                  work_.output);
         }
-        if (!work_.by_samples || work_.frames) return;
-        if (const int blocks = sample_blocks(work_.amount, halves()); work_.shares > blocks) {
-            fail(ExitCode::wrong_arguments,
-                 "--share: more shares than the samples can be divided into (got {}; expected {} or less for "
-                 "{} "
-                 "samples a pixel, or --share-by tiles)",
-                 work_.shares, blocks, work_.amount);
-        }
+        if (work_.by_samples && !work_.frames)
+            static_cast<void>(
+                sample_blocks(work_.shares, work_.amount, halves()));  // refuses too many shares
     }
 
     [[nodiscard]] Json tasks() {
@@ -251,7 +246,8 @@ class Measured {
         // A share stores the sums of each of its blocks of samples separately, which needs more memory than
         // an undivided run.
         const ImageSize size = read_image_size(output_);
-        const int blocks = (sample_blocks(work_.amount, halves()) + work_.shares - 1) / work_.shares;
+        const int blocks =
+            (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
         const auto bytes = [&](int b) {
             return RenderState::bytes(size.width, size.height, halves() ? 2 : 1, b);
         };

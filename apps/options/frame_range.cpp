@@ -92,12 +92,6 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
-    nlohmann::ordered_json out = nlohmann::ordered_json::array();
-    for (const Warning& w : warnings) out.push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
-    return out;
-}
-
 /// The warnings of all frames: one for each code, with the text of the first frame that has it.
 class WarningsOfAll {
   public:
