@@ -32,7 +32,7 @@ ChildResult run_child(const std::vector<std::string>& words, const std::filesyst
     if (error != 0) return {.exit_code = 127};
     int status = 0;
     rusage usage{};
-    // Looks now and then, so that an interruption of this process alone ends the other one as well.
+    // Tests at short intervals, so that an interruption of this process alone also ends the child.
     constexpr std::chrono::milliseconds between_looks(2);
     for (bool cancelled = false;;) {
         const pid_t ended = wait4(pid, &status, cancelled ? 0 : WNOHANG, &usage);

@@ -14,8 +14,9 @@ struct ChildResult {
     std::uint64_t peak_memory_bytes = 0;
 };
 
-/// Runs `words[0]`, which is looked for in PATH, with the other words as its arguments. It reads nothing;
-/// what it writes goes to `output`, or is lost. An interruption ends it, and throws Error(interrupted).
+/// Runs the program `words[0]`, found in PATH, with the other words as its arguments. Its standard input is
+/// empty; its output is written to the file `output`, or discarded if `output` is empty. If the current job
+/// is cancelled, ends the program and throws Error(interrupted).
 ChildResult run_child(const std::vector<std::string>& words, const std::filesystem::path& output = {});
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// How postlens reports errors: one exception type, one line of text, one exit code.
+// Error reports of postlens: one exception type, one line of text and an exit code.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// The command's exit codes; every failure is one of these.
+/// Exit codes of the command. Every failure has one of them.
 enum class ExitCode : int {
     ok = 0,
     comparison_failed = 1,
@@ -16,12 +16,12 @@ enum class ExitCode : int {
     invalid_input = 3,
     cannot_write = 4,
     out_of_memory = 5,
-    shortfall = 6,  ///< the output is written, but a target or a limit was not met
+    shortfall = 6,  ///< the output is written, but misses a target or limit
     interrupted = 130,
 };
 
-/// Thrown for invalid input, files and arguments; caught once, in the command.
-/// `what()` is one line: "FILE:LINE: what is wrong (got X; expected Y)".
+/// Thrown for invalid input, files and arguments, and caught once, in the command. `what()` is one line:
+/// "FILE:LINE: what is wrong (got X; expected Y)".
 class Error : public std::runtime_error {
   public:
     Error(ExitCode code, const std::string& text) : std::runtime_error(text), code_(code) {}

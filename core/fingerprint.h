@@ -1,4 +1,4 @@
-// A 64-bit hash of settings: equal for equal settings, and almost never for different ones.
+// A 64-bit hash of settings. Equal settings have equal hashes; different settings almost never do.
 #pragma once
 
 #include <bit>
@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// FNV-1a hash over the bytes of the added values, in the order of the calls.
+/// FNV-1a hash over the bytes of all added values, in the order in which they are added.
 class Fingerprint {
   public:
     void add(std::uint64_t bits) {

@@ -16,8 +16,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's thread limit to the largest number of threads of all jobs that exist. Otherwise a TBB arena
-/// would get at most one thread per core. Jobs with fewer threads are limited by their own arenas.
+/// Raises TBB's thread limit to the largest number of threads of any existing job. Otherwise TBB would limit
+/// every job to one thread per core. Jobs with fewer threads are limited by their own TBB arena.
 class WidestJob {
   public:
     void add(int threads) {
@@ -40,7 +40,7 @@ class WidestJob {
         const int widest = threads_.empty() ? 0 : *threads_.rbegin();
         if (widest == allowed_) return;
         allowed_ = widest;
-        // TBB applies the lowest of several limits, so the old limit is removed first.
+        // If several limits exist, TBB applies the lowest, so the old limit is removed first.
         control_.reset();
         if (widest > tbb::info::default_concurrency()) {
             control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));
@@ -88,7 +88,7 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // If the TBB arena is full, another thread runs `work`, so that thread needs its own JobScope.
+    // If the TBB arena is full, another thread runs `work`. That thread needs a JobScope of its own.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

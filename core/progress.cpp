@@ -12,8 +12,7 @@
 namespace postlens {
 namespace {
 
-/// Whether stderr is a terminal with the control sequence "erase to the end of the line", which the bar
-/// needs.
+/// True if stderr is a terminal that understands "erase to the end of the line", which the bar needs.
 bool stderr_takes_a_bar() {
     const char* terminal = std::getenv("TERM");
     return ::isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -40,8 +39,8 @@ class Bar {
     void draw(const ProgressReport& report) {
         constexpr int bar_columns = 30;
         const int filled = static_cast<int>(report.share * bar_columns);
-        // The percentage is rounded down, so that 100 % only appears when the work is done. A single write
-        // keeps the bar from mixing with other output.
+        // The percentage is rounded down, so 100 % appears only when the step is completed. A single write
+        // keeps other output from appearing inside the bar.
         const std::string line = fmt::format(
             "\r{} [{:=<{}}{: <{}}] {:3} %  {} left\033[K", report.step, "", filled, "", bar_columns - filled,
             static_cast<int>(report.share * 100), duration_text(report.seconds_left));
@@ -56,7 +55,7 @@ class Bar {
 }  // namespace
 
 std::string duration_text(double duration_s) {
-    // Durations are limited to a thousand days, so that the conversion to an integer is defined.
+    // Durations are limited to a thousand days, because larger numbers do not fit the integer.
     constexpr double longest_s = 1000 * 86400.0;
     const auto seconds =
         static_cast<std::int64_t>(duration_s > 0 ? std::min(duration_s, longest_s) + 0.5 : 0);
@@ -89,7 +88,7 @@ void Progress::advance(std::uint64_t units) {
     const double elapsed_s = seconds_since(start_);
     const auto elapsed_ms = static_cast<std::int64_t>(elapsed_s * 1000);
     auto due = next_report_ms_.load(std::memory_order_relaxed);
-    // One thread makes the report; the others continue their work.
+    // Only the thread whose exchange succeeds makes the report. The other threads continue their work.
     if (elapsed_ms >= due && next_report_ms_.compare_exchange_strong(due, elapsed_ms + 100)) {
         report(elapsed_s, false);
     }

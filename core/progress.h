@@ -12,17 +12,18 @@
 
 namespace postlens {
 
-/// "8 s", "3 min 05 s" or "2 h 07 min"; negative and undefined durations count as zero.
+/// Formats a duration as "8 s", "3 min 05 s" or "2 h 07 min". Negative and undefined durations count as zero.
 [[nodiscard]] std::string duration_text(double duration_s);
 
-/// A watcher (JobSettings::watch) that draws a bar with the remaining time on stderr, from the first second
-/// of a step on. Empty if stderr is not a terminal that can show it.
+/// Returns a watcher (JobSettings::watch) that draws a bar with the remaining time on stderr, starting after
+/// one second of a step. Returns an empty function if stderr is not a terminal that can show the bar.
 [[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
 
-/// A step of the current job. Reports its progress to the job's watcher, unless it is part of another step.
+/// A step of the current job. Reports its progress to the job's watcher, unless the step is part of another
+/// step.
 class Progress {
   public:
-    /// `total`: number of units of the whole step, as `advance` counts them.
+    /// `total`: number of units in the step; `advance` counts completed units.
     Progress(std::string step, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;

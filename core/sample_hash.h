@@ -1,15 +1,14 @@
-// Counter-based random words: every number is a hash of its key and counter, so they can be made in any
-// order.
+// Counter-based random numbers: each is a hash of a key and a counter, so they can be computed in any order.
 #pragma once
 
 #include <cstdint>
 
 namespace postlens {
 
-/// Number of samples that are made together; loops over this many lanes are vectorised.
+/// Number of samples that are computed together, so that loops over them are vectorised.
 inline constexpr int sample_lanes = 16;
 
-/// Mixes the bits of a 64-bit word, bijectively: the finaliser of SplitMix64 [steele2014].
+/// Mixes the bits of a 64-bit word by a bijection: the finaliser of SplitMix64 [steele2014].
 [[nodiscard]] constexpr std::uint64_t mix64(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -17,7 +16,7 @@ inline constexpr int sample_lanes = 16;
     return x ^ (x >> 31);
 }
 
-/// Mixes the bits of a 32-bit word, bijectively, with multipliers and shifts of low bias from C. Wellons'
+/// Mixes the bits of a 32-bit word by a bijection of low bias. Multipliers and shifts are from C. Wellons'
 /// search.
 [[nodiscard]] constexpr std::uint32_t mix32(std::uint32_t x) {
     x = (x ^ (x >> 16)) * 0x7feb352dU;
@@ -32,21 +31,22 @@ inline constexpr int sample_lanes = 16;
     return static_cast<std::uint32_t>(x >> 32);
 }
 
-/// 24 bits as a float in [0, 1); exact, so always below 1.
+/// Converts 24 bits to a float in [0, 1). The conversion is exact, so the result is always below 1.
 [[nodiscard]] constexpr float unit_float_24(std::int32_t bits) {
     return static_cast<float>(bits) * 0x1p-24F;
 }
-/// The upper 24 bits of a word as a float in [0, 1).
+/// Converts the upper 24 bits of a word to a float in [0, 1).
 [[nodiscard]] constexpr float unit_float(std::uint32_t word) {
     return unit_float_24(static_cast<std::int32_t>(word >> 8));
 }
 
-/// Random word `counter` of a stream with a 64-bit key. Words of one stream are distinct.
+/// Random word number `counter` of the stream with this 64-bit key. All words of one stream are different.
 [[nodiscard]] constexpr std::uint32_t random_word(std::uint64_t key, std::uint32_t counter) {
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// Key of one set of points in one pixel, from which the keys of independent streams are derived.
+/// Key of one set of points in one pixel. The keys of the set's independent random streams are derived from
+/// this key.
 struct SetKey {
     std::uint64_t value;
     /// Streams with different `purpose` are independent.

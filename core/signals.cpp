@@ -35,7 +35,7 @@ void cancel_on_signals(Job& job) {
         if (::sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
         action = {};
         action.sa_handler = on_signal;
-        action.sa_flags = SA_RESTART;  // without it, reads and writes inside libraries fail with EINTR
+        action.sa_flags = SA_RESTART;  // otherwise reads and writes inside libraries fail with EINTR
         ::sigemptyset(&action.sa_mask);
         ::sigaction(signal, &action, nullptr);
     }

@@ -12,8 +12,8 @@ namespace {
 constexpr int index_bits = 32;
 using Directions = std::array<std::uint32_t, index_bits>;
 
-/// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1 with a = a_1 .. a_(s-1) in binary, and the first s odd m
-/// [joe2008, table "new-joe-kuo-6"].
+/// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1, and its first s odd initial numbers m [joe2008, table
+/// "new-joe-kuo-6"]. `a` has the binary digits a_1 .. a_(s-1).
 struct Polynomial {
     int s;
     std::uint32_t a;
@@ -22,11 +22,11 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Direction numbers of the Sobol sequence, bit-reversed. The point of an index is the exclusive or of the
-/// elements k for which bit k of the index is set.
+/// Direction numbers of the Sobol sequence, bit-reversed. The point with a given index is the exclusive or of
+/// those elements k for which bit k of the index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
-    if (dimension == 0) {  // van der Corput sequence: the bits of the index, mirrored at the binary point
+    if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
         for (int k = 0; k < index_bits; ++k) v[static_cast<std::size_t>(k)] = 1U << k;
         return v;
     }
@@ -57,8 +57,8 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
     return x;
 }
 
-/// The sequence is linear over the bits of the index. A point is the exclusive or of a word for the lower ten
-/// of its 20 index bits and one for the upper ten.
+/// The sequence is linear over the bits of the index. So a point is the exclusive or of two table entries:
+/// one for the lower ten bits of the index and one for the upper ten.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };
@@ -76,8 +76,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Dimension 1 of the Sobol sequence: the index times Pascal's triangle modulo 2. That matrix is the product
-/// of five simple matrices.
+/// Dimension 1 of the Sobol sequence: the bits of the index, multiplied by Pascal's triangle modulo 2. This
+/// matrix is the product of five simple matrices, one per line below.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -90,8 +90,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Sample indices, permuted by a nested uniform scramble. Every aligned block of 2^j samples stays an aligned
-/// block.
+/// Sample indices, permuted by a nested uniform scramble. The scramble maps every aligned block of 2^j
+/// samples to an aligned block.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -112,8 +112,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// If `first` is a multiple of 16, the words of samples first .. first + lanes - 1 are low[i] ^ high, because
-/// the upper bits of these indices are equal.
+/// If `first` is a multiple of 16, the upper bits of the indices first .. first + lanes - 1 are equal. The
+/// words of these samples are then low[i] ^ high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -1,4 +1,4 @@
-// Parallel loops that give the same result for any number of threads.
+// Parallel loops whose results do not depend on the number of threads.
 #pragma once
 
 #include <algorithm>
@@ -13,16 +13,16 @@
 
 namespace postlens {
 
-/// Calls chunk(begin, end) for ranges of at most `grain` indices (1 or more) that cover [0, count) once, in
-/// any order. parallel_for uses it, and documents when it stops and what it throws.
+/// Calls chunk(begin, end) for ranges of at most `grain` indices (1 or more). The ranges cover [0, count)
+/// once, in any order. Stops and throws as parallel_for does, which calls this function.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk);
 
-/// Calls body(i) once for each i in [0, count), in any order. The result of one index must not depend on the
-/// thread that it runs on, so that results are equal for any number of threads. If body throws, no further
-/// work is begun and the exception is rethrown; if several indices throw, one of their exceptions. Throws
-/// Error(interrupted) if the current job is cancelled, which is tested every `grain` indices: the work of
-/// `grain` indices should take less than 100 ms.
+/// Calls body(i) once for each i in [0, count), in any order. The result of body(i) must not depend on the
+/// thread; then the loop's result is equal for any number of threads. If body throws, no further indices are
+/// begun, and one of the thrown exceptions is rethrown. Throws Error(interrupted) if the current job is
+/// cancelled. Cancellation is tested every `grain` indices, so the work of `grain` indices should take less
+/// than 100 ms.
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     parallel_chunks(count, std::max<std::size_t>(grain, 1), [&body](std::size_t begin, std::size_t end) {
@@ -30,14 +30,15 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     });
 }
 
-/// Calls make(i) on any thread and then end(i), one at a time and in order. At most `at_a_time` indices are
-/// between the start of make(i) and the end of end(i). make_in_order uses it.
+/// Calls make(i) on any thread and then end(i), one call of end at a time and in the order of i. At most
+/// `at_a_time` indices are between the start of make(i) and the end of end(i). make_in_order calls this
+/// function.
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 
-/// Calls end(i, make(i)) for i in [0, count). make(i) is called for up to `at_a_time` (1 or more) indices at
-/// once, by any thread, and may contain parallel loops; while one call waits, its threads work for the
-/// others. end is called in order, one call at a time. Stops and throws as parallel_for does.
+/// Calls end(i, make(i)) for i in [0, count). make(i) runs for up to `at_a_time` (1 or more) indices at once,
+/// on any thread, and may contain parallel loops. While one call waits, its threads work for the others. end
+/// is called in order, one call at a time. Stops and throws as parallel_for does.
 template <typename Make, typename End>
 void make_in_order(std::size_t count, std::size_t at_a_time, const Make& make, const End& end) {
     std::vector<std::optional<std::invoke_result_t<const Make&, std::size_t>>> made(count);

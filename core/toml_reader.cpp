@@ -9,7 +9,8 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // A table that the file does not define explicitly has no position.
+    // toml++ knows no position for a table that the file defines only implicitly, so the message names line
+    // 1.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
 
@@ -89,7 +90,7 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // The table is sorted by name, but the first key in the order of the file is reported.
+        // The table is sorted by name. The error should name the unknown key that comes first in the file.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

@@ -1,6 +1,6 @@
-// Typed reading of TOML tables. Every error states its line and column, and the error for an unknown key
-// names the nearest known key. toml++ takes seconds to compile, so only .cpp files that read TOML include
-// this header.
+// Typed reading of TOML tables. Every error names its line and column; the error for an unknown key also
+// names the most similar known key. toml++ takes seconds to compile, so only .cpp files that read TOML
+// include this header.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,7 @@
 
 namespace postlens {
 
-/// Parses the text of a TOML file. `file`: its name in error messages. Throws Error(invalid_input)
+/// Parses the text of a TOML file. `file` is its name in error messages. Throws Error(invalid_input)
 /// "FILE:LINE:COLUMN: ...".
 [[nodiscard]] toml::table parse_toml(const std::string& text, const std::string& file);
 
@@ -41,18 +41,20 @@ class TomlTable {
     [[nodiscard]] const std::string& what() const { return what_; }
     void rename(std::string what) { what_ = std::move(what); }
 
-    /// Throws if a key is in none of the lists; the error names the first such key and the nearest known one.
+    /// Throws if the table has a key that is in none of the lists. The error names the first such key and the
+    /// most similar known key.
     void allow_only(std::initializer_list<std::span<const std::string_view>> known) const;
     [[nodiscard]] bool has(std::string_view key) const { return table_->contains(key); }
 
-    // The following functions return none if the key is absent, and throw if its value has the wrong type or
-    // range.
+    // The following functions return nothing if the key is absent. They throw if its value has the wrong type
+    // or is out of range.
     [[nodiscard]] std::optional<double> number(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] std::optional<int> integer(std::string_view key, int min, int max) const;
     [[nodiscard]] std::optional<bool> flag(std::string_view key) const;
     /// Printable text of 1 to 255 bytes.
     [[nodiscard]] std::optional<std::string> text(std::string_view key) const;
-    /// Index of the text in `choices`. For another text the error names the nearest choice.
+    /// Returns the index of the text in `choices`. For any other text, the error names the most similar
+    /// choice.
     [[nodiscard]] std::optional<std::size_t> choice(std::string_view key,
                                                     std::span<const std::string_view> choices) const;
     [[nodiscard]] std::optional<glm::dvec3> vec3(std::string_view key, const NumberRange& range = {}) const;
@@ -62,10 +64,10 @@ class TomlTable {
     /// Any number of numbers; no elements if the key is absent.
     [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
-    /// Three numbers; a single number stands for three equal ones.
+    /// Three numbers. A single number means three equal numbers.
     [[nodiscard]] std::optional<glm::dvec3> number_or_vec3(std::string_view key,
                                                            const NumberRange& range = {}) const;
-    /// An array of arrays of numbers, for example points; every row has min_columns to max_columns numbers.
+    /// An array of arrays of numbers, such as points. Every row must have min_columns to max_columns numbers.
     [[nodiscard]] std::optional<std::vector<std::vector<double>>> rows(std::string_view key,
                                                                        std::size_t min_columns,
                                                                        std::size_t max_columns,
@@ -73,21 +75,21 @@ class TomlTable {
     /// A text or an array of texts.
     [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key) const;
     [[nodiscard]] std::optional<TomlTable> table(std::string_view key) const;
-    /// An array of tables ([[key]] or [{...}, ...]). Errors call each by `what` and its number. No elements
-    /// if the key is absent.
+    /// An array of tables ([[key]] or [{...}, ...]); empty if the key is absent. Errors name each table by
+    /// `what` and its number.
     [[nodiscard]] std::vector<TomlTable> tables(std::string_view key, std::string_view what) const;
 
-    /// The value of a key that must be present, for example required(t.number("radius_m"), "radius_m").
-    /// Throws if it is absent.
+    /// Returns the value of a key that must be present, or throws. Example: required(t.number("radius_m"),
+    /// "radius_m").
     template <typename T>
     [[nodiscard]] T required(std::optional<T> value, std::string_view key) const {
         if (!value) fail_here("has no '{}' (expected one)", key);
         return *std::move(value);
     }
-    /// Throws if both keys are present. For two keys that define the same value.
+    /// Throws if both keys are present. Used for two keys that define the same value.
     void refuse_both(std::string_view a, std::string_view b) const;
 
-    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the value of `key`.
+    /// Throws Error(invalid_input) "FILE:LINE:COLUMN: WHAT: ..." with the position of the key's value.
     template <typename... Args>
     [[noreturn]] void fail_at(std::string_view key, fmt::format_string<Args...> format,
                               Args&&... args) const {

@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // The response's reach is enlarged slightly, so that rounding does not exclude a corner of the outline
-    // that lies on a pixel border.
+    // The reach is enlarged slightly. Otherwise, rounding might exclude a corner of the outline that lies on
+    // a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -42,23 +42,23 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Number of parts into which a straight line of `length` on the aperture is divided, so that the image of
-/// each part deviates from a straight line by less than 0.02 px. The second derivative of q |q|^2 is at most
-/// 6 |q|, and |q| is at most sqrt(2).
+/// Number of parts into which a straight line of `length` on the aperture is divided. The image of each part
+/// then deviates from a straight line by less than 0.02 px. The deviation is at most length^2 / 8 times the
+/// second derivative of spherical_px q |q|^2, which is at most 6 spherical_px |q|; |q| is at most sqrt(2).
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
     return static_cast<int>(std::clamp(std::ceil(length / longest), 1.0, most));
 }
 
-/// An aperture image in which `step` x `step` cells are combined into one.
+/// An aperture image at reduced resolution: each value combines `step` x `step` cells of the original.
 struct CoarsePicture {
     int step = 1, width = 0, height = 0;
     std::vector<double> light;
 };
 
-/// Combines cells of the aperture image up to half a pixel of the response, where `cell_px` is the size of
-/// one cell in the response.
+/// Combines cells of the aperture image until one covers half a pixel of the response; `cell_px` is the size
+/// of a single cell in the response.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -76,14 +76,14 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Deposits an aperture given as an image. Returns the energy that it deposited.
+/// Deposits the light of an aperture given as an image. Returns the deposited energy.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // Combined cells in the last column and row of the aperture's image are cut off at the image's border.
+    // The last column and row of combined cells end at the border of the aperture image.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -122,8 +122,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Deposits rings around the centre of the rim. Each cell of a ring is added as two triangles, because the
-/// image of a quadrilateral may be folded, but a triangle has one orientation.
+/// Deposits an aperture as rings around the centre of its rim. Each cell of a ring is added as two triangles,
+/// because the image of a quadrilateral can be folded, but that of a triangle cannot.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -184,8 +184,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye the outline changes with the field position, and one response serves a part of the image.
-    // Finer chords than 0.02 px would therefore not make it more accurate.
+    // With cats_eye, the outline varies with the field position, but one response serves a whole region of
+    // the image. A tolerance below 0.02 px would therefore not make the image more accurate.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

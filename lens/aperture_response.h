@@ -1,4 +1,4 @@
-// The geometric impulse response of any aperture, on the pixel grid.
+// The geometric impulse response of an aperture of any shape, on the pixel grid.
 #pragma once
 
 #include "lens/aperture.h"
@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Maps a lens point q to the position on the film where its light arrives: `map_px q + spherical_px q
-/// |q|^2`, px, relative to `centre_px`. In front of the focus, map_px inverts the aperture.
+/// Maps a lens point q to the position where its light lands on the film: `map_px q + spherical_px q |q|^2`,
+/// px, relative to `centre_px`. For scene points in front of the focus, map_px inverts the aperture.
 struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;
@@ -21,27 +21,28 @@ struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width of the aperture's image, px; a thinner image is widened to it so that it has an area.
+/// Smallest half width of the aperture's image, px. A thinner image is widened to this, because an area of 0
+/// has no pixel coverage.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
-/// True if the response is the uniformly lit image of an outline, which then describes it completely.
+/// True if the response is a uniformly lit outline, so that image_outline() describes it completely.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// Outline of the aperture's image, px, with chords within 1e-3 px (0.02 px with cats_eye); empty if no light
-/// passes.
+/// Outline of the aperture's image, px, as a polygon within 1e-3 px of the curve (0.02 px with cats_eye).
+/// Empty if no light passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
-/// Largest distance of a point of the response from its centre, px.
+/// Largest distance from the response's centre at which it has light, px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// The response of any aperture within a window. Without the window its values add up to 1 (0 if no light
-/// passes). The aperture is divided into cells, whose light is spread uniformly over their images: the pixels
-/// of an aperture image, or rings and sectors so small that their images deviate by less than 0.02 px. Where
-/// images overlap, as in caustics, they add up.
+/// The response of any aperture within a window. Over the whole plane, its values add up to 1 (0 if no light
+/// passes). The aperture is divided into cells: the pixels of an aperture image, or rings and sectors whose
+/// images deviate from polygons by less than 0.02 px. The light of each cell is spread uniformly over the
+/// cell's image. Where the images of cells overlap, as in caustics, their light adds up.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 
-/// Reference for tests: counts `points`^2 rays through the aperture per pixel.
+/// Reference for tests: counts the rays of a grid of `points` x `points` lens points that land in each pixel.
 [[nodiscard]] ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image,
                                         const PixelWindow& window, int points);
 

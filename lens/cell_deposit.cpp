@@ -18,8 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // The polygon's coordinates are taken relative to its first corner, so that a small polygon far from
-        // the anchor does not lose precision.
+        // Coordinates are relative to the polygon's first corner. A small polygon far from the anchor thus
+        // keeps its precision.
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -39,14 +39,13 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the area to the right of a polygon's side. It has the sign of the density if the side
-// runs upwards and the opposite sign if the side runs downwards, so that the sum over all sides is 0 to the
-// right of the polygon.
+// Adds the energy of the area to the right of a polygon's side. The energy is positive if the side runs
+// upwards, and negative if it runs downwards. So to the right of the polygon, the sum over all sides is 0.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
     const dvec2 top = a.y < b.y ? a : b, bottom = a.y < b.y ? b : a;
-    // The side is horizontal, at least after rounding of its coordinates.
+    // A horizontal side, also one that is horizontal only after rounding, bounds no area.
     if (!(bottom.y > top.y)) return;
     const double slope = (bottom.x - top.x) / (bottom.y - top.y);
     const double x_low = std::min(a.x, b.x), x_high = std::max(a.x, b.x);
@@ -66,7 +65,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // The part of the side to the left of the first column covers that column's pixel in full.
+        // Where the side lies to the left of the first column, the area to its right covers the first pixel
+        // completely.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
@@ -93,7 +93,7 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // Contributions that cancel leave rounding errors, which may be negative.
+            // Positive and negative contributions cancel up to rounding errors, which may be negative.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

@@ -1,4 +1,4 @@
-// Adds many small polygons, each with uniformly distributed energy, to the pixel grid.
+// Adds many small polygons, each of uniform energy density, to the pixel grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Adds exact area coverages of polygons of either orientation. finish() writes the sums to the grid in one
+/// Adds polygons of either orientation with exact area coverage. finish() writes the sums to the grid in one
 /// pass.
 class CellDeposit {
   public:
-    /// Energy is added to `grid`, which must outlive this object.
+    /// Energy will be added to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Adds a convex polygon, px relative to the grid's anchor. A polygon below 1e-5 px^2 gives its energy to
-    /// the pixels of its centre and of the midpoints of its sides.
+    /// Adds a convex polygon, in px relative to the grid's anchor. If its area is below 1e-5 px^2, the energy
+    /// is divided among the pixels of its centre and of the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();
@@ -25,7 +25,7 @@ class CellDeposit {
     void add_point(const glm::dvec2& p, double energy);
 
     ResponseGrid& grid_;
-    std::vector<double> after_;  ///< added to this pixel and to all pixels right of it in its row
+    std::vector<double> after_;  ///< energy for this pixel and for all pixels to its right in the row
 };
 
 }  // namespace postlens

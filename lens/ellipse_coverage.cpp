@@ -10,12 +10,12 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // Elements of M M^T, the quadratic form of the outline; its eigenvalues are the squared semi-axes.
+    // Elements of the matrix M M^T, whose eigenvalues are the squared semi-axes of the ellipse.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // std::hypot is not needed here and takes five times as long: these squares of px neither overflow nor
+    // std::sqrt is five times as fast as std::hypot and safe here: squares of px neither overflow nor
     // underflow.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
@@ -24,7 +24,7 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Widens the minor axis only: M M^T = minor I + (major - minor) a a^T, where a is the unit vector of
+        // Widens only the minor axis: M M^T = minor I + (major - minor) a a^T, where a is the unit vector of
         // the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
@@ -46,7 +46,8 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// Part of the ellipse in one pixel row: heights [t0, t1] from the centre, and values independent of x.
+/// Part of the ellipse in one pixel row: heights [t0, t1] from the centre. The other members do not depend on
+/// x.
 struct EllipseRows::Strip {
     double t0, t1;
     double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at t0 and t1
@@ -60,7 +61,7 @@ double root_at(const Ellipse& e, double t) {
     return std::sqrt(std::max(0.0, (1 - u) * (1 + u)));
 }
 
-/// Antiderivative of sqrt(1 - (t / H)^2) at t, where H is the half height.
+/// Antiderivative of sqrt(1 - (t / H)^2) at t, where H is the ellipse's half height.
 double segment_at(const Ellipse& e, double t) {
     const double u = std::clamp(t / e.half_height, -1.0, 1.0);
     return (t * root_at(e, t) + e.half_height * std::asin(u)) / 2;
@@ -76,8 +77,8 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A very flat ellipse, whose half height is lost in the rounding of cy + half_height, still touches one
-    // row.
+    // The half height of a very flat ellipse is lost when it is added to cy, but the ellipse still touches
+    // one row.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -89,9 +90,9 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Area of the strip left of x, which is relative to the centre: the integral over t of min(right(t), x) -
-/// min(left(t), x). An edge crosses x at a root of a quadratic; between the roots each integrand has an
-/// antiderivative.
+/// Area of the strip to the left of x (relative to the centre): the integral over t of min(right(t), x) -
+/// min(left(t), x). An edge crosses x at the roots of a quadratic; between the roots, each integrand has an
+/// antiderivative in closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -143,7 +144,7 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // The right edge is concave and the left edge convex, so each reaches farthest from the centre at its
+    // The right edge is concave and the left edge convex. So each edge is farthest from the centre at its
     // vertical tangent or at an end of the strip.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
@@ -167,8 +168,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // Shares are differences of running areas, so the shares of a row add up to the row's area despite
-    // rounding.
+    // Each pixel's share is the difference of two running areas. So the shares of a row add up to the row's
+    // area, without accumulated rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

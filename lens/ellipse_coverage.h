@@ -1,4 +1,5 @@
-// Exact area coverage of pixels by a disc or ellipse: the geometric impulse response of a round aperture.
+// Computes exactly how much of each pixel a disc or ellipse covers. This is the geometric impulse response of
+// a round aperture.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +8,16 @@
 
 namespace postlens {
 
-/// An ellipse { centre + M u : |u| <= 1 }, the image of the unit disc under a 2x2 matrix M, px. Stored by its
-/// horizontal chords: at y from the centre, the chord's ends are at centre.x + shear * y +- half_chord *
-/// sqrt(1 - (y / half_height)^2).
+/// An ellipse { centre + M u : |u| <= 1 }: the image of the unit disc under a 2x2 matrix M, px. The ellipse
+/// is described by its horizontal chords. At height y from the centre, the chord's ends are at centre.x +
+/// shear * y +- half_chord * sqrt(1 - (y / half_height)^2).
 struct Ellipse {
     double half_height = 0;  ///< > 0
-    double half_chord = 0;   ///< > 0, half the chord through the centre row
+    double half_chord = 0;   ///< > 0, half the chord through the centre
     double shear = 0;
     [[nodiscard]] static Ellipse disc(double radius_px) { return {radius_px, radius_px, 0}; }
-    /// Makes the ellipse of matrix M. Semi-axes below `smallest_px` are raised to it, so that the ellipse has
-    /// an area.
+    /// Makes the ellipse of matrix M. Semi-axes shorter than `smallest_px` are lengthened to `smallest_px`,
+    /// so that the ellipse has an area.
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
     [[nodiscard]] double area_px2() const;
@@ -24,32 +25,32 @@ struct Ellipse {
     [[nodiscard]] double half_width() const;
 };
 
-/// Coverage of the pixels of one row, as shares of the ellipse's area. Row y is [y, y + 1).
+/// Coverage of the pixels of one row, in shares of the ellipse's area. Row y covers heights [y, y + 1).
 struct CoverageRow {
     int y = 0;
     int x_begin = 0;            ///< column of the first value
     std::vector<double> share;  ///< ellipse area in the pixel / ellipse area
 };
 
-/// Coverage by the ellipse centred at (cx, cy): every row that it touches, from top to bottom. Areas are
-/// integrated analytically, so they are exact up to rounding.
+/// Coverage by the ellipse centred at (cx, cy), for every row that the ellipse touches, from top to bottom.
+/// Areas are integrated analytically, so they are exact up to rounding.
 [[nodiscard]] std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy);
 
-/// Reference for tests: coverage of one pixel by n x n sample points.
+/// Reference for tests: estimates the coverage of one pixel from n x n sample points.
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// Coverage of the pixels of one row. Pixels [inner_begin, inner_end) are completely covered and have the
-/// same value, so only the pixels on the outline are stored. Pixels outside [x_begin, x_end) are not covered.
-/// x_begin <= inner_begin <= inner_end <= x_end.
+/// Coverage of the pixels of one row. Pixels [inner_begin, inner_end) are completely covered and have equal
+/// values, so only the values of the edge pixels on both sides are stored. Pixels outside [x_begin, x_end)
+/// are not covered. x_begin <= inner_begin <= inner_end <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes how much of each pixel of a row the ellipse covers, for rows in any order. Inner pixels are not
-/// visited, so all rows together take a time proportional to the length of the outline.
+/// Computes how much of each pixel the ellipse covers, row by row in any order. Completely covered pixels are
+/// not visited, so the time for all rows is proportional to the length of the outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
@@ -59,7 +60,7 @@ class EllipseRows {
     [[nodiscard]] int y_end() const { return y_end_; }
     /// Value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes row y of [y_begin, y_end). Reuses the memory of `out`.
+    /// Computes row y, y_begin() <= y < y_end(). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

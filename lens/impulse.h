@@ -1,5 +1,4 @@
-// Settings of the impulse response: how the light of one scene point that is out of focus is distributed over
-// pixels.
+// Settings of the impulse response: how the light of one out-of-focus scene point is distributed over pixels.
 #pragma once
 
 #include <filesystem>
@@ -32,10 +31,11 @@ struct Impulse {
 };
 
 /// Reads disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION.
-/// Throws Error(wrong_arguments) whose message begins with `option`.
+/// Throws Error(wrong_arguments) with a message that begins with the option's name, `option`.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text);
 
-/// Throws Error(wrong_arguments) for modifiers that are out of range or do not apply to the kind.
+/// Throws Error(wrong_arguments) for a modifier that is out of range, or that does not apply to this kind of
+/// aperture.
 void check_impulse(const Impulse& impulse);
 
 /// Formats the settings as the argument of `--impulse`.

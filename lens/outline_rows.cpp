@@ -8,15 +8,16 @@
 namespace postlens {
 namespace {
 
-/// Part of a side within one row of pixels.
+/// Part of a polygon's side within one row of pixels.
 struct Piece {
     double x_low, x_high;  ///< x of its two ends
-    double height;         ///< height (> 0) times the side's sign
+    double height;         ///< height (> 0) times the `sign` of the side
 };
 
-/// Part of the pixel [x, x + 1) that lies to the right of the piece, averaged over the piece's height, 0..1.
+/// Share of the pixel [x, x + 1) that lies to the right of the piece, averaged over the piece's height, 0..1.
 double right_of(const Piece& p, double x) {
-    // Antiderivative of clamp(x + 1 - at, 0, 1) with respect to `at`.
+    // Antiderivative, with respect to `at`, of clamp(x + 1 - at, 0, 1): the part of the pixel to the right of
+    // `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
@@ -24,7 +25,7 @@ double right_of(const Piece& p, double x) {
     };
     const double width = p.x_high - p.x_low;
     // For an almost vertical piece, the value at its midpoint replaces the mean over its height. The error is
-    // of second order in the piece's width.
+    // proportional to the square of the piece's width.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -44,8 +45,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // Corners are in order of growing angle from x to y (down), so a side that runs upwards has the
-        // polygon's inside on its right.
+        // The corners are in order of rotation from x to y (down), so the polygon's inside lies to the right
+        // of a side that runs upwards.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -109,8 +110,9 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // One array holds the edge pixels without the inner pixels. Each side adds the area to its right: a part
-    // in the pixels that it crosses, and its whole height in all pixels right of them.
+    // The array contains the edge pixels only, without the completely covered pixels between them. Each side
+    // adds the area to its right: a part of each pixel that it crosses, and its whole height in all pixels
+    // further right.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

@@ -1,4 +1,4 @@
-// An impulse response on the pixel grid: the image of a point light.
+// An impulse response on the pixel grid: the image of a point light source.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@ namespace postlens {
 
 /// Energy per pixel in a rectangle of pixels. Coordinates are px relative to an integer raster position, the
 /// anchor: pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), x right, y
-/// down. The subpixel position (phase) of the point's geometric image is chosen by the function that makes
-/// the grid. Values are not negative and add up to 1 over the plane, except for losses that this function
-/// documents.
+/// down. The function that makes the grid chooses the position of the point's geometric image within its
+/// pixel. Values are not negative. Over all pixels they add up to 1, except for losses that the making
+/// function documents.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t most_points = 1'000'000;
 
-// Reads a line of exactly two numbers. Returns false for a line that is empty or only a comment.
+// Reads a line of exactly two numbers. Returns false if the line is empty or contains only a comment.
 bool parse_line(std::string_view line, const std::string& where, std::pair<double, double>& out) {
     line = line.substr(0, line.find('#'));
     double values[2] = {};
@@ -116,8 +116,9 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // Solves a.density x + (b.density - a.density) x^2 / (2 width) = missing for the x that grows with
-    // `missing`, which is the light that arrives from knot a until the share u has arrived.
+    // `missing` is the light that must still arrive after knot a. Solves a.density x + (b.density -
+    // a.density) x^2 / (2 width) = missing for the time x after knot a. The root that grows with `missing` is
+    // used.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));
@@ -132,7 +133,7 @@ double ShutterCurve::light(double time) const {
                                         [](double t, const Knot& k) { return t < k.time; });
     const Knot &a = *(after - 1), &b = *after;
     const double x = time - a.time, slope = (b.density - a.density) / (b.time - a.time);
-    // The limit b.light keeps the curve monotonic, because rounding could exceed it.
+    // The limit b.light keeps the curve monotonic despite rounding.
     return std::min(a.light + x * (a.density + 0.5 * slope * x), b.light);
 }
 

@@ -13,15 +13,16 @@ struct ThinLens {
     [[nodiscard]] double aperture_diameter_mm() const { return focal_length_mm / f_number; }
 };
 
-/// V = F s / (s - F), mm [potmesil1981, eq. 1]. V = F for an infinite s. Infinite or negative for s <= F.
+/// Film distance V = F s / (s - F), mm [potmesil1981, eq. 1]. V = F for an infinite s. Infinite or negative
+/// for s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Signed diameter of the circle of confusion on a film at V(s), mm: F^2 (z - s) / (n z (s - F))
-/// [potmesil1981, eq. 3]. Positive behind the focus, negative in front. Finite for every depth_m > 0,
-/// infinity included. Needs s > F.
+/// Signed diameter of the circle of confusion on a film at distance V(s), mm: F^2 (z - s) / (n z (s - F))
+/// [potmesil1981, eq. 3]. Positive for points behind the focus, negative in front. Finite for every depth_m >
+/// 0, including infinity. Requires s > F.
 [[nodiscard]] double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m);
 
-/// Limits between which the circle of confusion is no wider than `coc_limit_mm`.
+/// Depths between which the circle of confusion is at most `coc_limit_mm` wide.
 struct DepthOfField {
     double near_m = 0;
     double far_m =

@@ -9,16 +9,16 @@
 
 namespace postlens {
 
-/// Throws Error(wrong_arguments) for a crop that is empty or not within an image of width x height.
+/// Throws Error(wrong_arguments) if the crop is empty or not inside an image of width x height.
 void check_crop(const std::optional<Crop>& crop, int width, int height);
 
-/// Number of pixels in the crop of an image of width x height, or in the whole image without a crop.
+/// Number of pixels in the crop, or without a crop, in the whole image of width x height.
 [[nodiscard]] std::size_t wanted_pixels(const std::optional<Crop>& crop, int width, int height);
 
-/// Returns the cropped image, or the whole image without a crop. Throws the errors of check_crop.
+/// Returns the cropped image; without a crop, the whole image. Throws the errors of check_crop.
 [[nodiscard]] Image cut(const Image& picture, const std::optional<Crop>& crop);
 
-/// Crops one value per pixel, stored row by row with `width` values per row.
+/// Crops an array with one value per pixel, stored row by row with `width` values per row.
 template <typename Value>
 [[nodiscard]] std::vector<Value> cut(const std::vector<Value>& of_pixels, int width,
                                      const std::optional<Crop>& crop) {

@@ -20,13 +20,14 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table of bytes for values from `least` to 1, in cells of 1/256 octave. The byte changes at most once in a
-/// cell.
+/// Table of sRGB bytes for values from `least` to 1, in cells of 1/256 octave. Within a cell, the byte
+/// changes at most once.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// For each cell: the bits of the first value of the next byte, and the byte below that value.
+    /// For each cell, `next` is the smallest value (as float bits) of the next byte, and `byte` is the byte
+    /// below that value.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -65,7 +66,7 @@ struct PngOutput {
     std::string bytes, problem;  ///< have reserved memory and never exceed it
 };
 
-/// Upper bound of the size of the PNG file: deflate expands incompressible data only slightly.
+/// Upper bound of the size, bytes, of the PNG file. Incompressible data grows only slightly by deflate.
 std::size_t most_bytes(const EncodedPicture& picture) {
     const std::size_t raw = picture.rgb.size() + static_cast<std::size_t>(picture.height);
     return raw + raw / 64 + 4096;
@@ -73,7 +74,7 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // An exception must not pass through libpng, so errors use its own mechanism.
+    // An exception must not pass through libpng, so this uses libpng's own error function.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -86,8 +87,8 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
-/// libpng reports errors by longjmp, so no object here may need a destructor. `stops` is null if the exposure
-/// is not known.
+/// libpng reports errors by longjmp, which runs no destructors. So this function must not contain objects
+/// that need one.
 bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                 std::vector<png_text>& texts) {
     // NOLINTNEXTLINE(cert-err52-cpp): how libpng reports errors
@@ -96,8 +97,8 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                  8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // For rendered images, this PNG filter compresses as well as choosing the best filter for each row. This
-    // compression level makes files 10 % larger than the default level, in a third of the time.
+    // For rendered images, this one PNG filter compresses as well as the best filter for each row. This
+    // compression level makes files 10 % larger than the default level, but takes a third of the time.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);
@@ -138,7 +139,7 @@ std::string png_file(const EncodedPicture& picture, const std::string& shown_nam
     bool ok = false;
     if (info != nullptr) {
         png_set_write_fn(png, &out, append, nullptr);
-        // libpng takes the words as pointers to characters that it may change.
+        // libpng requires pointers to characters that it may change, so the texts are copied.
         std::string keys[] = {exposure_attribute, made_by_attribute};
         std::string values[] = {picture.exposure_stops ? fmt::format("{}", *picture.exposure_stops) : "",
                                 picture.made_by};

@@ -43,7 +43,7 @@ Format format_of(const fs::path& path) {
     return Format::unknown;
 }
 
-/// Converts a message of a library, which may have several lines, to one line.
+/// Converts an error message of a library, which may have several lines, to a single line.
 std::string one_line(std::string text) {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
     std::replace(text.begin(), text.end(), '\n', ' ');
@@ -81,7 +81,8 @@ struct Place {
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // OpenEXR images are expected to have alpha. An image without alpha gets 1, stored as half floats.
+    // Programs expect alpha in OpenEXR images. An image without alpha gets 1 everywhere, stored as half
+    // floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -105,7 +106,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // RLE does not compress floats, except for an alpha that is 1 everywhere.
+    // The file is not compressed: RLE makes float channels no smaller, except an alpha that is 1 everywhere.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -151,7 +152,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // A library that cannot be loaded is reported before the image is computed.
+    // If the library cannot be loaded, the error appears before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -166,7 +167,7 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
     if (crop) check_crop(crop, image.width, image.height);
     OutputFile file(path);  // fails early if the file cannot be written
     const Format format = format_of(path);
-    // An .exr holds radiance, so the exposure is divided out.
+    // An .exr file stores radiance, so values are divided by the exposure.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();
     if (divided) {
@@ -185,7 +186,7 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// The display window, or a crop's data window, in the file's coordinates.
+    /// The display window or, for a crop, the data window, in the file's coordinates.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -213,8 +214,8 @@ OpenedImage open_image(const fs::path& path) {
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;
     out.height = has_display_window ? spec.full_height : spec.height;
-    // A damaged header must not cause a large allocation. Deflate, the densest compression, reaches 1032
-    // to 1.
+    // A damaged header must not cause a large allocation. Deflate, the densest compression, shrinks data at
+    // most by a factor of 1032.
     const std::uint64_t bytes = fs::file_size(path, ec);
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
@@ -230,7 +231,7 @@ OpenedImage open_image(const fs::path& path) {
     return out;
 }
 
-/// The image of the display window: its stored pixels, and black where none are stored.
+/// Returns the image of the display window: stored pixels where the file has them, black elsewhere.
 Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
     const PictureLayout& spec = file.in->layout();
     const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
@@ -268,7 +269,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values are read into the first third of the array and then expanded to RGB below.
+    // Grey values are read into the first third of the array, and expanded to RGB below.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), one_line(problem));
     if (channels == 1) {
@@ -278,7 +279,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // Values of display formats are relative to white. Without the attribute, their exposure is unknown.
+    // Values of sRGB formats are relative to white. Without the attribute, their exposure is unknown.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -12,23 +12,23 @@
 
 namespace postlens {
 
-/// An RGB image: row-major, top row first, three floats per pixel, Rec.709 primaries, linear, not clamped; 1
-/// is white. Colours are premultiplied by alpha, if present.
+/// An RGB image: row-major, top row first, three floats per pixel, Rec.709 primaries, linear and not clamped;
+/// the value 1 is white. If the image has alpha, colours are premultiplied by it.
 struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty: opaque
-    /// `rgb` is radiance times 2^exposure_stops. Empty if unknown, as for another program's PNG, TIFF or
-    /// JPEG.
+    /// `rgb` is radiance times 2^exposure_stops. Empty if the exposure is unknown, as in PNG, TIFF or JPEG
+    /// files of other programs.
     std::optional<double> exposure_stops = 0.0;
-    /// A further channel, with one value per pixel. The exposure does not apply to it.
+    /// An additional channel with one value per pixel. The exposure does not affect its values.
     struct Plane {
         std::string name;
         std::vector<float> values;
     };
     std::vector<Plane> planes;                               ///< only .exr files have them
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes that belong to `planes`
-    std::string made_by;  ///< how the image was made, for its file; empty: the file does not say
+    std::string made_by;  ///< how the image was made; written to its file if not empty
 
     Image() = default;
     Image(int w, int h)
@@ -41,8 +41,8 @@ struct Image {
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
-/// A part of an image: pixels [x, x + width) x [y, y + height), with (0, 0) at the upper left of the image
-/// (pictures/crop.h).
+/// A rectangular part of an image: pixels [x, x + width) x [y, y + height), relative to the image's
+/// upper-left pixel (0, 0). See pictures/crop.h.
 struct Crop {
     int x = 0, y = 0, width = 0, height = 0;
     [[nodiscard]] bool operator==(const Crop&) const = default;
@@ -55,28 +55,29 @@ struct Crop {
     }
 };
 
-/// Writes an image in the format of the path's extension: .exr (float radiance, with alpha); .png (8 bit),
-/// .tif or .jpg (sRGB transfer curve, clamped to 0..1, without alpha, so that premultiplied colours appear
-/// over black). The file appears complete or not at all.
+/// Writes an image in the format that the path's extension selects: .exr (float radiance, with alpha), .png
+/// (8 bit), .tif or .jpg. The last three use the sRGB transfer curve and clamp to 0..1; they have no alpha,
+/// so premultiplied colours appear over black. The file appears completely or not at all.
 ///
 /// The exposure is stored as `postlens.exposure_stops`: in .exr as an attribute, if it is not 0; in other
-/// formats as text, if it is known, and their values have it applied. With a `crop`, only that part is
-/// written. An .exr then has the crop as data window and the whole image as display window, and
-/// `postlens.crop` tells `read_image` to return the crop alone.
+/// formats, whose values include it, as text, if it is known. With a `crop`, only that part is written. An
+/// .exr then has the crop as data window and the whole image as display window; its attribute `postlens.crop`
+/// makes `read_image` return only the crop.
 ///
-/// `made_by`, if not empty, is stored as `postlens.made_by`: in .exr as an attribute, in other formats as
-/// text.
+/// If `made_by` is not empty, it is stored as `postlens.made_by`: in .exr as an attribute, in other formats
+/// as text.
 ///
-/// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure, and
-/// Error(wrong_arguments) for an unknown extension and a crop that is not within the image.
+/// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure to write, and
+/// Error(wrong_arguments) for an unknown extension or for a crop that is not inside the image.
 std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
                           const std::optional<Crop>& crop = std::nullopt);
 
-/// Checks a path before an image is computed. Throws Error(wrong_arguments) if `write_image` does not accept
-/// it, and Error(invalid_input) if the library for its format cannot be loaded
+/// Checks an output path before the image is computed. Throws Error(wrong_arguments) if `write_image` does
+/// not accept the path, and Error(invalid_input) if the library for the format cannot be loaded
 /// (pictures/formats/picture_library.h).
 void check_image_path(const std::filesystem::path& path);
-/// Checks the path of a file that can only be OpenEXR. `what` names its contents: "records", "responses".
+/// Checks the path of a file that must be OpenEXR. `what` names the contents for the error: "records",
+/// "responses".
 void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
@@ -84,11 +85,11 @@ struct ImageSize {
     [[nodiscard]] bool operator==(const ImageSize&) const = default;
 };
 
-/// Size of the image that `read_image` returns, from the header alone. Throws Error(invalid_input).
+/// Size of the image that `read_image` would return; reads only the header. Throws Error(invalid_input).
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
-/// How the image or sample file was made, as the file says (Image::made_by, SampleHeader::made_by); empty if
-/// it does not say. Throws Error(invalid_input).
+/// Reads how an image or sample file was made (Image::made_by, SampleHeader::made_by). Empty if the file does
+/// not state it. Throws Error(invalid_input).
 [[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
 /// How `read_image` treats an OpenEXR file that states an exposure.
@@ -97,10 +98,11 @@ enum class PictureValues {
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first three channels of the first part of any file that OpenImageIO reads; with one or two
-/// channels, the first is grey. Integer formats and formats tagged sRGB are converted to scene-linear. The
-/// image is that of the display window: pixels outside it are dropped, and pixels that the file does not
-/// store are black. For a crop (see write_image), the image is the crop alone. Throws Error(invalid_input).
+/// Reads the first three channels of the first part of any file that OpenImageIO can read; of one or two
+/// channels, the first becomes grey. Integer formats and formats tagged sRGB are converted to scene-linear.
+/// The result covers the display window: pixels outside it are dropped, and pixels that the file does not
+/// store are black. If the file is a crop (see write_image), the result is only the crop. Throws
+/// Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

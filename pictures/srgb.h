@@ -1,4 +1,4 @@
-// The sRGB transfer curve, between scene-linear values and the encoded values of 8-bit images.
+// The sRGB transfer curve, which converts scene-linear values to the encoded values of 8-bit images and back.
 #pragma once
 
 #include <cmath>

@@ -9,13 +9,13 @@
 namespace postlens {
 namespace {
 
-/// Tests at which positions of one pixel there are point samples of layer 0.
+/// Tests whether layer 0 of one pixel has a point sample at a given position.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// True if there is a sample (u, v) steps from the pixel's upper-left corner.
+    /// True if a sample lies (u, v) steps of 1 / position_steps px from the pixel's upper-left corner.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -29,8 +29,8 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Adds the left corners of the quadtree leaves along the pixel's lower edge, for the quadtree cell of width
-/// `size` that begins at u. A cell is subdivided if and only if it has a sample at its centre.
+/// Adds the left corners of the quadtree leaves (undivided cells) along the pixel's lower edge, for the cell
+/// of width `size` that begins at u. A cell is subdivided if and only if it has a sample at its centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

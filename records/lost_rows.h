@@ -1,4 +1,4 @@
-// Rows of records that cannot be read from a damaged sample file, and the records that replace them.
+// Rows of a damaged sample file whose records cannot be read, and the records that replace them.
 #pragma once
 
 #include <cstddef>
@@ -18,24 +18,26 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Replacement for row y, columns [x_begin, x_end), of a damaged file. It has a point sample of a ray that
-/// hit nothing at the upper-left corner of every pixel. It has further such samples where quadtree leaves of
-/// the row above need them as lower corners. `above` holds the row above; nullptr if that row is lost or does
-/// not exist. Offsets are as in RecordBand.
+/// Writes a replacement for the unreadable row y, columns [x_begin, x_end), of a damaged file. Every pixel
+/// gets a sample at its upper-left corner, of a ray that hit nothing. Further samples of such rays are added
+/// where quadtree leaves of the row above need them as lower corners. `above` contains the row above; nullptr
+/// if that row is lost or does not exist. Offsets are as in RecordBand.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// The same as a band of one row.
+/// Makes the replacement of one unreadable row (stand_in_for_row) as a band.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
-/// Rows [y_begin, y_end) of a band that has them.
+/// Copies rows [y_begin, y_end) of a band, which must contain them.
 [[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
 
-/// Merges neighbouring lost rows of an instant. `lost` has one flag per row, from row y_begin on.
+/// Appends the runs of neighbouring lost rows of an instant to `runs`. `lost` has one flag per row, from row
+/// y_begin on.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 
-/// "rows 12-19, 40-47", the first and the last of each run; long lists are cut short.
+/// Formats runs of lost rows as "rows 12-19, 40-47": the first and last row of each. Long lists are
+/// shortened.
 [[nodiscard]] std::string rows_text(std::span<const LostRows> runs);
 
 }  // namespace postlens

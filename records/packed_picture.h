@@ -1,4 +1,4 @@
-// Size of the pinhole image within a sample file.
+// Predicts the size of the pinhole image within a sample file.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Approximate bytes of row y of the pinhole image in a file with this header, from the records of rows y and
-/// y + 1, which `band` must hold. The row is compressed alone, whereas a file compresses up to 16 rows
-/// together. 0 outside the raster.
+/// Approximate size, bytes, of row y of the pinhole image in a file with this header; 0 outside the raster.
+/// The row is computed from the records of rows y and y + 1, which `band` must contain. Each row is
+/// compressed alone here, whereas a file compresses up to 16 rows together.
 [[nodiscard]] std::uint64_t packed_picture_bytes(const SampleHeader& header, RecordCompression compression,
                                                  const RecordBand& band, int y);
 

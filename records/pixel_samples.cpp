@@ -11,7 +11,7 @@ namespace postlens {
 
 namespace {
 
-// Adds the hidden layers of the sample, which are stored with the pixel that contains the sample.
+// Adds the hidden layers of the sample, which the file stores in the pixel that contains the sample.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -34,7 +34,7 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // The centre of a quadrant tells in which pixel the quadrant lies.
+        // A quadrant belongs to the pixel that contains the quadrant's centre.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

@@ -1,4 +1,4 @@
-// The sample record: one node of the shading tree of one point sample.
+// The sample record: one node (a surface hit) of the shading tree of one point sample.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// The reflections and transmissions from the eye to a node: two bits per bounce, the first bounce in the
-/// lowest bits. 0 is the primary node, the surface that the eye ray hits.
+/// The reflections and transmissions on the way from the eye to a node, two bits per bounce, the first bounce
+/// in the lowest bits. 0 is the path of the primary node, the surface that the eye ray hits.
 class NodePath {
   public:
     enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
@@ -29,7 +29,7 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// The last bounce: how this node was reached; `none` for the primary node.
+    /// The last bounce, by which the path reached this node; `none` for the primary node.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -37,14 +37,14 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// False if a bounce has the reserved value 3, or if a bounce follows an empty one.
+    /// False if a bounce has the reserved value 3, or if a bounce comes after an empty one.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
         }
         return true;
     }
-    /// "primary", or the chain as letters, e.g. "RTT".
+    /// "primary", or one letter per bounce (R reflected, T transmitted), for example "RTT".
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;
@@ -53,24 +53,26 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// A 2x2 matrix in raster axes (x right, y down). A record's W, 1/m, says how the image of its node moves on
-/// the raster when the lens point moves: rows are the direction of the image's motion, columns the direction
-/// of the lens point's. W = (dX/dp)^-1 dX/dq, for a point X of the ray with tangent p at the pinhole and lens
-/// point q. For surfaces seen directly or in flat mirrors W = I / z'. See docs/sample_file.md.
+/// A 2x2 matrix in raster axes (x right, y down). The matrix W of a record, 1/m, describes how the image of
+/// its node moves on the raster when the lens point moves. Rows are the direction in which the image moves,
+/// columns the direction in which the lens point moves. W = (dX/dp)^-1 dX/dq for a point X of the ray, where
+/// p is the ray's tangent at the pinhole and q the lens point. For surfaces seen directly or in flat mirrors,
+/// W = I / z'. See docs/sample_file.md.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Reasons why the samples around a record do not determine what lies between them.
+/// Reasons why a record and its neighbours do not determine the radiance between them.
 struct RecordMark {
-    /// The surface's texture varies between this sample and its neighbours, which are at the finest level.
+    /// The surface's texture varies between this sample and its neighbours, although they are at the finest
+    /// subdivision.
     static constexpr std::uint8_t fine_texture = 1, all = fine_texture;
 };
 
-/// One node. r, g, b are scene-linear radiance times the throughput of the path, so the radiance of a point
-/// sample is the sum over its nodes.
+/// One node. r, g, b are scene-linear radiance times the throughput of the path to the node. So the radiance
+/// of a point sample is the sum over its nodes.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
     float z = 0;         ///< z', m; +infinity where nothing was hit
@@ -79,18 +81,18 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0: visible from the pinhole
     Mat2 w;
-    /// Second-order error, 1/m^2, of the first-order displacement -W q of the node's image for a lens point
-    /// q. At the rim of a lens of diameter D the error is about (film distance / pixel pitch) w_bend (D /
-    /// 2)^2 px. 0: W is exact, or the error was not measured. Infinity: other lens points do not see the node
-    /// by this path. Has the precision of a half float.
+    /// Error, 1/m^2, of the first-order displacement -W q of the node's image at lens point q. At the rim of
+    /// a lens of diameter D, the error is about (film distance / pixel pitch) w_bend (D / 2)^2 px. 0: W is
+    /// exact, or its error was not measured. Infinity: other lens points do not see the node by this path.
+    /// Stored with the precision of a half float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// The records of consecutive pixel rows: rows [y_begin, y_end), columns [x_begin, x_end). Pixel (x, y) has
-/// the records [offsets[k], offsets[k + 1]), k = (y - y_begin) * width() + (x - x_begin), sorted by layer, y,
-/// x, path.
+/// The records of rows [y_begin, y_end) and columns [x_begin, x_end) of pixels. Pixel (x, y) has the index k
+/// = (y - y_begin) * width() + (x - x_begin). Its records are [offsets[k], offsets[k + 1]), sorted by layer,
+/// y, x, path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

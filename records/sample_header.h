@@ -1,4 +1,4 @@
-// Properties of a whole frame in the header of a sample file.
+// Properties of a whole frame, as stored in the header of a sample file.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// Range of lens and shutter settings for which the traced records (overscan, hidden layers) suffice. Absent
-/// values were not specified.
+/// Range of lens and shutter settings for which the trace recorded enough overscan and hidden layers. An
+/// absent value was not specified.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
@@ -40,15 +40,15 @@ struct SampleHeader {
     std::optional<double> exposure_s;
     glm::dmat4 world_from_camera{1};  ///< camera frame: x right, y up, looking along -z; metres
     double time_s = 0;                ///< instant of the trace and of the pinhole image
-    /// Further recorded instants in ascending order, other than `time_s`; at most `most_keys`.
+    /// Further instants at which records exist, in ascending order, without `time_s`; at most `most_keys`.
     std::vector<double> key_times_s;
 
-    int subdivide_levels = 0;  ///< greatest depth of the recursive 2x2 subdivision of a pixel
+    int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel
     double subdivide_threshold = 0;
     int max_depth = 0;            ///< nodes along a path, including the primary node
     double min_contribution = 0;  ///< smallest contribution of a node, relative to white
 
-    double exposure_stops = 0;  ///< radiance times 2^this is relative to white; the file holds radiance
+    double exposure_stops = 0;  ///< radiance times 2^this is relative to white; records have radiance
     std::optional<double> auto_exposure_stops;  ///< result of `--exposure auto` for this scene and camera
     std::optional<double> lumens_per_watt;      ///< divisor of the scene's photometric lights
 

@@ -1,4 +1,4 @@
-// Tests whether output will fit on the disk, before work is spent on it.
+// Tests whether output will fit on the disk, before it is computed.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace postlens {
 
-/// Free space, bytes, of the file system that `target` is on or will be on; the largest number if the system
-/// does not state it. Follows links.
+/// Free space, bytes, of the file system on which `target` is or will be created. If `target` is a link, its
+/// destination counts. The largest number if the system does not state the free space.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
-/// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes` is
-/// more than `free_bytes`.
+/// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes`
+/// exceeds `free_bytes`.
 void require_disk(std::uint64_t bytes, std::uint64_t free_bytes, const std::filesystem::path& target,
                   const std::string& hint);
 

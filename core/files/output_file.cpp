@@ -18,9 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, for the signal handler. A thread owns a path's text once it has
-// exchanged the pointer to it for null, so neither the signal handler nor an OutputFile reads text that the
-// other has freed. If there are more files than slots, the signal handler does not remove the excess files.
+// Paths of the existing temporary files, for the signal handler. A thread that exchanges a pointer for null
+// owns the text of that path. So neither the signal handler nor an OutputFile reads text that the other has
+// freed. If there are more than slot_count files, the signal handler does not remove the excess files.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -63,7 +63,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // Not an error: the file system does not support fsync.
+    // These errors only mean that the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -81,12 +81,13 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              target_.string());
     }
     if (fs::exists(status)) {
-        // commit() would replace a device, such as /dev/null, with an ordinary file.
+        // commit() renames, so it would replace a device, such as /dev/null, by an ordinary file.
         if (!fs::is_regular_file(status)) {
             fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
                  target_.string());
         }
-        // A rename only needs write permission for the folder; a write-protected file must not be replaced.
+        // A rename needs write permission only for the folder, so this tests whether the file itself is
+        // write-protected.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
         if (fs::is_symlink(fs::symlink_status(target_, ec))) {
             destination_ = fs::canonical(target_, ec);
@@ -101,8 +102,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
                      : fmt::format("folder {} does not exist", folder.string()));
     }
     // The temporary name keeps the target's extension, by which image writers choose the format. The process
-    // id in the name shows which process owns the file. The number distinguishes several files of one
-    // process, and files of processes with equal ids (in containers).
+    // id shows which process owns the file. The number distinguishes several files of one process, and files
+    // of processes with equal ids in different containers.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -141,8 +142,8 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Flushes the folder, so that the new name survives a power failure. Errors are ignored: the file is
-    // complete in any case, and a folder that may be written but not read cannot be opened.
+    // Flushing the folder makes the new name survive a power failure. Errors are ignored: the file is
+    // complete in any case, and a folder that is writable but not readable cannot be opened.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

@@ -1,4 +1,5 @@
-// Output files that are either complete or absent: written beside the target, renamed when complete.
+// Output files that are either complete or absent: each is written under a temporary name and renamed when
+// complete.
 #pragma once
 
 #include <atomic>
@@ -9,11 +10,11 @@
 
 namespace postlens {
 
-/// A file that is being written. Write to `temporary_path()`, then call `commit()`.
-/// Without `commit()` (after an exception or an interruption) the temporary file is removed, and an older
-/// target stays. If the target is a symbolic link, the link stays, and the file that it leads to is replaced.
-/// The constructor throws Error(cannot_write) if the target is a folder, a device or write-protected, or if
-/// its folder is missing or not writable: before any work is spent on the contents.
+/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Without `commit()` (after
+/// an exception or an interruption) the temporary file is removed, and an older target stays. If the target
+/// is a symbolic link, the file that the link points to is replaced. The constructor throws
+/// Error(cannot_write) if the target cannot be written: if it is a folder, a device or write-protected, or if
+/// its folder is missing or not writable. So this error appears before any work is spent on the contents.
 class OutputFile {
   public:
     explicit OutputFile(std::filesystem::path target);
@@ -23,17 +24,17 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Path of the temporary file. It has the folder and the extension of the target, because image writers
-    /// choose the format by the extension. The file exists, is empty, and is used by this object only.
+    /// Path of the temporary file, which exists, is empty and belongs to this object only. It has the folder
+    /// and the extension of the target, because image writers choose the format by the extension.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
-    /// Writes the whole contents of the file; then call `commit()`. Throws Error(cannot_write), also on a
-    /// full disk.
+    /// Writes the whole contents of the file. Call `commit()` afterwards. Throws Error(cannot_write), for
+    /// example if the disk is full.
     void write(std::string_view bytes);
 
-    /// Flushes the file to disk and renames it to the target. Call it once.
-    /// Throws Error(cannot_write) on failure; an older target is then unchanged.
+    /// Flushes the file to disk and renames it to the target. Must be called only once. Throws
+    /// Error(cannot_write) on failure; an older target is then unchanged.
     void commit();
 
   private:
@@ -45,7 +46,7 @@ class OutputFile {
     bool committed_ = false;
 };
 
-/// Writes a file with these contents, completely or not at all. Throws as OutputFile does.
+/// Writes a file with the given contents, completely or not at all. Throws as OutputFile does.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
 
 /// Removes the temporary files of all OutputFile objects, before a signal ends the process.

@@ -6,8 +6,7 @@
 
 namespace postlens {
 
-/// A path in a new folder of the system's temporary files. The destructor removes the folder with its
-/// contents.
+/// A path in a new temporary folder. The destructor removes the folder with everything in it.
 class ScratchFile {
   public:
     /// Throws Error(cannot_write).

@@ -1,4 +1,5 @@
-// The tables that the shares of a sweep or a chart leave in one folder.
+// Names and lists the result tables, one per share (part of the work), that a sweep or a chart leaves in one
+// folder.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +14,7 @@ namespace postlens {
 /// Name of the table of a share: "STEM.I-of-N.json".
 [[nodiscard]] std::string share_table_name(std::string_view stem, const Share& share);
 
-/// The tables of all shares in a folder, sorted by name.
+/// The result tables of all shares in a folder, sorted by file name.
 [[nodiscard]] std::vector<std::filesystem::path> share_tables(const std::filesystem::path& folder,
                                                               std::string_view stem);
 

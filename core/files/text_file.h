@@ -7,12 +7,12 @@
 
 namespace postlens {
 
-/// Throws Error(invalid_input) "FILE: ..." unless the path is a readable regular file; returns its size in
-/// bytes.
+/// Returns the size of a file in bytes. Throws Error(invalid_input) "FILE: ..." unless the path is a readable
+/// regular file.
 std::uintmax_t check_regular_file(const std::filesystem::path& path);
 
-/// The whole file as text. Throws Error(invalid_input) if the path is not a readable regular file, or if the
-/// file is larger than `largest_bytes`.
+/// Reads a whole file as text. Throws Error(invalid_input) if the path is not a readable regular file, or if
+/// the file is larger than `largest_bytes`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Finds the focus distance and the f-numbers that keep everything between two depths sharp.
+// Finds the focus distance and the f-numbers at which everything between two depths is sharp.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace postlens {
 struct SharpRangeRequest {
     double near_m = 1, far_m = 2;           ///< 0 < near < far, far may be infinite
     double coc_limit_mm = 0.03;             ///< > 0
-    std::optional<double> focal_length_mm;  ///< absent: common ones from 14 to 300 mm
+    std::optional<double> focal_length_mm;  ///< absent: common focal lengths from 14 to 300 mm
     double wavelength_nm = 550;
 };
 
@@ -18,8 +18,8 @@ struct SharpRangeRequest {
 struct SharpLens {
     double focal_length_mm = 0;
     double f_number = 0;          ///< smallest f-number that keeps the range sharp
-    double largest_f_number = 0;  ///< f-number whose Airy disc is as wide as the limit
-    std::string why_not;          ///< reason if no f-number works, else empty
+    double largest_f_number = 0;  ///< f-number at which the Airy disc is as wide as the limit
+    std::string why_not;          ///< why no f-number works; empty if one does
 };
 
 struct SharpRange {
@@ -27,10 +27,10 @@ struct SharpRange {
     std::vector<SharpLens> lenses;
 };
 
-/// Solves near(F, n, s) = near and far(F, n, s) = far of `depth_of_field` for s and n. For every lens, s = 2
-/// / (1/near + 1/far); n = F^2 (1/near - 1/far) / (2 c (1 - F/s)), at least 0.7. There is no solution if F
-/// reaches the near limit, or if the Airy disc at that n is wider than the CoC limit. Throws
-/// Error(wrong_arguments) for numbers out of range.
+/// Finds the focus distance s and the f-number n for which `depth_of_field` returns exactly the given near
+/// and far limit. s = 2 / (1/near + 1/far) for every lens. With the CoC limit c, n = F^2 (1/near - 1/far) /
+/// (2 c (1 - F/s)), but at least 0.7. There is no solution if F reaches the near limit, or if the Airy disc
+/// at that n is wider than c. Throws Error(wrong_arguments) for numbers out of range.
 [[nodiscard]] SharpRange sharp_range(const SharpRangeRequest& request);
 
 }  // namespace postlens

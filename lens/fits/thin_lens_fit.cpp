@@ -15,8 +15,8 @@ namespace {
 constexpr double metres_per_mm = 1e-3;
 constexpr double example_focal_length_mm = 50;
 
-/// Residual c - K |q - 1/z| of one pair, with K = F^2 / (n (1 - F q)) and q = 1/s. Its parameters are ln F,
-/// ln n and q.
+/// Residual c - K |q - 1/z| of one pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and q = 1/s.
+/// The fitted parameters are ln F, ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -31,8 +31,8 @@ struct Difference {
     }
 };
 
-/// Fit of c = K |q - x| with x = 1/z. For every division of the pairs into those behind and those in front of
-/// the focus, a straight line is fitted; the division with the smallest error is used.
+/// Fit of the CoC c = K |q - x|, where x = 1/z. Each possible division of the pairs into those behind and
+/// those in front of the focus gives a straight line. The line with the smallest error is used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -42,7 +42,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // The signed diameter c = K q - K x is a straight line in x. It is positive behind the focus.
+        // Signed, the diameter c = K q - K x is a straight line in x: positive behind the focus, negative in
+        // front.
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -86,7 +87,7 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
 /// Condition number of the Jacobian over the parameters `free`, with columns scaled to length 1. `weak`
-/// receives the direction in parameter space that the data determine least.
+/// receives the direction in parameter space that the data determine with the largest error.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
@@ -116,7 +117,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // K = F^2 / (n (1 - F q)) gives n from F, or F from n.
+    // F and n are linked by K = F^2 / (n (1 - F q)), so a known F determines n, and a known n determines F.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm), n = 1;
@@ -203,7 +204,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         return out;
     }
     if (!known) return out;
-    // The covariance of the parameters is the variance of the residuals times (J^T J)^-1.
+    // Covariance of the fitted parameters: the variance of the residuals times (J^T J)^-1, J being the
+    // Jacobian.
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
     for (Eigen::Index i = 0; i < J.rows(); ++i) {
         for (Eigen::Index k = 0; k < J.cols(); ++k) {

@@ -9,20 +9,20 @@
 
 namespace postlens {
 
-/// Measured depth of a scene point, and the unsigned diameter of its image on the film.
+/// Measured depth of a scene point, and the measured diameter of its circle of confusion on the film.
 struct CocPair {
     double distance_m = 0;  ///< > 0, infinity allowed
     double coc_mm = 0;      ///< >= 0
 };
 
-/// Reads lines "distance_m,coc_mm"; the first line may be this heading. Empty lines and lines that begin with
-/// # are ignored. Throws Error(invalid_input) "FILE:LINE: ..".
+/// Reads lines "distance_m,coc_mm". The first line may be that heading. Empty lines and lines that begin with
+/// # are ignored. Throws Error(invalid_input) with a message "FILE:LINE: ..".
 [[nodiscard]] std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path);
 
 struct FittedNumber {
     double value = 0;
-    /// Estimated from the residuals of the fit. Absent if the number was given, if the data do not determine
-    /// it, or if there are no more pairs than fitted numbers.
+    /// Estimated from the residuals of the fit. Absent if the number was given, or if the data do not
+    /// determine it. Also absent unless there are more pairs than fitted parameters.
     std::optional<double> standard_error;
 };
 
@@ -31,18 +31,19 @@ struct ThinLensFit {
     double rms_mm = 0;  ///< root mean square of the residuals
     double condition =
         1;  ///< condition number of the Jacobian, columns scaled to 1: 1 is best, above 1e6 is useless
-    std::vector<std::string> doubts;  ///< what the data do not determine, and why
+    std::vector<std::string> doubts;  ///< the numbers that the data do not determine, and why
 };
 
 struct ThinLensFitRequest {
     std::optional<double> focal_length_mm, f_number;  ///< known beforehand
 };
 
-/// Least-squares fit of c = F^2 |z - s| / (n z (s - F)) [potmesil1981, eq. 3] over F, n and s; numbers in the
-/// request are held constant. The data determine only two numbers, because c = K |1/s - 1/z| with K = V D. If
-/// neither F nor n is given, the fit assumes F = 50 mm, one of infinitely many solutions, and `doubts` says
-/// so. Throws Error(invalid_input) for fewer than two different depths and for data that no lens can produce
-/// (no CoC other than 0, or a K below 0), Error(wrong_arguments) for F or n out of range.
+/// Least-squares fit of c = F^2 |z - s| / (n z (s - F)) [potmesil1981, eq. 3] over F, n and s. Numbers given
+/// in the request stay fixed. The data determine only two numbers, because c = K |1/s - 1/z| with K = V D
+/// (film distance times aperture diameter). If neither F nor n is given, infinitely many solutions fit; the
+/// one with F = 50 mm is returned, and `doubts` explains this. Throws Error(invalid_input) for fewer than two
+/// different depths, and for data that no lens can produce (every CoC is 0, or K is negative). Throws
+/// Error(wrong_arguments) for F or n out of range.
 [[nodiscard]] ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitRequest& request);
 
 }  // namespace postlens

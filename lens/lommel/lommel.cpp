@@ -12,16 +12,16 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this |u|, the series for v < |u| subtracts nearly equal numbers, because it divides terms of order
-/// u^2 by u^2.
+/// Below this |u|, the series for v < |u| loses precision: its terms, of order u^2, nearly cancel and are
+/// then divided by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
     return x * x;
 }
 
-/// Sum of (-1)^s ratio^(first + 2 s) J_(first + 2 s), s = 0, 1, ..: U_first with ratio = u / v, V_first with
-/// v / u [born1999, 8.8, eqs. 8 and 16].
+/// Sum of (-1)^s ratio^(first + 2 s) J_(first + 2 s), s = 0, 1, .. It equals Lommel's function U_first for
+/// ratio = u / v, and V_first for ratio = v / u [born1999, 8.8, eqs. 8 and 16].
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
     const std::size_t last = first + (j.size() - 1 - first) / 2 * 2;
@@ -55,8 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Over the pupil radius p, the phase changes by at most u/2 + v. A panel of the quadrature thus spans at
-    // most half a fringe, which 16 nodes integrate with an error of the size of rounding.
+    // Over the pupil radius p, the phase changes by at most u/2 + v. Each panel of the quadrature thus spans
+    // at most half a fringe, over which 16 nodes integrate up to rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // (2/u)^2 (U1^2 + U2^2), with one power of u/v taken out, so that u may be 0, which gives the Airy
-        // pattern.
+        // Evaluates (2/u)^2 (U1^2 + U2^2). One power of u/v is factored out of U1 and U2, so that u = 0 is
+        // allowed. The result for u = 0 is the Airy pattern.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -100,7 +100,7 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // [born1999, 8.8, eq. 29], with Y_n = sum of (-1)^s (n + 2 s) (v/u)^(n + 2 s) J_(n + 2 s).
+    // Energy by [born1999, 8.8, eq. 29], where Y_n = sum of (-1)^s (n + 2 s) (v/u)^(n + 2 s) J_(n + 2 s).
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

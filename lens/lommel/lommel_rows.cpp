@@ -14,14 +14,14 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// With x the smaller of v/u and u/v: odd = sum of (-1)^s x^(1+2s) J_(1+2s), s = 0, 1, .., and even = sum of
-/// (-1)^s x^(2s) J_(2s), s = 1, 2, .. (without J_0, so that `even` stays precise for small x).
+/// Let x be the smaller of v/u and u/v. odd = sum of (-1)^s x^(1+2s) J_(1+2s), s = 0, 1, ..; even = sum of
+/// (-1)^s x^(2s) J_(2s), s = 1, 2, .. J_0 is left out, so that `even` stays precise for small x.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series by upward recurrence: t_n = x^n J_n obeys t_(n+1) = n c t_n - x^2 t_(n-1) with c = 2 x /
-/// v. Stable for n < v.
+/// Sums the series by upward recurrence, which is stable for orders n < v: t_n = x^n J_n satisfies t_(n+1) =
+/// n c t_n - x^2 t_(n-1), where c = 2 x / v.
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {
@@ -34,7 +34,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // The terms of orders 2 and 3 are subtracted, those of orders 4 and 5 added, and so on.
+    // Signs alternate in pairs: terms of orders 2 and 3 are subtracted, those of orders 4 and 5 added, and so
+    // on.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -52,8 +53,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Sums the series by downward recurrence (Miller's algorithm), for any number of terms. The recurrence is
-/// J_(n-1) = (2 n / v) J_n - J_(n+1); terms are summed by Horner's rule.
+/// Sums the series by downward recurrence (Miller's algorithm), which is stable for any number of terms:
+/// J_(n-1) = (2 n / v) J_n - J_(n+1). Horner's rule sums the terms.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};
@@ -62,7 +63,7 @@ void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
         x2[l] = x[l] * x[l];
         here[l] = 1e-250;
     }
-    // The loop begins with an even order and handles two orders per step.
+    // The loop starts at an even order and computes two orders per step.
     for (int n = last / 2 * 2; n >= 2; n -= 2) {
         const double even_order = n, odd_order = n - 1;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -102,7 +103,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // A few dozen points use the slow form, because the closed form loses precision or divides by zero there.
+    // The first few dozen points use the slow form, because the series loses precision or divides by zero
+    // there.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {
@@ -114,7 +116,7 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
         Lanes v, x, j0, j1;
         double widest = 0;
         for (std::size_t l = 0; l < lanes; ++l) {
-            const std::size_t k = i + std::min(l, used - 1);  // lanes beyond the end repeat the last point
+            const std::size_t k = i + std::min(l, used - 1);  // spare lanes repeat the last point
             v[l] = grid.step * static_cast<double>(k);
             j0[l] = grid.j0[k];
             j1[l] = grid.j1[k];

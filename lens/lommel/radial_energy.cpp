@@ -10,9 +10,9 @@
 namespace postlens {
 namespace {
 
-/// Weights of eight equidistant values for the integral over the middle one of the seven steps between them:
-/// the integral of their Lagrange polynomial. For a wave of frequency 2, the error is 1e-4 of its amplitude
-/// at step 1/2, 1e-9 at step 1/8.
+/// Weights of eight equidistant values. Their weighted sum is the integral of the Lagrange polynomial through
+/// them over the middle one of the seven steps. For a wave of frequency 2, the error is 1e-4 of its amplitude
+/// at step 1/2, and 1e-9 at step 1/8.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t reach = 3;  ///< number of values used beyond each end of a step
@@ -20,8 +20,8 @@ constexpr std::size_t reach = 3;  ///< number of values used beyond each end of 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small u, a few fringes hold all of the energy and need fine steps. At large u, each fringe holds at
-    // most 1/u of it.
+    // At small |u|, a few fringes contain all of the energy and need fine steps. At large |u|, each fringe
+    // contains at most 1/u of the energy.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 
@@ -40,7 +40,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - reach;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // dE/dv = I v / 2 is an odd function of v, which gives its values at negative v.
+    // dE/dv = I v / 2 is an odd function of v, so values at negative v follow by symmetry.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;
@@ -52,7 +52,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
             sum += middle_weights[static_cast<std::size_t>(m)] * (slope(k - m) + slope(k + 1 + m));
         }
         within_[i + 1] = within_[i] + step_ * sum;
-        // Integral of the cubic that has the values and the slopes at both ends.
+        // Integrates the cubic (Hermite) polynomial through the values and slopes at both ends of the step.
         within_sum_[i + 1] = within_sum_[i] + step_ * (within_[i] + within_[i + 1]) / 2 +
                              step_ * step_ * (slope(k) - slope(k + 1)) / 12;
     }
@@ -75,7 +75,8 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integral of the cubic within = w0 + s0 t + (3 rise - 2 s0 - s1) t^2 + (s0 + s1 - 2 rise) t^3.
+    // Integral of the cubic w0 + s0 t + (3 rise - 2 s0 - s1) t^2 + (s0 + s1 - 2 rise) t^3, where s0 and s1
+    // are the slopes.
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

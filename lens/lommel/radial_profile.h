@@ -1,4 +1,4 @@
-// Encircled energy as a function of the radius in pixels, for a mixture of wavelengths.
+// Encircled energy of a mixture of wavelengths, as a function of the radius in pixels.
 #pragma once
 
 #include <vector>
@@ -17,22 +17,22 @@ class RadialProfile {
     };
     explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-    /// Radius up to which the tables of all parts extend, px.
+    /// Radius to which the tables of all parts extend, px.
     [[nodiscard]] double end_px() const;
     /// Largest v_per_px of all parts.
     [[nodiscard]] double v_per_px() const;
 
     /// Share of the energy within a radius from 0 to end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, averaging
-    /// changes it only by terms of fourth order in `width_px`. The radius must differ from 0 and from
-    /// end_px() by at least 3/2 widths.
+    /// `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, the
+    /// averaging error is of fourth order in `width_px`. The radius must be at least 3/2 widths away from 0
+    /// and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// The values of `smoothed_within` at `count` radii: the first is `begin_px`, the next ones follow at
-    /// steps of width_px / row_steps. Faster than single calls, because four radii share each integral.
+    /// Returns `smoothed_within` at `count` radii, from `begin_px` on in steps of width_px / row_steps.
+    /// Faster than single calls, because four radii share each integral.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
-    /// Energy per px^2 at the radius, from the closed form of each part.
+    /// Energy per px^2 at the radius, from the closed form of the intensity.
     [[nodiscard]] double density(double radius_px) const;
 
   private:

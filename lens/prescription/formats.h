@@ -1,5 +1,5 @@
-// The parsers behind read_prescription, one per format. They do not check the prescription as a whole. Only
-// read_prescription.cpp and the parsers include this header.
+// The parsers that read_prescription calls, one per format. The parsers do not check the prescription as a
+// whole. Only read_prescription.cpp and the parsers include this header.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,8 @@
 
 namespace postlens {
 
-// `file` is the file name for error messages. All parsers throw Error(invalid_input) "FILE:LINE: ...".
+// `file` is the file name that error messages begin with. All parsers throw Error(invalid_input) "FILE:LINE:
+// ...".
 [[nodiscard]] Prescription parse_dat(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_zmx(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_seq(const std::string& text, const std::string& file);
@@ -24,20 +25,21 @@ struct TextLine {
     std::string_view text;
 };
 
-/// Splits a text at its line ends, "\n", "\r\n" or "\r", and removes them.
+/// Splits a text into lines at "\n", "\r\n" or "\r". The lines do not include these characters.
 [[nodiscard]] std::vector<TextLine> lines_of(std::string_view text);
 
-/// Splits a line at blanks and tabs. Text in double or single quotes is one word, without the quotes.
+/// Splits a line into words at blanks and tabs. A text in single or double quotes is one word, without the
+/// quotes.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view line);
 
-/// Parses a word as a number, or throws "FILE:LINE: WHAT is not a finite number (got ...; expected a
-/// number)".
+/// Parses a word as a number. Throws "FILE:LINE: WHAT is not a finite number (got ...; expected a number)".
 double number_in(const std::string& file, int line, std::string_view word, std::string_view what);
 
-/// Throws if one more surface than `count` exceeds the limit.
+/// Throws if a prescription with `count` surfaces cannot have another one, because of the limit
+/// most_surfaces.
 void check_surface_count(const std::string& file, int line, std::size_t count);
 
-/// Returns the glass of that name, or throws "FILE:LINE: unknown glass ...".
+/// Finds a glass by name. Throws "FILE:LINE: unknown glass ..." if the name is unknown.
 [[nodiscard]] Glass glass_by_name(const std::string& file, int line, std::string_view name);
 
 }  // namespace postlens

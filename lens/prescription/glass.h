@@ -7,29 +7,32 @@
 
 namespace postlens {
 
-/// Wavelengths, nm, of the spectral lines at which indices are stated: yellow helium, blue and red hydrogen.
+/// Wavelengths, nm, of the spectral lines at which catalogues state indices: yellow helium, blue and red
+/// hydrogen.
 inline constexpr double d_line_nm = 587.5618, F_line_nm = 486.1327, C_line_nm = 656.2725;
 
-/// An optically homogeneous medium. Indices are relative to air, whose index is 1.
+/// An optically homogeneous medium. Its refractive indices are relative to air, whose index is 1.
 class Glass {
   public:
     /// Air.
     Glass() = default;
-    /// The same index at every wavelength.
+    /// A medium whose index is the same at every wavelength.
     [[nodiscard]] static Glass constant(double index, std::string name = "");
-    /// n = A + B / L^2 [born1999, 2.3.4] that matches nd and the Abbe number Vd = (nd - 1) / (nF - nC) > 0.
-    /// In the visible spectrum, the error against real glasses is about 1e-4.
+    /// n = A + B / L^2 [born1999, 2.3.4], where A and B follow from nd and the Abbe number Vd = (nd - 1) /
+    /// (nF - nC) > 0. For real glasses, the error in the visible spectrum is about 1e-4.
     [[nodiscard]] static Glass abbe(double nd, double vd, std::string name = "");
-    /// n^2 = 1 + sum B_i L^2 / (L^2 - C_i), L in um [born1999, 2.3.4]; terms B1 B2 B3 C1 C2 C3 (um^2).
+    /// n^2 = 1 + sum B_i L^2 / (L^2 - C_i) at wavelength L in um [born1999, 2.3.4]. `terms`: B1 B2 B3 C1 C2
+    /// C3 (C in um^2).
     [[nodiscard]] static Glass sellmeier(const std::array<double, 6>& terms, std::string name = "");
-    /// n^2 = A0 + A1 L^2 + A2 / L^2 + A3 / L^4 + A4 / L^6 + A5 / L^8, L in um: the Laurent series of Schott's
-    /// older catalogues.
+    /// n^2 = A0 + A1 L^2 + A2 / L^2 + A3 / L^4 + A4 / L^6 + A5 / L^8 at wavelength L in um: the Laurent
+    /// series that Schott's older catalogues use.
     [[nodiscard]] static Glass laurent(const std::array<double, 6>& terms, std::string name = "");
-    /// n = A + B / L^2 + C / L^4 through the indices at three different wavelengths, nm.
+    /// n = A + B / L^2 + C / L^4, where A, B and C follow from the indices at three different wavelengths,
+    /// nm.
     [[nodiscard]] static Glass three_points(const std::array<double, 3>& wavelengths_nm,
                                             const std::array<double, 3>& indices, std::string name = "");
 
-    /// Index at wavelength_nm > 0. Not a number where the formula has a pole or a negative n^2.
+    /// Index at wavelength_nm > 0. Returns not-a-number where the formula has a pole or n^2 is negative.
     [[nodiscard]] double index(double wavelength_nm) const;
     [[nodiscard]] bool is_air() const {
         return formula_ == Formula::cauchy && terms_[0] == 1 && terms_[1] == 0 && terms_[2] == 0;

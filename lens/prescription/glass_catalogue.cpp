@@ -10,11 +10,11 @@ namespace {
 
 struct Entry {
     std::string_view name;
-    double nd;  // published with the terms; tests compare the terms with it
+    double nd;  // published with the terms; a test compares both
     std::array<double, 6> terms;
 };
 
-// Published dispersion terms of optical glasses [schott2023], fused silica [malitson1965] and fluorite
+// Published Sellmeier terms of optical glasses [schott2023], fused silica [malitson1965] and fluorite
 // [malitson1963].
 constexpr Entry catalogue[] = {
     // clang-format off
@@ -117,7 +117,8 @@ constexpr Entry catalogue[] = {
     // clang-format on
 };
 
-// Reduces a name to capital letters and digits, without hyphens, blanks and the maker after an underscore.
+// Converts a name to capital letters and digits: removes hyphens, blanks, and the underscore with the maker's
+// name.
 std::string bare(std::string_view name) {
     std::string out;
     for (const char c : name.substr(0, name.find('_'))) {
@@ -139,7 +140,8 @@ std::optional<Glass> find_glass(std::string_view name) {
     const std::string wanted = bare(name);
     if (wanted.empty()) return std::nullopt;
     const Entry* entry = find_bare(wanted);
-    // Lead-free glasses that replace those from before the 1990s have the old name with an N in front.
+    // In the 1990s, lead-free glasses replaced older glasses. A replacement has the old name with an N in
+    // front.
     if (entry == nullptr) entry = find_bare("N" + wanted);
     if (entry == nullptr) return std::nullopt;
     return Glass::sellmeier(entry->terms, std::string(entry->name));

@@ -10,9 +10,8 @@
 namespace postlens {
 namespace {
 
-// Share of the clear radius, near the rim, in which neighbouring surfaces may cross. In the tables of
-// patents, clear radii are often rounded up, so that surfaces cross near their rims, by a few thousandths of
-// the radius, where no light passes.
+// Neighbouring surfaces may overlap by up to this share of the clear radius. Patents often round clear radii
+// up. Surfaces then overlap by a few thousandths of the radius near their rims, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {
@@ -45,7 +44,8 @@ void check_surface(const Prescription& lens, std::size_t i) {
     }
 }
 
-// Gap between surfaces i and i + 1 at distance r from the axis; not a number beyond the edge of either.
+// Gap between surfaces i and i + 1 at distance r from the axis. Not-a-number beyond the edge of either
+// surface.
 double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
     const Surface& a = lens.surfaces[i];
     return a.thickness_mm + lens.surfaces[i + 1].sag_mm(r_mm) - a.sag_mm(r_mm);
@@ -53,10 +53,10 @@ double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
 
 struct Crossing {
     double clear_mm = 0;  ///< the smaller of the clear radii
-    double met_mm = 0;    ///< smallest distance from the axis at which they meet
+    double met_mm = 0;    ///< smallest distance from the axis at which the surfaces meet
 };
 
-// Finds where surfaces i and i + 1 cross within the clear radii of both.
+// Finds where surfaces i and i + 1 cross within the clear radii of both surfaces.
 std::optional<Crossing> crossing(const Prescription& lens, std::size_t i) {
     const double clear = std::min(lens.surfaces[i].clear_radius_mm, lens.surfaces[i + 1].clear_radius_mm);
     if (!std::isfinite(clear)) return std::nullopt;

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-// Limit of the file size. A Zemax file of 500 surfaces is smaller than 1 MB.
+// Limit of the file size. A Zemax file with the largest number of surfaces, 500, is smaller than 1 MB.
 constexpr std::uintmax_t largest_file_bytes = 64'000'000;
 
 std::string ending_of(const std::filesystem::path& path) {
@@ -24,7 +24,7 @@ std::string ending_of(const std::filesystem::path& path) {
     return ending;
 }
 
-// Converts UTF-16, which Zemax writes with or without a byte order mark, to ASCII. Other characters occur
+// Converts UTF-16 to ASCII; Zemax writes UTF-16 with or without a byte order mark. Non-ASCII characters occur
 // only in names and become question marks.
 std::string decoded(std::string bytes) {
     const auto byte = [&bytes](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
@@ -32,8 +32,8 @@ std::string decoded(std::string bytes) {
     if (bytes.size() < 2) return bytes;
     const bool marked_little = byte(0) == 0xFF && byte(1) == 0xFE;
     const bool marked_big = byte(0) == 0xFE && byte(1) == 0xFF;
-    // Without a byte order mark, UTF-16 is recognised by the two ASCII characters with which these formats
-    // begin.
+    // UTF-16 without a byte order mark is recognised by its first two characters, which are ASCII in these
+    // formats.
     const bool bare_little =
         bytes.size() >= 4 && byte(0) != 0 && byte(1) == 0 && byte(2) != 0 && byte(3) == 0;
     const bool bare_big = bytes.size() >= 4 && byte(0) == 0 && byte(1) != 0 && byte(2) == 0 && byte(3) != 0;
@@ -48,7 +48,7 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Names may be in any encoding, but are written to terminals, JSON and drawings, so only ASCII is kept.
+// Keeps only ASCII. The encoding of names is unknown, and they are written to terminals, JSON and drawings.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

@@ -1,5 +1,5 @@
 // Glasses of CODE V sequence files: private definitions, codes of nd and Vd, and catalogue names. Only the
-// reader of these files includes this header.
+// parser of these files includes this header.
 #pragma once
 
 #include <map>
@@ -17,11 +17,12 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a command between PRV and END, which defines a private glass or the wavelengths of its indices.
-    /// An unreadable glass is an error only if a surface uses it, that is in `find`.
+    /// Reads a command between PRV and END, which defines a private glass or the wavelengths of the following
+    /// indices. A glass that cannot be read is not an error until a surface uses it: then `find` throws.
     void define(int line, const std::string& key, const SeqWords& words);
-    /// Finds a glass by its catalogue name, the name of a private glass, or a code of nd and Vd: "517642",
-    /// "517.642", "516800.641700" or "1.5168:64.17". Throws Error(invalid_input) if there is none.
+    /// Finds a glass by its catalogue name, by the name of a private glass, or by a code of nd and Vd:
+    /// "517642", "517.642", "516800.641700" or "1.5168:64.17". Throws Error(invalid_input) if the glass is
+    /// unknown.
     [[nodiscard]] Glass find(int line, std::string_view word) const;
 
   private:
@@ -31,7 +32,7 @@ class SeqGlasses {
     std::string file_;
     std::vector<double> wavelengths_nm_;
     std::map<std::string, Glass> private_;
-    std::map<std::string, std::string> unread_;  ///< private glasses that could not be read, and the reason
+    std::map<std::string, std::string> unread_;  ///< reason why a private glass could not be read
 };
 
 }  // namespace postlens

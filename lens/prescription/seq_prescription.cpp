@@ -1,4 +1,4 @@
-// Reads CODE V sequence files: lists of the commands that define a lens.
+// Reads CODE V sequence files, which are lists of commands that define a lens.
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -18,7 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads a command. With `glasses`, reads only definitions of private glasses, otherwise all others.
+    /// Reads a command. If `glasses` is true, reads only definitions of private glasses; otherwise, all other
+    /// commands.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -37,7 +38,7 @@ class SeqReader {
     int line_ = 0;
     bool by_radius_ = false;
     double mm_per_unit_ = 1;
-    std::size_t reference_ = SIZE_MAX;  ///< SIZE_MAX: not stated, CODE V uses the middle one
+    std::size_t reference_ = SIZE_MAX;  ///< SIZE_MAX: not stated; CODE V then uses the middle one
     std::vector<double> wavelengths_nm_;
     std::vector<Surface> all_;  // object, lens surfaces, image
     std::size_t current_ = 0;
@@ -46,7 +47,8 @@ class SeqReader {
     SeqGlasses glasses_;
 };
 
-// Finds the surface that a command applies to: that of "S3" after the command, else the latest surface.
+// Returns the surface that a command applies to: the one named after the command, as in "S3", or else the
+// latest surface.
 Surface& SeqReader::addressed(const SeqWords& words, std::size_t& next) {
     std::size_t at = current_;
     if (next < words.size() && words[next].size() > 1 && std::toupper(words[next][0]) == 'S') {
@@ -131,8 +133,8 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius, with the words in any order before the number. Light must
-// pass within both the edge of the glass (EDG) and the clear aperture (CLR), so the smallest radius is used.
+// Reads CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius; the words before the number may be in any order. Light must
+// pass inside the glass (EDG) and inside the clear aperture (CLR), so the smallest radius is used.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -149,8 +151,7 @@ void SeqReader::clear_radius(const SeqWords& words) {
 
 void SeqReader::system_command(const std::string& key, const SeqWords& words) {
     if (key == "RDM") {
-        // The command RDM, alone or as "RDM Y", means that the file states radii of curvature. "RDM N" means
-        // that it states curvatures.
+        // RDM or "RDM Y" announces radii of curvature. "RDM N" announces curvatures.
         by_radius_ = words.size() < 2 || upper_case(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -186,7 +187,8 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // Other commands do not define the shape of the lens: weights, solves, vignetting, displays.
+    // All other commands, such as weights, solves, vignetting and displays, do not define the shape of the
+    // lens.
 }
 
 void SeqReader::command(int line, const SeqWords& words, bool glasses) {
@@ -231,10 +233,10 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The thickness of the image surface is the defocus: the distance of the film from the image surface.
+    // The image surface's thickness is the defocus: the distance from the image surface to the film.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
-    // If no command states the stop, CODE V takes the first surface.
+    // If no command defines the stop, CODE V uses the first surface.
     if (std::none_of(lens_.surfaces.begin(), lens_.surfaces.end(),
                      [](const Surface& s) { return s.is_stop; })) {
         lens_.surfaces.front().is_stop = true;
@@ -256,7 +258,7 @@ Prescription SeqReader::finish() {
 Prescription parse_seq(const std::string& text, const std::string& file) {
     SeqReader reader(file);
     const std::vector<std::pair<int, std::string>> commands = seq_commands(text, file);
-    // Private glasses may be defined after the surfaces that use them, so they are read first.
+    // A private glass may be defined after the surfaces that use it, so all glasses are read in a first pass.
     for (const bool glasses : {true, false}) {
         for (const auto& [number, command] : commands) reader.command(number, words_of(command), glasses);
     }

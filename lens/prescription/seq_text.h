@@ -1,4 +1,4 @@
-// Text of CODE V sequence files: commands, their words and numbers. Only the reader of these files includes
+// Text of CODE V sequence files: commands, their words and numbers. Only the parser of these files includes
 // this header.
 #pragma once
 
@@ -12,19 +12,20 @@ namespace postlens {
 
 using SeqWords = std::vector<std::string_view>;
 
-/// The commands of a file, each with the number of its last line. Comments are removed and continued lines
-/// are joined. Throws Error(invalid_input) for a command of more than 100000 characters.
+/// Returns the commands of a file, each with the number of its last line. Comments are removed and continued
+/// lines are joined. Throws Error(invalid_input) for a command of more than 100000 characters.
 [[nodiscard]] std::vector<std::pair<int, std::string>> seq_commands(const std::string& text,
                                                                     const std::string& file);
 
 /// Converts a word to upper case.
 [[nodiscard]] std::string upper_case(std::string_view word);
 
-/// Word `i` of a command as a number. Throws Error(invalid_input) if it is missing or not a finite number.
+/// Returns word `i` of a command as a number. Throws Error(invalid_input) if the word is missing or not a
+/// finite number.
 [[nodiscard]] double seq_number(const std::string& file, int line, const SeqWords& words, std::size_t i,
                                 std::string_view what);
 
-/// Throws Error(invalid_input) for a command that centred surfaces do not have.
+/// Throws Error(invalid_input) for a command that describes something other than a lens of centred surfaces.
 [[noreturn]] void seq_unsupported(const std::string& file, int line, std::string_view what);
 
 }  // namespace postlens

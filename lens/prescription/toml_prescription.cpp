@@ -1,4 +1,4 @@
-// Reads the project's own format, described in docs/lens_prescriptions.md: [lens], [glass.NAME] and one
+// Reads the project's own lens format, described in docs/lens_prescriptions.md: [lens], [glass.NAME] and one
 // [[surface]] table per surface.
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@ using Glasses = std::map<std::string, Glass, std::less<>>;
 
 constexpr std::array<Name, 4> medium_keys{"index", "nd", "vd", "sellmeier"};
 
-// Reads a medium from the keys of a table; empty if the table has none of these keys.
+// Reads a medium from the keys of a table. Returns nothing if the table has none of these keys.
 std::optional<Glass> medium(const TomlTable& table, const std::string& name) {
     table.refuse_both("index", "nd");
     table.refuse_both("index", "sellmeier");
@@ -110,8 +110,8 @@ void read_lens(const TomlTable& table, Prescription& lens) {
 }  // namespace
 
 Prescription parse_lens_toml(const std::string& text, const std::string& file) {
-    // Surfaces are counted before parsing, because the parser would run out of memory on a file with
-    // millions.
+    // Surfaces are counted before the file is parsed: with millions of surfaces, the parser would run out of
+    // memory.
     const auto lines = lines_of(text);
     std::size_t tables = 0;
     for (const TextLine& line : lines) {

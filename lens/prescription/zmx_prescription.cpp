@@ -1,4 +1,5 @@
-// Reads the text format of Zemax: SURF blocks of keyword lines, the object first, the image last.
+// Reads the text format of Zemax: blocks of lines that begin with SURF, from the object surface to the image
+// surface.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -15,7 +16,7 @@ using Words = std::vector<std::string_view>;
 struct ZmxSurface {
     Surface surface;
     double thickness = 0;                   ///< in the file's unit; may be infinite
-    std::optional<double> aperture_radius;  ///< of CLAP or FLAP, which always block light, unlike DIAM
+    std::optional<double> aperture_radius;  ///< of CLAP or FLAP; unlike DIAM, they always block light
     std::string_view type = "STANDARD";
     std::map<int, double> parameters;  ///< values of PARM lines, by number
     bool has_diameter = false;
@@ -87,7 +88,7 @@ void ZmxReader::glass(const Words& words) {
     if (auto known = find_glass(name)) {
         s.glass = *std::move(known);
     } else if (words.size() > 5 && number(words, 4, "nd") >= 1 && number(words, 5, "Vd") > 0) {
-        // For a glass that is not in the catalogue, the file states nd and Vd.
+        // If the catalogue does not contain the glass, the file's nd and Vd are used.
         s.glass = Glass::abbe(number(words, 4, "nd"), number(words, 5, "Vd"), std::string(name));
     } else if (words.size() > 4 && number(words, 4, "nd") > 0) {
         s.glass = Glass::constant(number(words, 4, "nd"), std::string(name));
@@ -119,7 +120,7 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
     } else if (key == "GLAS") {
         glass(words);
     } else if (key == "CLAP" || key == "FLAP") {
-        // CLAP and FLAP state the inner and outer radius of a ring that transmits light.
+        // CLAP and FLAP give the inner and outer radius of a ring that transmits light.
         if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
         s.aperture_radius = number(words, 2, "outer radius");
     } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||
@@ -186,15 +187,16 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane between air and air is only a reference plane, so the diameter that Zemax states is
-        // ignored.
+        // A plane with air on both sides is only a reference plane, so the diameter that Zemax states for it
+        // is ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // The term a_i r^(2i) is in the file's unit U; in mm, its coefficient is a_i U / U^(2i).
+            // The file's coefficient a_i of r^(2i) is for lengths in its own unit U. For lengths in mm, the
+            // coefficient is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }

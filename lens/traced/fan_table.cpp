@@ -38,8 +38,7 @@ void FanTable::trace_depth(const LensView& view, std::size_t depth) {
             before = f == 0 ? at : middle;
             middle = at;
         } else if (f > 0) {
-            fan = fans_[depth * fields + f -
-                        1];  // no light arrives at this field, so light() is 0 whatever the fan
+            fan = fans_[depth * fields + f - 1];  // light() is 0 here
         }
         for (const PupilFan::Node& node : fan.nodes)
             reach_[depth] = std::max(reach_[depth], glm::length(node.landing));
@@ -58,8 +57,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Responses are extrapolated to at most 1000 depth steps beyond the table. Farther beyond, they keep
-    // their shape.
+    // Beyond the table, responses are extrapolated over at most 1000 depth steps. Farther out they stay
+    // constant.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -70,7 +69,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // Pupil points and their light change little with depth, so they are not extrapolated over depth.
+    // The pupil points of a fan and their light vary little with depth, so beyond the table they stay
+    // constant.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {
@@ -90,8 +90,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Upper bound at an inverse depth: within the table, the larger of the two neighbouring values; beyond the
-// table's ends, a bound that grows linearly.
+// Returns an upper bound at an inverse depth. Within the table, the bound is the larger of the two
+// neighbouring values; beyond the table, it grows linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

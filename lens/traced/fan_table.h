@@ -1,4 +1,5 @@
-// Impulse responses of a traced lens for every depth and field, by interpolation between fans of rays.
+// Impulse responses of a traced lens for every depth and field, interpolated between precomputed fans of
+// rays.
 #pragma once
 
 #include <vector>
@@ -8,30 +9,31 @@
 namespace postlens {
 
 /// Fans of rays, each from one object point through the lens, on a grid of inverse depths and field tangents.
-/// The constructor traces the fans in parallel. Between the points of the grid, they are interpolated
-/// linearly (errors: docs/lens.md). Results are bit-identical for any number of threads.
+/// The constructor traces the fans in parallel. Fans between grid points are interpolated linearly (errors:
+/// docs/lens.md). Results are bit-identical for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` (beyond, responses grow linearly) and
-    /// tangents up to `widest_tangent` (beyond, the response is that of `widest_tangent`). `view` must
-    /// outlive the table.
+    /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` and tangents from 0 to `widest_tangent`.
+    /// Beyond the largest inverse depth, responses grow linearly; beyond the widest tangent, they stay
+    /// constant. `view` must outlive the table.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Light that a pixel in this direction receives from a uniform scene, relative to the centre pixel (as
-    /// LensView::light). It does not depend on the depth of the scene.
+    /// Light that the pixel in this direction receives from a uniform scene, relative to the centre pixel (as
+    /// LensView::light). The depth of the scene has no influence.
     [[nodiscard]] double light(double tangent) const;
-    /// Upper bound of the distance, as a tangent, from a point at this depth to the end of its response.
+    /// Upper bound of the distance from an object point's image to the end of its impulse response, as a
+    /// tangent.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Largest displacement of a ray's landing point relative to its object point, per displacement of the
-    /// object point; both as tangents.
+    /// Upper bound of the derivative of responses over the field: how far a ray's landing point, relative to
+    /// the image of its object point, moves per distance that the object point moves. Both are tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;
 
   private:
     struct Place {
-        std::size_t depth = 0, field = 0;       ///< indices of the grid node below
+        std::size_t depth = 0, field = 0;       ///< indices of the grid node at or below the point
         double depth_part = 0, field_part = 0;  ///< fraction of a step; depth_part may lie outside 0..1
     };
     [[nodiscard]] Place place(double inverse_depth_per_m, double tangent) const;

@@ -22,7 +22,7 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // The terms are defocus, field curvature and astigmatism; spherical aberration; and coma, each with the
+    // The terms describe defocus, field curvature, astigmatism, spherical aberration and coma, each with its
     // next higher order.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
@@ -70,7 +70,7 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
     // Height at which the chief ray of a field tangent lands on the film; infinite if no chief ray passes.
-    // The height grows with the field, so it can be inverted by bisection.
+    // The height grows with the tangent, so bisection finds the tangent of a given height.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -78,7 +78,7 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         if (!lens.stack().forward(ray, Apertures::ignored).passes()) return HUGE_VAL;
         return std::abs(lens.on_film(ray).y);
     };
-    double low = 0, high = 60;  // up to 89 degrees
+    double low = 0, high = 60;  // tan(89 degrees) is about 57
     for (int step = 0; step < 80 && high - low > 1e-12; ++step) {
         const double middle = 0.5 * (low + high);
         (height(middle) < field_mm ? low : high) = middle;
@@ -99,8 +99,8 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Paraxial landing height of the ray through (0, 1) mm of the pupil from an axial point at this depth. It
-    // gives the depth that is in focus on the film, measured from the pinhole.
+    // Paraxial landing height of a ray from an axial point at this depth through (0, 1) mm of the pupil. The
+    // depth at which the height is 0, measured from the pinhole, is in focus.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -111,7 +111,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse depth in focus, where all rays of a point land in one point; 1/s for a thin lens.
+    // `own` is the inverse depth at which the thick lens is in focus: all rays of a point land at one point.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

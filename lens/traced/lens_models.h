@@ -1,4 +1,5 @@
-// Models of one lens, from the thin lens to the traced lens, and the error of each against the traced lens.
+// Models of one lens, from the thin lens to the traced lens, and the error of each model relative to the
+// traced lens.
 #pragma once
 
 #include <array>
@@ -11,38 +12,41 @@
 
 namespace postlens {
 
-/// Models of a lens, from the cheapest to the most expensive to evaluate.
+/// Models of a lens, ordered from the fastest to the slowest to evaluate.
 enum class LensModelKind {
     thin,        ///< (a) thin lens of equal focal length, with its pupil at the pinhole
     thick,       ///< (b) principal planes and both pupils: all first-order effects
-    polynomial,  ///< (c) low-order polynomials of pupil, depth and field; three circles bound the pupil
+    polynomial,  ///< (c) low-order polynomials of pupil, depth and field; the pupil is bounded by three
+                 ///< circles
     traced,      ///< (d) rays traced through all surfaces
 };
 inline constexpr std::size_t lens_model_kinds = 4;
 [[nodiscard]] const char* name_of(LensModelKind kind);
 
-/// Landing point of a ray on the film, relative to the chief ray of its object point, and whether the ray
-/// passes the lens.
+/// Landing point of a ray on the film, relative to the chief ray of its object point (the ray through the
+/// centre of the stop). `passes` is false if the lens blocks the ray.
 struct ModelRay {
     glm::dvec2 film_mm{0};
     bool passes = false;
 };
 
-/// Number of terms of the polynomial. Terms are functions of the pupil point (u, v), in radii of the paraxial
-/// pupil with v along the field, and of the field T, its tangent over the largest tangent. Each appears alone
-/// and multiplied by the defocus K = 1/z' - 1/s, over its largest value. Mirror symmetry about the meridian
-/// leaves only terms odd in u for x and even in u for y.
+/// Number of terms of the polynomial per coordinate of the landing point. Terms are functions of pupil and
+/// field: the pupil point (u, v), in radii of the paraxial pupil with v along the field; and the field T, its
+/// tangent divided by the largest tangent. Each term occurs alone and multiplied by the defocus K = 1/z' -
+/// 1/s, divided by its largest value. Mirror symmetry about the meridian permits only terms odd in u for x,
+/// and even in u for y.
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the circles that bound the pupil, in radii of the paraxial pupil. Its centre is (0, (shift +
-/// shift_by_depth K) T + bend T^3), its radius is radius + radius_by_depth K + growth T^2.
+/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. T is the field
+/// and K the defocus, as for pupil_terms. The circle's centre is (0, (shift + shift_by_depth K) T + bend
+/// T^3). Its radius is radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
 
-/// The polynomial model of a lens (LensModelKind::polynomial), fitted by `fit_polynomial_lens`. It consists
-/// of plain numbers, which can be stored in a file or passed to a renderer.
+/// The polynomial model of a lens (LensModelKind::polynomial), fitted by `fit_polynomial_lens`. All members
+/// are plain numbers, so the model can be stored in a file or passed to a renderer.
 struct PolynomialLens {
     double pupil_radius_mm = 1;        ///< unit of (u, v)
     double largest_tangent = 1;        ///< tangent at which T = 1
@@ -51,23 +55,23 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Evaluates the model for depth_m > 0 or infinity, a field tangent >= 0 along +y, and a pupil point in
-    /// mm on the plane of the paraxial pupil.
+    /// Evaluates the model for a depth > 0 or infinity and a field tangent >= 0 along +y. The pupil point is
+    /// in mm on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the terms for x and for y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                       std::array<double, polynomial_terms>& y);
 };
 
-/// Depths and fields for which a model is fitted or its error measured.
+/// The depths and fields for which a model is fitted, or for which its error is measured.
 struct LensModelRange {
     std::vector<double> depths_m;  ///< > 0, infinity allowed
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b (infinity allowed) in equal steps of 1/z', and as many tangents from 0
-/// to that whose chief ray lands `field_mm` from the centre of the film. Throws Error(wrong_arguments) if a
-/// is not positive or not below b, or if no chief ray reaches that height.
+/// Returns `count` depths from a to b (infinity allowed) in equal steps of 1/z'. Also returns `count`
+/// tangents, from 0 to the tangent whose chief ray lands `field_mm` from the centre of the film. Throws
+/// Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands at that distance.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -77,20 +81,20 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Landing point of a ray by the given model. The polynomial model needs a previous call of
-    /// set_polynomial.
+    /// Returns the landing point of a ray as computed by the given model. The polynomial model requires a
+    /// previous call of set_polynomial.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Root mean square distance, mm, between the landing points of the model's rays and of the traced rays
-    /// (both relative to their chief rays), over a uniform grid of the pupil, for one depth and field. A ray
-    /// that only one of the two transmits counts with its distance from the nearest ray of the pupil that
-    /// both transmit: the distance by which its light would have to move.
+    /// Root mean square error of the model's landing points, mm, at one depth and field, over a uniform grid
+    /// of the pupil. Landing points of model and traced lens are relative to their chief rays. If only one of
+    /// the two transmits a ray, the ray's error is its distance on the film from the nearest pupil point that
+    /// both transmit: that is how far its light would have to move.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
-    /// Largest error over a range.
+    /// Largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Displacement on the film per displacement on the pupil, of the thick lens, mm per mm: `at_infinity` +
-    /// `per_depth` / z'.
+    /// Displacement on the film per displacement on the pupil of the thick lens, mm per mm, is `at_infinity`
+    /// + `per_depth` / z'.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 
@@ -104,9 +108,9 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
-/// Landing points are fitted by linear terms. The edge of the pupil is fitted by three circles, whose initial
-/// values are the images of the stop and of the first and last rim. Results are bit-identical for equal
-/// input.
+/// Landing points depend linearly on the coefficients. The pupil's edge is fitted by three circles. Their
+/// initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
+/// bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);
 

@@ -24,9 +24,9 @@ struct LensSection {
     double height_mm = 0;   ///< greatest distance from the axis of all of these
 };
 
-/// Traces `rays` rays across the pupil, in the plane of the drawing, for object points at depth_m towards
-/// each tangent of `fields`. Surfaces are drawn to their clear radius, or as wide as the rays need if the
-/// prescription states none.
+/// Traces `rays` rays across the pupil, in the plane of the drawing, from an object point at depth_m for each
+/// tangent of `fields`. Surfaces are drawn up to their clear radius. If the prescription states no clear
+/// radius, they are drawn as wide as the rays need.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);
 

@@ -9,8 +9,8 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Moves the origin of a ray along the ray to the plane z, because squares of distant coordinates lose
-// precision.
+// Moves the origin of a ray along the ray to the plane z. A distant origin would lose precision, because its
+// coordinates are squared.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
 }
@@ -48,16 +48,16 @@ double LensStack::clear_radius_mm(std::size_t surface) const {
 RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures apertures,
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
-    dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame
-    // If the origin is more than 100 radii of curvature away, the squares below lose the digits of the
-    // intersection, so the origin moves to the ray's point nearest to the vertex. A second step removes the
-    // rounding error of the first, which can be many radii of a tiny surface.
+    dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
+    // If the origin is more than 100 radii of curvature away, rounding of its squared coordinates would
+    // destroy the intersection. Therefore the origin moves to the ray's point nearest to the vertex. The
+    // second pass removes the rounding error of the first, which can exceed the radius of a tiny surface.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 along p + t d, for the root that stays finite as c goes to 0.
-    // [welford1986, 4.3]
+    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. Of the two roots, the one that stays finite as
+    // c approaches 0 is used. [welford1986, 4.3]
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -67,11 +67,12 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         const double divisor = b + sign * std::sqrt(discriminant);
         if (divisor != 0) p += f / divisor * d;
         met = divisor != 0 || f == 0;
-        // A conic turns back beyond its edge. Intersections there are rejected, as no lens has that part.
+        // Beyond its widest circle, a conic turns back. No lens includes this back part, so intersections
+        // there are rejected.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
-        // The even polynomial moves the surface along z. Newton's method starts from the intersection with
+        // The even polynomial displaces the surface along z. Newton's method starts at the intersection with
         // the conic.
         constexpr int most_steps = 32;
         constexpr double close_mm = 1e-10;
@@ -101,15 +102,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         if (e.k != 0) normal /= glm::length(normal);
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // The comparison is false for coordinates that are not a number, so they count as outside of the clear
-    // radius.
+    // A not-a-number coordinate makes this comparison false, so the ray counts as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;
 }
 
-// Snell's law: n' (d' x N) = n (d x N). `ratio` is n / n'; `normal` points towards +z. Returns false for
-// total reflection.
+// Refracts by Snell's law, n' (d' x N) = n (d x N). `ratio` is n / n'; `normal` points towards +z. Returns
+// false for total reflection.
 bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
     const double cosine = glm::dot(direction, normal);
     const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);

@@ -14,19 +14,19 @@ namespace postlens {
 
 enum class RayFate : std::uint8_t {
     passes,
-    misses,     ///< does not intersect a surface, or not on the side of its vertex
+    misses,     ///< does not intersect a surface on the side of its vertex
     vignetted,  ///< meets a surface outside its clear radius, or the stop outside its opening
     reflected,  ///< total internal reflection
 };
 
-/// Result of tracing a ray, and the surface at which it ended if it did not pass.
+/// The result of tracing a ray. If the ray did not pass, `surface` is where it ended.
 struct RayEnd {
     RayFate fate = RayFate::passes;
     std::size_t surface = 0;  ///< index into the prescription's surfaces
     [[nodiscard]] bool passes() const { return fate == RayFate::passes; }
 };
 
-/// A line in the frame of the lens: mm, the origin at the first surface's vertex, z towards the film.
+/// A ray in the frame of the lens, mm: the origin is the first surface's vertex, z points towards the film.
 struct LensRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, 1};  ///< of length 1
@@ -38,14 +38,14 @@ struct LensRay {
 
 enum class Apertures : bool { ignored, respected };
 
-/// The surfaces of a prescription at one wavelength and one opening of the stop, laid out for tracing.
-/// Refraction uses Snell's law in vector form. Intersections with conics are computed in closed form, with
-/// even aspheres by Newton's method to 1e-10 mm [welford1986, 4]. Tracing a ray neither allocates nor throws;
-/// many threads may trace at once.
+/// The surfaces of a prescription at one wavelength and one opening of the stop, prepared for ray tracing.
+/// Refraction uses Snell's law in vector form. Intersections with conics are computed in closed form;
+/// intersections with even aspheres are computed by Newton's method to 1e-10 mm [welford1986, 4]. Tracing a
+/// ray neither allocates nor throws, and many threads may trace at once.
 class LensStack {
   public:
-    /// `lens` must have passed check_prescription. `stop_radius_mm` >= 0; infinity: the clear radius of the
-    /// stop's surface.
+    /// `lens` must have passed check_prescription. `stop_radius_mm` is >= 0; infinity selects the clear
+    /// radius of the stop's surface.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }
@@ -55,16 +55,17 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// Traces from the scene to the film. `ray` becomes the ray behind the last surface, or that before the
-    /// surface at which it ends. The ray is treated as a line, so its origin may be anywhere on it. `hits`,
-    /// if not empty, must hold size() points and receives the intersections up to the end of the ray.
+    /// Traces a ray from the scene to the film. Afterwards `ray` is the ray behind the last surface or, if
+    /// the ray ended at a surface, the ray in front of this surface. The ray is treated as a line, so its
+    /// origin may be any point on the line. `hits` must be empty or have size() points, and receives the
+    /// intersections up to the end of the ray.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces from the film to the scene; direction.z < 0. Otherwise as `forward`.
+    /// Traces a ray from the film to the scene, with direction.z < 0; otherwise as `forward`.
     RayEnd backward(LensRay& ray, Apertures apertures = Apertures::respected,
                     std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces from the scene to the plane of the stop, ignoring apertures, and returns the intersection. Not
-    /// a number if the ray ends before.
+    /// Traces a ray from the scene to the plane of the stop, ignoring apertures, and returns the
+    /// intersection. Returns not-a-number if the ray ends before the stop.
     [[nodiscard]] glm::dvec2 at_stop(LensRay ray) const noexcept;
 
   private:

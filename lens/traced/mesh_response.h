@@ -1,4 +1,4 @@
-// Converts a mesh of rays to an impulse response on the pixel grid.
+// Converts a mesh of rays through a lens to an impulse response on the pixel grid.
 #pragma once
 
 #include "lens/response_grid.h"
@@ -6,11 +6,12 @@
 
 namespace postlens {
 
-/// Returns the energy per pixel of size `pitch_mm` > 0 of a mesh from `TracedLens::impulse`; the sum is 1. x
-/// and y are those of the raster, where the image is upright: film point (x, y) is at (-x, y) / pitch, y
-/// down. The chief ray lands at the centre of pixel (0, 0). Each cell of the mesh whose four corners pass
-/// distributes its light uniformly over 4 x 4 points of the bilinear patch between them. Throws
-/// Error(wrong_arguments) if the response is wider than 4096 px. Empty if nothing passes.
+/// Returns the energy that each pixel of size `pitch_mm` > 0 receives from a mesh made by
+/// `TracedLens::impulse`; the sum is 1. x and y are raster axes (y down), in which the image is upright: film
+/// point (x, y) is at (-x, y) / pitch. The chief ray, through the centre of the stop, lands at the centre of
+/// pixel (0, 0). Each mesh cell whose four corners pass distributes its light uniformly over 4 x 4 points of
+/// the bilinear patch between the corners. Returns an empty grid if no ray passes. Throws
+/// Error(wrong_arguments) if the response is wider than 4096 px.
 [[nodiscard]] ResponseGrid mesh_response(const PupilMesh& mesh, double pitch_mm);
 
 }  // namespace postlens

@@ -79,8 +79,8 @@ struct Placed {
     double light = 0;
 };
 
-// Maps p so that +y turns into the unit vector `axis`. The axes of raster and camera differ by a reflection,
-// which does not matter for a rotationally symmetric lens.
+// Rotates p by the rotation that turns +y into the unit vector `axis`. Raster and camera axes differ by a
+// reflection, which has no effect for a rotationally symmetric lens.
 dvec2 turned(const dvec2& p, const dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }
@@ -105,7 +105,8 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Computes the raster position of each node once, and the bounding box of the response.
+    // Computes the raster position of each node once, and from these positions the bounding box of the
+    // response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -114,7 +115,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A small response uses fewer nodes; the chords of its outline deviate by less than 0.03 px.
+    // A small response uses fewer nodes; the sides of its outline still deviate from the curve by less than
+    // 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -155,8 +157,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The image of the cell is folded, because rays of different lens zones cross. It is added as two
-        // triangles, because the image of a triangle is never folded.
+        // The image of this cell is folded, because rays of different lens zones cross. The cell is added as
+        // two triangles, because the image of a triangle cannot fold.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

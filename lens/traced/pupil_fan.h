@@ -1,4 +1,5 @@
-// The light of one object point in the pupil: rays in rings, the outermost on the edge of the pupil.
+// How the light of one object point is distributed over the pupil: rays in rings, the outermost on the
+// pupil's edge.
 #pragma once
 
 #include <array>
@@ -12,8 +13,8 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis, at nodes on rings and spokes. The rings run from the centre of the
-/// region of the pupil that passes light to its edge. Nodes with x < 0 are mirror images and not stored.
+/// Rays of an object point on the +y axis, at nodes on rings and spokes. The rings extend from the centre to
+/// the edge of the pupil region that passes light. Nodes with x < 0 are mirror images and are not stored.
 /// Between nodes, all values are interpolated linearly.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
@@ -24,8 +25,8 @@ struct PupilFan {
     }
     struct Node {
         glm::dvec2 pupil_m{0};  ///< on the plane of the pinhole
-        glm::dvec2 landing{0};  ///< tangent of the pixel it lands on, minus that of the object point
-        double light = 0;       ///< light per area of that plane
+        glm::dvec2 landing{0};  ///< landing pixel's tangent minus the object point's
+        double light = 0;       ///< light per area of the plane of the pinhole
     };
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
 
@@ -35,9 +36,10 @@ struct PupilFan {
     }
 };
 
-/// Traces the fan of an object point of inverse depth 1/z' (zero and negative allowed; negative: light that
-/// converges) towards the given tangent >= 0. The search for the lit region begins at `near_m`, which is set
-/// to its centre. Returns false and leaves `out` unchanged if no light gets through.
+/// Traces the fan of rays of an object point at inverse depth 1/z' in the direction of the given tangent >=
+/// 0. 1/z' may be 0 or negative; a negative value is light that converges. The search for the lit region
+/// begins at `near_m`, which is then set to the region's centre. Returns false and leaves `out` unchanged if
+/// no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
@@ -50,11 +52,11 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// Largest distance of light of the response from `centre_px`, px.
+/// Largest distance of the response's light from `centre_px`, px.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// The response on the pixel grid. The light between nodes is spread uniformly over the image of each mesh
-/// cell; small responses use fewer cells. Values add up to 1, except for the part outside `window`.
+/// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the cell's
+/// image; small responses use fewer cells. Values add up to 1, except for the part outside `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

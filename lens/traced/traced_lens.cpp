@@ -21,7 +21,7 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
                            const Prescription& lens) {
     if (!settings.f_number) return wide_open.stop_radius_mm;
     const double n = *settings.f_number;
-    // The tolerance of 1e-6 admits an f-number that was typed with the digits of the one displayed.
+    // The tolerance of 1e-6 accepts an f-number that was typed with the digits that the program displays.
     if (!(n >= wide_open.f_number * (1 - 1e-6)) || !std::isfinite(n)) {
         fail(ExitCode::wrong_arguments,
              "--f-number: out of range (got {}; expected a finite number from {:.5g} on, which {} opens to)",
@@ -75,7 +75,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // The message states where a ray at 0.7 of the pupil radius ends, which explains the failure.
+        // The message explains the failure: it names the surface at which a ray at 0.7 of the pupil radius
+        // ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
         const RayEnd end = stack_.forward(ray);
@@ -90,7 +91,7 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The plane of the pupil moves with the lens, but depths and tangents are relative to the pinhole.
+    // The plane of the pupil moves with the lens, but depths and tangents are relative to the fixed pinhole.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -107,7 +108,7 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Secant method with steps of at most the pupil's size, because rays aimed farther away miss the lens.
+    // Secant method. A step is at most one pupil radius, because rays aimed farther away miss the lens.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -125,8 +126,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // The pupil of a wide-angle lens moves with the field. It is followed from the axis in equal steps of the
-    // angle; each step begins at the linear extrapolation of the two before it.
+    // The pupil of a wide-angle lens moves with the field angle. So the loop follows the pupil from the axis
+    // in equal steps of the angle. Each step starts at the linear extrapolation of the previous two.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -154,9 +155,10 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // Rays in a meridian at equal steps on the pupil, each weighted with its radius, in proportion to the
-        // area of its ring. The object distance is measured from the pupil here, because the pinhole, from
-        // which object_ray measures it, is where the pupil is before the lens moves.
+        // The rays lie in one meridian, at equal steps on the pupil. Each ray's weight is its radius, because
+        // the ring that it represents has an area in proportion to its radius. The object distance is
+        // measured from the pupil: object_ray cannot be used, because it measures from the pinhole, where the
+        // pupil is before the lens moves.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -195,8 +197,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // The extension e lengthens the distance to the film and shortens that to the object: e = film(s - e) -
-    // film(infinity). The right side grows with e, so the iteration from e = 0 converges from below.
+    // Solves e = film(s - e) - film(infinity) for the extension e, which lengthens the distance to the film
+    // and shortens the distance to the object. The right side grows with e, so the iteration from e = 0
+    // converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -217,7 +220,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
     const dvec3 film(0, film_radius_mm, film_from_vertex_mm_);
     const double z = stack_.last_vertex_z_mm();
     const dvec2 step = (from.high - from.low) / static_cast<double>(search_cells);
-    // The region is symmetric about x = 0, so half of the grid is enough.
+    // The region of passing rays is symmetric about x = 0, so the grid covers only x >= 0.
     constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
     std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
     const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
@@ -227,8 +230,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[static_cast<std::size_t>(j * columns + i)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // If a prescription states no clear radii, stray rays get through that every real mount would block. Only
-    // the largest connected patch of rays is used.
+    // If a prescription states no clear radii, stray rays pass that every real mount would block. Therefore
+    // only the largest connected patch of passing rays is used.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -254,7 +257,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The edge of the region of rays that pass lies less than one step beyond the last grid node that passes.
+    // The edge of the region lies less than one grid step beyond the outermost grid node whose ray passes.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -262,7 +265,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // Twice the region of the plane that the paraxial exit pupil covers, seen from the farthest film point.
+    // The search region is twice as wide as the paraxial exit pupil appears in the plane of the last surface,
+    // seen from the farthest film point.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -273,7 +277,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The search begins coarsely over the whole region and is repeated around the rays that pass.
+        // The first search is coarse and covers the whole region. The following ones cover only the passing
+        // rays.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -292,8 +297,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // Computes E0, the irradiance at the film's centre per radiance, by the midpoint rule. The edge of the
-    // pupil causes a relative error of about 1 / nodes^1.5.
+    // Computes E0, the irradiance at the film's centre for a scene of radiance 1, by the midpoint rule. The
+    // edge of the pupil causes a relative error of about 1 / nodes^1.5.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -304,7 +309,7 @@ void TracedLens::find_rear_boxes() {
         }
     }
     axial_irradiance_sr_ = sum / (nodes * nodes);
-    if (!(sum > 0)) rear_boxes_.front() = {};  // no sampled ray passes: the opening counts as closed
+    if (!(sum > 0)) rear_boxes_.front() = {};  // no sampled ray passes, so the lens counts as closed
 }
 
 bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcept {
@@ -324,7 +329,6 @@ bool TracedLens::scene_ray(dvec2 film_mm, dvec2 uv, SceneRay& out) const noexcep
     const double area = (box.high.x - box.low.x) * (box.high.y - box.low.y);
     out.origin_mm = ray.origin - dvec3(0, 0, pinhole_from_vertex_mm_);
     out.direction = ray.direction;
-    // Weight by [kolb1995, eq. 4].
     out.weight = film_index_squared_ * area * cosine * cosine * cosine * cosine / (to_film * to_film) /
                  axial_irradiance_sr_;
     return true;
@@ -365,15 +369,16 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near the paraxial pupil, because strong aberrations displace the pupil. The search
-        // therefore covers all rays that meet the first surface.
+        // No ray passes near the paraxial pupil, because strong aberrations displace the pupil. Therefore the
+        // search now covers all rays that meet the first surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search around the rays that pass makes the rectangle of pupil points fit tightly.
+    // The second search covers only the passing rays, so that the rectangle of pupil points fits them
+    // tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -387,7 +392,7 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Solid angle per area of the pupil's plane: cos / r^2 = cos^3 / depth^2.
+        // Solid angle per area of the pupil's plane, seen from the object point: cos / r^2 = cos^3 / depth^2.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

@@ -1,5 +1,5 @@
-// A real lens set to a focus distance and an f-number: rays between film and scene, and the impulse response
-// of a scene point.
+// A real lens, set to a focus distance and an f-number. Computes rays between film and scene, and the impulse
+// response of a scene point.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ enum class FocusMove {
 };
 
 struct TracedLensSettings {
-    /// s > 0, from the pinhole (see TracedLens); infinity allowed. Absent: the film is where the prescription
-    /// states it, or at the focus for infinity.
+    /// Focus distance s > 0, measured from the pinhole (see TracedLens); infinity is allowed. Absent: the
+    /// film stays at the distance given by the prescription or, if it gives none, at the focus for infinity.
     std::optional<double> focus_distance_m;
     std::optional<double> f_number;       ///< finite, not below that of the open lens; absent: wide open
     std::optional<double> wavelength_nm;  ///< absent: the prescription's
@@ -41,8 +41,8 @@ struct SceneRay {
     double weight = 0;  ///< see TracedLens::scene_ray
 };
 
-/// Rays of one object point over a grid of the entrance pupil: the impulse response as a mesh. A caller that
-/// fills the same mesh again saves allocations.
+/// Rays of one object point through a grid of points of the entrance pupil: the impulse response as a mesh.
+/// Filling the same mesh again reuses its memory.
 struct PupilMesh {
     int nodes = 0;                     ///< along each side; node (i, j) is at j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
@@ -50,19 +50,19 @@ struct PupilMesh {
         film_mm;  ///< landing point relative to `chief_film_mm`; 0 if the ray does not pass
     std::vector<std::uint8_t> passes;  ///< 1 or 0
     std::vector<float> weight;         ///< light per area of the pupil's plane, relative to its centre
-    glm::dvec2 chief_film_mm{0};  ///< landing point of the ray through the stop's centre; see `has_chief`
-    bool has_chief =
-        false;  ///< false: that ray does not pass, and chief_film_mm is the mean of the rays that do
+    glm::dvec2 chief_film_mm{0};       ///< landing point of the ray through the centre of the stop
+    bool has_chief = false;  ///< false: that ray is blocked, and chief_film_mm is the mean landing point of
+                             ///< all passing rays
     double passing_area_mm2 = 0;  ///< weighted area of the pupil's plane whose rays pass
 };
 
-/// A lens for ray tracing. Frame of all rays and points: mm, the origin at the pinhole, which is the centre
-/// of the paraxial entrance pupil of the lens focused at infinity; x to the right and y up as seen from
-/// behind the camera, z from the scene towards the film, so that the camera looks along -z. The image is
-/// upside down: film point (x, y) sees the direction (-x, -y). Depths z' and focus distances are measured
-/// from the pinhole along the axis, in metres, as in sample files. Throws Error(wrong_arguments) for settings
-/// out of range and for a focus so near that no real image lies behind the lens, Error(invalid_input) for a
-/// diverging or telecentric lens, or one through which no ray gets to the film.
+/// A lens for ray tracing. All rays and points use one frame, in mm. Its origin is the pinhole: the centre of
+/// the paraxial entrance pupil when the lens is focused at infinity. Seen from behind the camera, x points to
+/// the right and y up; z points from the scene to the film, so the camera looks along -z. The image is upside
+/// down: film point (x, y) sees the direction (-x, -y). As in sample files, depths z' and focus distances are
+/// in metres, measured from the pinhole along the axis. Throws Error(wrong_arguments) if a setting is out of
+/// range, or if the focus is so near that no real image forms behind the lens. Throws Error(invalid_input) if
+/// the lens is diverging or telecentric, or if no ray through it reaches the film.
 class TracedLens {
   public:
     explicit TracedLens(const Prescription& lens, const TracedLensSettings& settings = {});
@@ -72,40 +72,42 @@ class TracedLens {
     [[nodiscard]] const TracedLensSettings& settings() const { return settings_; }
     [[nodiscard]] double f_number() const { return f_number_; }
     [[nodiscard]] double wavelength_nm() const { return wavelength_nm_; }
-    /// z of the film in the frame of the pinhole: the film distance of a pinhole camera.
+    /// z of the film, measured from the pinhole: the film distance of the equivalent pinhole camera.
     [[nodiscard]] double film_z_mm() const { return film_from_vertex_mm_ - pinhole_from_vertex_mm_; }
     /// Distance from the vertex of the last surface to the film.
     [[nodiscard]] double film_distance_mm() const { return film_from_vertex_mm_ - stack_.last_vertex_z_mm(); }
-    /// z of the pinhole in the frame of the lens, whose origin is the first vertex.
+    /// z of the pinhole, measured from the vertex of the lens's first surface.
     [[nodiscard]] double pinhole_from_vertex_mm() const { return pinhole_from_vertex_mm_; }
     /// Distance by which focusing moved the lens towards the scene; 0 with FocusMove::film.
     [[nodiscard]] double extension_mm() const { return extension_mm_; }
 
     /// Computes the ray that reaches the film at `film_mm` through a point of the pupil. (u, v) in [0, 1)^2
-    /// cover a rectangle in the plane that touches the last surface; the rectangle holds all rays that reach
-    /// this film point. Returns false if the ray is lost, and beyond `film_radius_mm`. The mean over (u, v)
-    /// of weight times radiance (0 for lost rays) is the irradiance of the film point, divided by that of the
-    /// film centre for a uniform scene of radiance 1: weight = n'^2 A cos^4(theta) / Z^2 / E0 [kolb1995, eq.
-    /// 4], where A is the rectangle's area, Z the distance of its plane from the film, theta the angle
-    /// between ray and axis, n' the index before the film (radiance grows with its square). It includes
-    /// vignetting and the fall-off of light. Costs one trace; no allocation.
+    /// cover a rectangle in the plane that touches the last surface; the rectangle contains all rays that
+    /// reach this film point. Returns false if the ray is blocked, or if the film point lies beyond
+    /// `film_radius_mm`. The mean over (u, v) of weight times radiance (0 for blocked rays) is the irradiance
+    /// of the film point, relative to the irradiance E0 of the film centre under a uniform scene of radiance
+    /// 1. weight = n'^2 A cos^4(theta) / Z^2 / E0 [kolb1995, eq. 4], where A is the rectangle's area, Z the
+    /// distance of its plane from the film, theta the angle between ray and axis, and n' the refractive index
+    /// in front of the film (radiance grows with its square). The weight includes vignetting and the fall-off
+    /// of light. Traces one ray, without allocation.
     [[nodiscard]] bool scene_ray(glm::dvec2 film_mm, glm::dvec2 uv, SceneRay& out) const noexcept;
-    /// E0, sr: irradiance at the film's centre per radiance of a uniform scene; about pi / (4 n^2) at
-    /// f-number n.
+    /// E0, sr: irradiance at the film's centre divided by the radiance of a uniform scene. At f-number n it
+    /// is about pi / (4 n^2).
     [[nodiscard]] double axial_irradiance_sr() const { return axial_irradiance_sr_; }
 
-    /// Traces the impulse response of a point at depth_m > 0 (infinity allowed) towards the tangents `field`
-    /// = (x/z', y/z') from the pinhole: nodes^2 rays, 2 <= nodes <= 4096, over a rectangle that holds all
-    /// rays that pass. Returns false, with no node passing, if no ray gets through.
+    /// Traces the impulse response of a point at depth_m > 0 (infinity allowed) in the direction `field` =
+    /// (x/z', y/z') from the pinhole. The mesh has nodes^2 rays, 2 <= nodes <= 4096, over a rectangle that
+    /// contains all passing rays. Returns false if no ray passes.
     bool impulse(double depth_m, glm::dvec2 field, int nodes, PupilMesh& out) const;
 
-    /// The ray from an object point through a point of the entrance pupil's plane, before the first surface,
-    /// in the frame of the lens.
+    /// Returns the ray from an object point through a point of the entrance pupil's plane, before the first
+    /// surface, in the frame of the lens.
     [[nodiscard]] LensRay object_ray(double depth_m, glm::dvec2 field, glm::dvec2 pupil_mm) const noexcept;
     /// Finds the point on the plane of the entrance pupil whose ray passes through the centre of the stop
-    /// [welford1986, 5]. Empty if there is none.
+    /// [welford1986, 5]. Empty if there is no such point.
     [[nodiscard]] std::optional<glm::dvec2> aim_at_stop(double depth_m, glm::dvec2 field) const noexcept;
-    /// Intersection with the film of a ray behind the last surface, given in the frame of the lens.
+    /// Returns the intersection with the film of a ray behind the last surface, given in the frame of the
+    /// lens.
     [[nodiscard]] glm::dvec2 on_film(const LensRay& ray) const noexcept {
         return ray.at_z(film_from_vertex_mm_);
     }

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, one for each of the two step sizes. They are as long as the
-/// longest table of radial energy needs.
+/// Tables of the Bessel functions J_0 and J_1, one per step size. Each is as long as the longest table of
+/// radial energy needs.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -64,10 +64,10 @@ void check(const FocusGeometry& geometry, std::span<const double> cocs, const Di
     }
 }
 
-/// Sizes of the grids and tables for one depth, computed before memory is allocated.
+/// Sizes of the grids and tables for one depth, computed before any memory is allocated.
 struct Plan {
     double radius_px = 0;
-    ResponseGrid window;  ///< without values
+    ResponseGrid window;  ///< only its size, without values
     double reach_px = 0;
 };
 
@@ -88,7 +88,8 @@ Plan plan_of(double coc_px, const std::vector<WaveScale>& scales, const Diffract
     return plan;
 }
 
-/// Sets pixels beyond the circle to 0, because the corners of a square would be visible around bright points.
+/// Sets pixels beyond the circle to 0. Otherwise the square shape of the grid would be visible around bright
+/// points.
 void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseGrid& grid) {
     const auto nearest = [](double begin) { return begin > 0 ? begin : begin < -1 ? begin + 1 : 0.0; };
     for (int j = 0; j < grid.height; ++j) {
@@ -117,7 +118,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // All sizes are computed first, so that a lack of memory is reported before any is allocated.
+    // All sizes are computed first, so that missing memory is reported before anything is allocated.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

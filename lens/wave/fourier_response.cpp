@@ -46,8 +46,8 @@ fftw_complex* raw(Complex* p) {
     return reinterpret_cast<fftw_complex*>(p);
 }
 
-/// Makes an FFTW plan, runs it once and destroys it. Plans are estimated, not measured, so that they are the
-/// same every time.
+/// Makes an FFTW plan, runs it once and destroys it. Plans are estimated, because measured plans may differ
+/// from run to run and change the rounding.
 template <typename Make>
 void transform(const Make& make) {
     fftw_plan plan = nullptr;
@@ -71,12 +71,12 @@ int next_smooth_even(double at_least) {
     }
 }
 
-/// Phase in the pupil, rad: the defocus phase of exp(-i u p^2 / 2), plus aberrations with the same sign.
+/// Phase in the pupil, rad: the phase -u p^2 / 2 of defocus, plus the aberrations with the same sign.
 double phase(const FourierResponse& r, double x, double y) {
     return -(r.u * (x * x + y * y) / 2 + 2 * pi * wavefront_waves(r.wavefront, x, y));
 }
 
-/// Largest slope of the phase over the pupil, rad per pupil radius, by differences on a grid.
+/// Largest slope of the phase over the pupil, rad per pupil radius, from finite differences on a grid.
 double steepest(const FourierResponse& r) {
     constexpr int steps = 96;
     constexpr double h = 1.0 / steps;
@@ -93,20 +93,20 @@ double steepest(const FourierResponse& r) {
     return most;
 }
 
-/// Index in [0, size) that a signed index k has on a periodic axis.
+/// Converts a signed index k on a periodic axis to an index in [0, size).
 std::size_t wrapped(int k, int size) {
     return static_cast<std::size_t>(k < 0 ? k + size : k);
 }
 
-/// Means of the wave and of the transmitted light, over one cell of the pupil.
+/// Means of the complex amplitude and of the transmitted light over one cell of the pupil.
 struct Cell {
     Complex wave = 0;
     double light = 0;
 };
 
-/// Integrates over one cell of the pupil. If its corners have the same transmission as its centre, 3 x 3
-/// Gauss nodes suffice, with an error of 1e-6 for phases that change by a quarter wave. Otherwise an edge
-/// crosses the cell, which takes 16 x 16 points.
+/// Integrates over one cell of the pupil. If the corners have the same transmission as the centre, 3 x 3
+/// Gauss nodes are sufficient: for a phase that changes by a quarter wave, the error is 1e-6. Otherwise an
+/// edge crosses the cell, and 16 x 16 points are used.
 Cell cell_of(const FourierResponse& r, double x, double y, double width) {
     const auto light = [&](double px, double py) {
         return std::abs(px) <= 1 && std::abs(py) <= 1 ? r.transmission(px, py) : 0;
@@ -157,8 +157,7 @@ FourierSampling fourier_sampling(const FourierResponse& r, const ResponseGrid& w
              r.u, r.v_per_px);
     }
     FourierSampling s;
-    constexpr double most_v_step =
-        1.1;  // pi / (2 sqrt 2), since apertures may fill the square around the disc
+    constexpr double most_v_step = 1.1;  // pi / (2 sqrt 2): apertures may fill the square around the disc
     s.samples_per_px = static_cast<int>(std::ceil(r.v_per_px / most_v_step));
     s.v_step = r.v_per_px / s.samples_per_px;
     const double slope = steepest(r);
@@ -169,9 +168,9 @@ FourierSampling fourier_sampling(const FourierResponse& r, const ResponseGrid& w
     };
     const double window_v = r.v_per_px * std::max(furthest(window.x_begin, window.width, r.centre_x),
                                                   furthest(window.y_begin, window.height, r.centre_y));
-    // `slope` is the largest slope of the phase over the pupil. It displaces light to v = slope on the film;
-    // beyond v = slope + 30, hardly any light arrives. The computed field is periodic, so it must be wide
-    // enough that this light does not wrap around into the window.
+    // The steepest phase, `slope`, displaces light to v = slope on the film; beyond v = slope + 30, hardly
+    // any light arrives. The computed field is periodic. It must be wide enough to keep this light from
+    // wrapping around into the window.
     const double field_v = std::max(2 * pi * cells, window_v + std::max(window_v, slope + 30));
     if (field_v / s.v_step > 1 << 20) {
         fail(ExitCode::out_of_memory,
@@ -207,13 +206,13 @@ FourierField fourier_field(const FourierResponse& r, const FourierSampling& s) {
     if (!(out.light > 0))
         fail(ExitCode::wrong_arguments, "aperture lets no light through (got no transmission)");
     transform([&] {
-        // The kernel exp(+i v p) has the sign of focus_geometry.h: if the object is behind the focus, light
+        // The sign of the kernel exp(+i v p) matches focus_geometry.h: for an object behind the focus, light
         // through lens point p lands at v = u p.
         return fftw_plan_dft_2d(s.size, s.size, raw(field.get()), raw(field.get()), FFTW_BACKWARD,
                                 FFTW_ESTIMATE);
     });
-    // Averaging over cells convolves the pupil with a cell, which multiplies the field on the film by the
-    // cell's Fourier transform, a sinc. The gain removes this factor from the intensity.
+    // Each pupil sample is the mean over one cell. This multiplies the field on the film by the cell's
+    // Fourier transform, a sinc; the gain divides the intensity by the square of this sinc.
     std::vector<double> gain(size);
     for (std::size_t i = 0; i < size; ++i) {
         const double angle = pi * static_cast<double>(std::min(i, size - i)) / static_cast<double>(size);
@@ -237,21 +236,21 @@ void fill_fourier_energy(const FourierResponse& r, ResponseGrid& grid) {
         return fftw_plan_dft_r2c_2d(s.size, s.size, field.intensity.data(), raw(transfer.get()),
                                     FFTW_ESTIMATE);
     });
-    // The energy of a pixel with centre c px is the intensity at v = c v_per_px, convolved with the pixel's
-    // square. The field is shifted so that the centre of the first pixel falls on sample (0, 0); the other
-    // centres are then samples_per_px apart.
+    // A pixel's energy is the intensity, convolved with the pixel's square, at the pixel's centre. The field
+    // is shifted so that the centre of the first pixel is at sample (0, 0). The other centres are then at
+    // samples, too, because pixels are samples_per_px samples apart.
     const double begin_x = grid.x_begin + 0.5 - r.centre_x, begin_y = grid.y_begin + 0.5 - r.centre_y;
     const auto factor = [&](int k, double begin_px) {
         const double angle = 2 * pi * k / s.size * s.samples_per_px;  // rad per px
         const double sinc = k == 0 ? 1 : std::sin(angle / 2) / (angle / 2);
-        // At the Nyquist frequency of an even size, the transform of a real signal is real.
+        // At the Nyquist frequency of an even size, the Fourier transform of a real signal is real.
         if (2 * std::abs(k) == s.size) return Complex(sinc * std::cos(angle * begin_px));
         return std::polar(1.0, angle * begin_px) * sinc;
     };
     std::vector<Complex> along_x(half);
     for (std::size_t i = 0; i < half; ++i) along_x[i] = factor(static_cast<int>(i), begin_x);
-    // The integral of I over the plane of v is 4 times the transmitted light: 4 pi for the disc, where dE = I
-    // v dv / 2. The inverse transform multiplies by N^2.
+    // The integral of I over the plane of v is 4 times the transmitted light (4 pi for the disc, as dE = I v
+    // dv / 2). The inverse transform multiplies by N^2.
     const double per_pixel = r.v_per_px * r.v_per_px / (4 * field.light) / static_cast<double>(size * size);
     parallel_for(size, [&](std::size_t row) {
         const int k = row <= size / 2 ? static_cast<int>(row) : static_cast<int>(row) - s.size;

@@ -58,7 +58,7 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // A disc smaller than this covers one pixel, or four at a pixel corner, to within rounding.
+    // With a smaller radius the disc would cover the same pixels: one pixel, or four at a pixel corner.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -78,8 +78,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // Computing a sample of the radial profile at radius v takes v steps. The limit on the sum of all steps
-    // keeps the time to a few seconds.
+    // A sample of the radial profile at radius v takes about v computing steps. Limiting the sum of these
+    // steps limits the time to a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -90,8 +90,8 @@ std::vector<double> profile_radii(double half_px, double v_per_px) {
     return radii;
 }
 
-/// Full width at half maximum: twice the largest radius with half the maximum intensity, by linear
-/// interpolation between samples of the profile.
+/// Full width at half maximum: twice the largest radius with half the maximum intensity. Values between
+/// samples of the profile are interpolated linearly.
 std::optional<double> full_width(const std::vector<RadialSample>& profile) {
     const auto by_intensity = [](const RadialSample& a, const RadialSample& b) {
         return a.intensity < b.intensity;
@@ -119,8 +119,8 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Upper bound of the bytes of a grid, of the energy that flows through its pixel borders (an array of its
-/// size), and of one quadrant of that array.
+/// Upper bound of the memory, bytes, for a grid and for two arrays of at most its size: the energy flow
+/// through its pixel borders, and one quadrant of that flow.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -132,20 +132,21 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity inside the disc: all light divided by the disc's area, relative to the density v_per_px^2
-        // / (4 pi) of the peak in focus.
+        // Intensity inside the disc: all light divided by the disc's area, relative to the peak in focus,
+        // whose density is v_per_px^2 / (4 pi).
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
-/// Fills in the response of an aperture of any shape. A response that is not round has no radial profile.
+/// Computes the response of an aperture of any shape. The radial profile stays empty, because the response is
+/// not round.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
                     const LensResponseRequest& request) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens is displaced by the radius of the CoC. Spherical aberration adds X
-    // rho^2 to 1/s - 1/z.
+    // Light through the rim of the lens is displaced by the radius of the CoC. Spherical aberration X adds X
+    // rho^2 to the defocus 1/s - 1/z at lens radius rho.
     constexpr double metres_per_mm = 1e-3;
     const double radius_px = out.coc_px / 2;
     const double px_per_inverse_metre = out.image_distance_mm / request.pixel_pitch_mm *
@@ -165,7 +166,7 @@ void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
 
 void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScale>& scales) {
     const double centre = middle(size_px);
-    ResponseGrid window;  // its size only, without values
+    ResponseGrid window;  // only its size, without values
     window.x_begin = window.y_begin = -(size_px / 2);
     window.width = window.height = size_px;
     const double reach = reach_px(window, centre, centre, {});
@@ -200,7 +201,7 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Default size of the frame: odd, and large enough for the whole disc or for 99 % of diffracted light.
+/// Default width of the grid: odd, and large enough for the whole disc or for 99 % of the diffracted light.
 int own_size_px(const std::vector<WaveScale>& scales, double coc_px, bool diffracts) {
     double radius = std::abs(coc_px) / 2 + 1;
     for (const WaveScale& scale : scales) {

@@ -9,18 +9,18 @@ namespace postlens {
 namespace {
 
 /// The fastest level. Level 2 makes scanlines with three nodes per pixel 17 % smaller in 1.4 times the time,
-/// but does not reduce those with one node. Levels above 2 gain nothing more (frame of
+/// but does not reduce scanlines with one node. Higher levels gain nothing (measured on the frame of
 /// bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// A run is stored as its length - 1 (2..127) and the byte. Other bytes are stored as minus their number
-// (1..127) and the bytes.
+// A run of equal bytes is stored as its length - 1 (2..127), followed by the byte. Other bytes are stored as
+// minus their number (1..127), followed by these bytes.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
-/// Places the bytes of even positions before those of odd positions, then replaces each byte by its
-/// difference to the previous one plus 128.
+/// Moves the bytes at even positions in front of those at odd positions. Then replaces each byte by its
+/// difference from the previous byte, plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
     apart.resize(raw.size());
     out.resize(raw.size());
@@ -42,12 +42,12 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
     }
 }
 
-/// Replaces the bytes by running sums of bytes[i] - 128; the first byte stays unchanged.
+/// Replaces each byte by the running sum of bytes[i] - 128. The first byte stays unchanged.
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Handles eight bytes per step: sums of 1, 2, 4 and 8 neighbours in one word, without carries between
-    // bytes.
+    // Handles eight bytes per step. Sums of 1, 2, 4 and 8 neighbours are computed in one word, without
+    // carries from byte to byte.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -81,7 +81,7 @@ void unpredict(Bytes& predicted, std::span<std::uint8_t> raw) {
     if (even_count > pairs) to[2 * pairs] = even[pairs];
 }
 
-/// Returns the length of the packed data, or 0 if it is not shorter than `in`.
+/// Returns the length of the encoded data, or 0 if it is not shorter than `in`.
 std::size_t run_length_encode(ByteView in, Bytes& out) {
     out.resize(in.size() + 2);
     const std::size_t limit = in.size();
@@ -155,7 +155,7 @@ int rows_per_chunk(ChunkCompression compression) {
 bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
     libdeflate_decompressor* d = libdeflate_alloc_decompressor();
     if (d == nullptr) throw std::bad_alloc();
-    // With a null pointer for the actual size, libdeflate requires that the output is filled exactly.
+    // Because the pointer for the actual size is null, libdeflate fails unless the output is filled exactly.
     const auto result =
         libdeflate_zlib_decompress(d, packed.data(), packed.size(), raw.data(), raw.size(), nullptr);
     libdeflate_free_decompressor(d);
@@ -172,7 +172,7 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The buffer is one byte smaller than raw, because compression that does not fit saves nothing.
+        // The buffer is one byte smaller than `raw`: a result of the same size would save nothing.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }
@@ -191,7 +191,8 @@ bool ChunkCodec::decompress(ChunkCompression compression, ByteView packed, std::
     } else {
         if (!decompressor_) decompressor_.reset(libdeflate_alloc_decompressor());
         if (!decompressor_) throw std::bad_alloc();
-        // With a null pointer for the actual size, libdeflate requires that the output is filled exactly.
+        // Because the pointer for the actual size is null, libdeflate fails unless the output is filled
+        // exactly.
         if (libdeflate_zlib_decompress(decompressor_.get(), packed.data(), packed.size(), scratch_.data(),
                                        scratch_.size(), nullptr) != LIBDEFLATE_SUCCESS) {
             return false;

@@ -1,4 +1,4 @@
-// Compression of OpenEXR chunks, for the methods that sample files use: none, RLE and deflate.
+// Compresses and expands chunks of OpenEXR files by the methods that sample files use: none, RLE and deflate.
 #pragma once
 
 #include <cstddef>
@@ -21,9 +21,9 @@ enum class ChunkCompression : std::uint8_t { none = 0, rle = 1, zips = 2, zip = 
 /// Number of scanlines per chunk: 16 for zip, else 1.
 [[nodiscard]] int rows_per_chunk(ChunkCompression compression);
 
-/// Compresses and expands chunks as OpenEXR does: separates bytes at even and odd positions, takes
-/// differences of neighbours, then encodes run lengths or a zlib stream. Has its own scratch memory, so each
-/// thread needs one.
+/// Compresses and expands chunks as OpenEXR does: separates bytes at even and odd positions, computes
+/// differences of neighbours, then encodes run lengths or a zlib stream. The object has its own scratch
+/// memory, so each thread needs one.
 class ChunkCodec {
   public:
     ChunkCodec();
@@ -33,11 +33,11 @@ class ChunkCodec {
     ChunkCodec(ChunkCodec&&) = delete;
     ChunkCodec& operator=(ChunkCodec&&) = delete;
 
-    /// Returns the compressed chunk, which is kept in `packed`; or `raw` itself if compression does not make
-    /// it smaller, since OpenEXR recognises an uncompressed chunk by its size.
+    /// Returns the compressed chunk, which is stored in `packed`. If compression does not make the chunk
+    /// smaller, returns `raw` itself: OpenEXR recognises an uncompressed chunk by its size.
     [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
 
-    /// Expands `packed` into `raw`, which it must fill exactly. False if `packed` is damaged.
+    /// Expands `packed` into `raw`, which must become exactly full. Returns false if `packed` is damaged.
     [[nodiscard]] bool decompress(ChunkCompression compression, ByteView packed, std::span<std::uint8_t> raw);
 
   private:
@@ -52,7 +52,7 @@ class ChunkCodec {
     Bytes apart_, scratch_;
 };
 
-/// Expands a zlib stream into `raw`, which it must fill exactly. False if it is damaged.
+/// Expands a zlib stream into `raw`, which must become exactly full. Returns false if the stream is damaged.
 [[nodiscard]] bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw);
 
 }  // namespace postlens

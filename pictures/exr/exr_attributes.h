@@ -1,4 +1,4 @@
-// Attributes of OpenEXR headers, checked before the OpenEXR library sees them.
+// Checks the attributes of OpenEXR headers before the OpenEXR library reads them.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace postlens {
 
-/// Tests the size of an attribute. The OpenEXR library (3.1) reads the values of most types without regard to
-/// the size that the file states. If the two differ, it continues inside another value, takes its bytes for a
+/// Tests the size of an attribute. For most types, the OpenEXR library (3.1) ignores the size that the file
+/// states. If the stated size is wrong, the library continues inside another value, interprets its bytes as a
 /// size, and allocates gigabytes. Returns false if the library would read more or fewer bytes than `value`
-/// has; true for all other values of OpenEXR's types, and for all values of other types.
+/// has. Otherwise returns true, also for types that OpenEXR does not define.
 [[nodiscard]] bool fills_its_size(std::string_view type, ByteView value);
 
-/// Largest chunk accepted, uncompressed: 64 channels of 65536 px in chunks of 16 rows, or 4 channels in
-/// chunks of 256 rows.
+/// Largest accepted size of an uncompressed chunk: 64 channels of 65536 px in chunks of 16 rows, or 4
+/// channels in chunks of 256 rows.
 inline constexpr std::uint64_t largest_chunk_bytes = 256U << 20U;
 
-/// Throws Error(invalid_input) if a header of an OpenEXR 2 file is truncated, has a value for which
-/// fills_its_size is false, or makes the library allocate more than largest_chunk_bytes at once. Does not
-/// check files of other formats.
+/// Checks the headers of an OpenEXR 2 file. Throws Error(invalid_input) if a header is truncated, has a value
+/// for which fills_its_size is false, or would make the library allocate more than largest_chunk_bytes at
+/// once. Accepts files of other formats unchecked.
 void check_exr_headers(const std::filesystem::path& path);
 
 }  // namespace postlens

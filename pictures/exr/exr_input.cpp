@@ -31,7 +31,7 @@ T load(const std::uint8_t* from) {
     return value;
 }
 
-/// Reads the bytes of a header in order. Loads more of the file when the bytes in memory are used up.
+/// Reads the bytes of a header in order. Loads more of the file when all loaded bytes are used.
 class HeaderReader {
   public:
     explicit HeaderReader(const InputFile& file) : file_(file) {}
@@ -188,7 +188,7 @@ std::optional<ChunkCompression> ExrPart::compression() const {
 std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     const auto bytes = raw("channels", "chlist");
     if (!bytes) return std::nullopt;
-    // Each channel is stored as name, 0, int32 type, uint8 linear, 3 bytes, int32 x sampling, int32 y
+    // The file stores each channel as name, 0, int32 type, uint8 linear, 3 bytes, int32 x sampling, int32 y
     // sampling. A 0 ends the list.
     constexpr std::size_t tail = 16;
     std::vector<ExrChannel> channels;
@@ -254,9 +254,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // The OpenEXR library (3.1) reads four bytes past the end of a manifest, so it misses the
-            // beginning of the next attribute's name. If that name is shorter, it takes the following bytes
-            // for a size.
+            // The OpenEXR library (3.1) reads four bytes too many for a manifest, so it misses the first four
+            // characters of the next attribute's name. If the name is that short, the library would interpret
+            // other bytes as a size.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -1,4 +1,4 @@
-// An OpenEXR file opened for reading, and its headers, with every size checked before anything is allocated.
+// An OpenEXR file opened for reading, and its headers. Every size is checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A regular file. All functions throw Error(invalid_input) that names the file. Several threads may read at
-/// once.
+/// A regular file. All functions throw Error(invalid_input), which names the file. Several threads may read
+/// at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);
@@ -27,7 +27,7 @@ class InputFile {
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
-    /// Reads from `offset` until `out` is full; throws if the file ends before.
+    /// Reads from position `offset` until `out` is full. Throws if the file is too short.
     void read_at(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
   private:
@@ -42,7 +42,7 @@ struct Window {
     friend bool operator==(const Window&, const Window&) = default;
 };
 
-/// Row-vector convention, as all OpenEXR matrices: p' = p M, m[4 * row + column].
+/// A matrix for row vectors, as in all of OpenEXR: p' = p M, with elements m[4 * row + column].
 using Matrix44 = std::array<double, 16>;
 
 struct ExrChannel {
@@ -52,8 +52,8 @@ struct ExrChannel {
     friend bool operator==(const ExrChannel&, const ExrChannel&) = default;
 };
 
-/// The attributes of one part, by name. Getters return an empty optional if the attribute is absent, and
-/// throw Error(invalid_input) if it has another type or a damaged value.
+/// The attributes of one part, by name. Getters return an empty optional if the attribute is absent. They
+/// throw Error(invalid_input) if the attribute has another type or a damaged value.
 class ExrPart {
   public:
     explicit ExrPart(std::string file_name) : file_(std::move(file_name)) {}
@@ -84,17 +84,17 @@ struct ExrHeaders {
     std::vector<ExrPart> parts;  ///< at least one
     std::uint64_t end = 0;       ///< position at which the chunk offset tables begin
     bool multi_part = false;     ///< the file is multi-part; each part has a type
-    bool tiled = false;          ///< if there is a single part: it consists of tiles, not of scanlines
+    bool tiled = false;          ///< only for a single part: it consists of tiles instead of scanlines
 };
 
 enum class AttributeSizes {
     any,     ///< no check
-    filled,  ///< refuses values whose size is not what the OpenEXR library reads: see fills_its_size
+    filled,  ///< throws for a value for which fills_its_size is false
 };
 
-/// Reads the headers of the first `most_parts` parts; `end` is valid if the file has no more. Throws
-/// Error(invalid_input) for files other than OpenEXR 2, and for headers beyond 64 MB or 1000 attributes per
-/// part.
+/// Reads the headers of the first `most_parts` parts. `end` is valid only if the file has no further parts.
+/// Throws Error(invalid_input) for a file that is not OpenEXR 2, for headers of more than 64 MB, and for more
+/// than 1000 attributes per part.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
                                           AttributeSizes sizes = AttributeSizes::any);
 

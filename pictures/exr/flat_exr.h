@@ -15,15 +15,16 @@
 namespace postlens {
 
 struct FlatExr {
-    /// Pixel (0, 0) is at `first`; the next pixel is `pixel_bytes` and the next row `row_bytes` farther.
+    /// A channel's pixel (0, 0) is at `first`. The next pixel is `pixel_bytes` farther, and the next row
+    /// `row_bytes` farther.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
         const void* first = nullptr;
         enum class Layout {
             pixels,   ///< beside the other channels of the same pixel
-            plane,    ///< the channel's values lie side by side, row after row
-            one_row,  ///< as `plane`, but every row of the image is the row at `first`
+            plane,    ///< all values of the channel are adjacent, row after row
+            one_row,  ///< all rows of the image are equal to the row at `first`
         };
         Layout layout = Layout::pixels;
     };
@@ -34,8 +35,9 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
-/// Overwrites the existing file `path`. `shown_name` is the name for error messages. Returns the XXH3 hash of
-/// the file if it is not compressed. Throws Error(cannot_write), also if the disk is full.
+/// Overwrites the existing file `path`. `shown_name` is the file's name in error messages. Returns the XXH3
+/// hash of the file if the file is not compressed. Throws Error(cannot_write), for example if the disk is
+/// full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

@@ -22,7 +22,7 @@ std::vector<std::string> sorted_words(std::string_view name) {
     return out;
 }
 
-/// True for the names that libraries give to parts without a name: "subimage" or "part" and a number.
+/// True for names that libraries give to parts without a name: "subimage" or "part", followed by a number.
 bool is_number_of_part(const std::string& word) {
     for (const std::string_view stem : {"subimage", "part"}) {
         if (word.size() > stem.size() && word.starts_with(stem) &&
@@ -40,7 +40,7 @@ std::vector<std::string> words_of(std::string_view name) {
     bool inside = false;
     for (const char c : name) {
         const auto letter = static_cast<unsigned char>(c);
-        // Bytes of characters beyond ASCII count as letters.
+        // Bytes of non-ASCII characters count as letters.
         if (letter < 128 && std::isalnum(letter) == 0) {
             inside = false;
             continue;

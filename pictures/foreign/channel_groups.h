@@ -1,5 +1,5 @@
-// Finds out to which view and layer the channels of another program's OpenEXR file belong. The words in the
-// names of channels and parts decide.
+// Determines the view and the layer to which the channels of another program's OpenEXR file belong, from the
+// words in the names of channels and parts.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Words, in lower case, that name the content of a channel rather than its layer.
+/// Words, in lower case, that name the content of a channel instead of its layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -23,27 +23,27 @@ inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
 
-/// View and layer of a channel or of the channels of one pass.
+/// View and layer of a channel, or of all channels of one pass (such as depth).
 ///
-/// Programs order names differently: LAYER.depth.Z, depth.LAYER.Z, or a part depth_LAYER with a channel Z. So
-/// the words of the part's name and of the channel's name, except the channel's last word, form a set. The
-/// words of the set that name neither the pass nor the view are the layer.
+/// Programs order names differently: LAYER.depth.Z, depth.LAYER.Z, or a part depth_LAYER with a channel Z.
+/// Therefore, the words of the part's name and of the channel's name (without its last word) form a set. The
+/// layer is what remains of this set without the words that name the pass or the view.
 struct ChannelGroup {
     std::size_t part = 0;
-    std::string view;  ///< from the part or the name, else the first view of `multiView`, else empty
+    std::string view;                ///< of the part or the name; else the first of `multiView`; else empty
     std::vector<std::string> layer;  ///< words, sorted, lower case; empty: the whole image
-    bool has_pass = false;           ///< the names contain a word of the pass
+    bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// View and layer of the channels of a part whose names begin with `prefix` (including its dot; empty: no
-/// layer).
+/// View and layer of the channels of a part whose names begin with `prefix`. The prefix includes its dot; an
+/// empty prefix means no layer.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 
-/// Splits a name into words, in lower case, at all characters that are not letters or digits.
+/// Splits a name into words, in lower case. Every character that is not a letter or a digit separates words.
 [[nodiscard]] std::vector<std::string> words_of(std::string_view name);
 
-/// A channel that may belong to the colours.
+/// A channel that may belong to the selected colours.
 struct GroupCandidate {
     ChannelGroup group;
     std::string name;  ///< name for messages
@@ -52,15 +52,16 @@ struct GroupCandidate {
 
 struct GroupMatch {
     std::size_t candidate = 0;
-    bool surmised = false;  ///< the names do not prove that it belongs to these colours
+    bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
 
 /// Selects the channel that belongs to the colours of the group `own` (view and layer). The channel must have
-/// the same view, and the same layer or one that contains all words of that layer. Among several such
-/// channels, the one with the fewest words missing is taken, then one in the part of the colours, then the
-/// one with the lowest rank. If there is none, the only candidate of this view (or without a view) is taken
-/// and marked `surmised`, unless it belongs to other colours. `pictures` holds the groups of all colours in
-/// the file. Otherwise the result is empty: channels of another view or layer are never taken.
+/// the same view, and its layer must equal that of the colours or contain all words of that layer. Among
+/// several such channels, the choice prefers the fewest missing words, then the part of the colours, then the
+/// lowest rank. If there is no such channel, but only one candidate with this view or without a view, that
+/// one is selected and marked `surmised`, unless it belongs to other colours. `pictures` are the groups of
+/// all colours in the file. Otherwise the result is empty: a channel of another view or layer is never
+/// selected.
 [[nodiscard]] std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates,
                                                     const ChannelGroup& own,
                                                     std::span<const ChannelGroup> pictures);

@@ -1,4 +1,4 @@
-// Names of channels as text: layer and last word, upper and lower case.
+// Handles names of channels as text: separates layer and last word, and converts to lower case.
 #pragma once
 
 #include <initializer_list>
@@ -13,7 +13,7 @@ namespace postlens {
 
 using ChannelNames = std::vector<std::string>;
 
-/// The first of the names that the part has; empty if it has none.
+/// Returns the first of the names that the part has as a channel; empty if it has none of them.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
 /// Splits a name after its last dot.

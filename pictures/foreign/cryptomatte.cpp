@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Largest number of layers, of two ranks each, that are read; more do not improve edges.
+/// Largest number of layers, with two ranks each, that are read. More layers do not improve edges.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -20,7 +20,7 @@ constexpr std::size_t longest_shown = 80;
 /// Largest length of a channel name in OpenEXR.
 constexpr std::size_t longest_name = 255;
 
-/// Makes a name from a file fit for a message: limits its length and replaces control characters.
+/// Prepares a name from a file for an error message: limits its length and replaces control characters.
 std::string shown(const std::string& name) {
     std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
     std::replace_if(
@@ -28,8 +28,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// True if a part may hold mattes for the colours in part `own`: a flat part of the same view or, if a
-/// separate file of ids is given, a flat part of that file.
+/// True if a part may contain Cryptomattes for the colours in part `own`. The part must be flat. With a
+/// separate file of ids, the part must be in that file; otherwise, the part must have the same view as the
+/// colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -37,7 +38,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds the part that holds a channel; the part of the colours is tried first.
+/// Finds a part that has the channel. The part of the colours has priority.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -79,7 +80,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Finds Cryptomattes by the names of their channels. The name of a Cryptomatte is the text before "00.R".
+/// Finds Cryptomattes by their channel names. The name of a Cryptomatte is the text in front of "00.R".
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -95,7 +96,7 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Sort key of a Cryptomatte by its name: objects first, then assets, then others.
+/// Sort key for the name of a Cryptomatte: objects come first, then assets, then all others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
@@ -172,7 +173,7 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
-    // The parser reports errors without exceptions, and deep nesting does not overflow the call stack.
+    // This parser reports errors without exceptions. Deeply nested JSON cannot overflow its call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<std::string> names;
@@ -206,7 +207,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // An exponent of 0 or 255 means zero, denormal, infinite or NaN, whose bits compositors may change.
+    // With an exponent of 0 or 255, the float is zero, denormal, infinite or NaN; compositors may change such
+    // bits.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -15,7 +15,7 @@ bool is_volume(const DeepSample& s) {
     return s.z > 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
-/// Emission per unit of length in red, green and blue, and density of a volume.
+/// Rates of a volume per unit of length: emission in red, green and blue, and density.
 using Rates = std::array<double, 4>;
 
 Rates rates_of(const DeepSample& s) {
@@ -39,10 +39,10 @@ struct Event {
 void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
-    // Sorting makes the result independent of the order in the file, including its rounding.
+    // Sorting makes the result, including its rounding errors, independent of the order in the file.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
-            // Colours may be NaN, which has no order; their bits have one.
+            // Colours may be NaN, which cannot be ordered, so their bits are compared.
             const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
             return std::tuple(s.z, s.z_back, s.alpha, bits(s.r), bits(s.g), bits(s.b), s.id);
         };
@@ -63,7 +63,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.begins, a.volume) < std::tie(b.z, b.begins, b.volume);
     });
-    std::set<std::pair<double, std::size_t>> inside;  // volumes at this depth, sorted by density
+    std::set<std::pair<double, std::size_t>> inside;  // volumes at this depth, by density
     Rates sum{};
     for (std::size_t i = 0; i < events.size(); ++i) {
         const Event& e = events[i];

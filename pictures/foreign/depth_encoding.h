@@ -3,7 +3,7 @@
 
 namespace postlens {
 
-/// v is the value in the file, z the distance in the file's unit:
+/// Encoding of a depth channel, where v is the value in the file and z the distance in the file's unit:
 ///   distance    z = v
 ///   inverse     z = 1 / v
 ///   normalized  z = at_0 + v (at_1 - at_0); at_0 > at_1 if near surfaces have the value 1
@@ -12,7 +12,7 @@ struct DepthEncoding {
     Kind kind = Kind::distance;
     double at_0 = 0, at_1 = 1;
 
-    /// Distance of a value; 0 or infinity stand for infinitely far.
+    /// Distance of a value. The results 0 and infinity both mean infinitely far.
     [[nodiscard]] float distance(float value) const {
         switch (kind) {
             case Kind::distance:

@@ -9,14 +9,14 @@ namespace postlens {
 namespace {
 
 constexpr float nothing_z = 1e9F;
-/// Largest relative difference between the depths of neighbouring pixels of one surface.
+/// Depths of neighbouring pixels of one surface differ by at most this relative amount.
 constexpr double same = 0.05;
-/// Smallest difference of two depths that counts as a depth edge ("step"), relative to the nearer depth.
+/// Smallest difference of two depths that counts as a depth edge (a "step"), relative to the nearer depth.
 constexpr double least_step = 0.1;
-/// Largest change of depth from pixel to pixel on both sides of a depth edge, relative to the difference of
-/// depth at the edge.
+/// On both sides of a depth edge, depth changes from pixel to pixel by at most this share of the difference
+/// at the edge.
 constexpr double plateau = 0.1;
-constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, from a filter with a radius of 2 px
+constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, for a filter radius of 2 px
 constexpr std::size_t few = 4;           ///< fewer edges are no evidence
 constexpr float transparent = 0.02F, opaque = 0.998F;
 
@@ -48,7 +48,7 @@ class Mender {
   private:
     [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
 
-    /// Calls visit(pixel) for the pixels within `reach` px of pixel i, except i.
+    /// Calls visit(pixel) for all pixels within `reach` px of pixel i, except for i itself.
     template <typename Visit>
     void around(std::size_t i, std::size_t reach, const Visit& visit) const {
         const std::size_t x = i % width_, y = i / width_;
@@ -84,9 +84,9 @@ class Mender {
         for (std::size_t x = 0; x < width_; ++x) look_along(x, width_, height_);
     }
 
-    /// Whether the depths a and b of two neighbouring pixels are nearly equal, as on both sides of a depth
-    /// edge. Equal values always are, which includes pixels that hit nothing, whatever value the file has for
-    /// these.
+    /// True if the depths a and b of two neighbouring pixels are nearly equal, as on either side of a depth
+    /// edge. Equal values always are. This includes pixels that hit nothing, whatever value the file has for
+    /// them.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -105,8 +105,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? ramps_ : jumps_);
-                // The pixels `begin` and `end` may be slightly mixed too, so the depths of both sides are
-                // extrapolated from the pixels beyond them.
+                // The pixels `begin` and `end` may be slightly mixed, too. So the depths of both sides are
+                // extrapolated from the pixels beyond these two.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -120,7 +120,7 @@ class Mender {
         }
     }
 
-    /// Extrapolates the depth of a surface beside an edge from the depths of the last two pixels.
+    /// Extrapolates the depth of a surface towards an edge, from its last two pixels.
     [[nodiscard]] static float goes_on(float last, float before, double step) {
         return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
     }
@@ -129,7 +129,7 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A pixel whose depth is hardly mixed belongs to the surface on its side of the edge.
+        // A pixel whose depth is hardly mixed belongs to the surface on its own side of the edge.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -147,8 +147,8 @@ class Mender {
         constexpr float hardly = 5e-4F;
         if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
         const auto [it, is_new] = found_.try_emplace(pixel, m);
-        // A row or column that runs along an edge meets only mixed depths. So of the results along rows and
-        // along columns, the one with the larger difference of depth is kept.
+        // A row or column that runs along an edge meets only mixed depths. So of the two results, along the
+        // row and along the column, the one with the larger difference of depth is kept.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -163,15 +163,15 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Edge pixels in front of nothing get the depth of their surface. Their own depth is useless, as a mean
-    /// with an infinite depth is infinite.
+    /// Gives edge pixels in front of empty space the depth of their surface. Their own depth is useless,
+    /// because a mean with an infinite depth is infinite.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {
             if (!(alpha_[i] > 0 && alpha_[i] < opaque) || !is_nothing(depth_[i])) continue;
             bool before_nothing = false;
             float nearest = 0;
-            // 2 px is the radius of the filter.
+            // The radius of 2 px is that of the filter.
             around(i, 2, [&](std::size_t k) {
                 before_nothing = before_nothing || alpha_[k] <= transparent;
                 if (alpha_[k] >= opaque && !is_nothing(depth_[k]) &&

@@ -20,7 +20,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Candidates of a pass in all parts that may have it; `add(part, name, out)` looks at one channel.
+/// Lists the candidates for a pass in all parts that may contain it. `add(part, name, out)` tests one
+/// channel.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -56,7 +57,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A channel named lower-case "a" beside upper-case R, G, B is not the alpha of these colours.
+        // A lower-case "a" beside upper-case R, G, B is a different channel, not the alpha of these colours.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -68,7 +69,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // The alpha of another layer would make opaque pixels transparent.
+        // The alpha of another layer is never used, because it would make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -108,9 +109,9 @@ class Finder {
         out_.id_part = out_.part;
         if (choice_.ids == ForeignChoice::no_ids) return;
         ChannelNames sets;
-        std::string left;  // channels that exist but belong to another layer
+        std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the ids to use, messages about others are dropped.
+        // If the user names the ids, messages about other ids are dropped.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -144,8 +145,8 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds the part with a channel of exactly this name: the part of the colours, else a part of their
-    /// view, else any. If the pass has its own file, only its parts are searched.
+    /// Finds a part that has a channel of exactly this name: the part of the colours, or else a part of their
+    /// view, or else any part. If the pass has a separate file, only that file is searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -179,7 +180,7 @@ class Finder {
                 const auto [before, letter] = split_channel(name);
                 const std::string last = lower_case(letter);
                 const ChannelGroup group = channel_group(file_, part, before, depth_words);
-                // A Z beside X and Y is the component of a position, a direction or a motion, not a depth.
+                // A Z beside X and Y is not a depth, but a component of a position, a direction or a motion.
                 const bool has_x = p.has(before + (letter == "z" ? "x" : "X")) &&
                                    p.has(before + (letter == "z" ? "y" : "Y"));
                 if (last == "z" && (group.has_pass || !has_x)) {
@@ -198,7 +199,8 @@ class Finder {
                 }
             });
         if (!own_file || !found.empty()) return found;
-        // A separate file for depths holds them in its only channel, or equally in R, G and B.
+        // A separate depth file stores the depths in its only channel, or the same depths in each of R, G and
+        // B.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -229,8 +231,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // All parts of the file are equally good for a Cryptomatte, so the candidate is entered with the
-            // part of the colours. Its layer must match the layer of the colours.
+            // A Cryptomatte may be in any part of the file, so its candidate has the part of the colours.
+            // Only its layer must match the layer of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }
@@ -294,7 +296,7 @@ ForeignChannels find_foreign_channels(const ForeignFile& file, const ForeignChoi
     finder.find_alpha();
     finder.find_depth();
     if (part.deep) {
-        // ZBack, the depth at which a sample ends, is in the same layer as Z.
+        // ZBack, the depth at which a deep sample ends, must be in the same layer as Z.
         out.z_back = first_channel(part, {split_channel(out.z).first + "ZBack"});
         if (out.z.empty()) {
             fail(ExitCode::invalid_input, "{}: no depth (got channels {}; expected Z in a deep picture)",

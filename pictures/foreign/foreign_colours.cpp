@@ -17,11 +17,11 @@
 namespace postlens {
 namespace {
 
-/// Accepted names of colour channels; all three names of a layer must be from the same row.
+/// Accepted names of colour channels. The three names of a layer must all be from the same row.
 constexpr std::array<std::array<const char*, 3>, 4> colour_names{
     {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
 
-/// ChannelNames of a layer's colour channels; empty if one of the three is missing.
+/// Names of a layer's three colour channels. Empty if one of them is missing.
 std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
     for (const auto& names : colour_names) {
         std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
@@ -31,7 +31,7 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
     return std::nullopt;
 }
 
-/// Preference of a layer for colours; lower is better.
+/// Priority of a layer as the source of colours; lower is better.
 int rank(const std::string& layer) {
     const std::vector<std::string> words = words_of(layer);
     // Channels of such layers hold data, not colours.
@@ -45,7 +45,7 @@ int rank(const std::string& layer) {
     return has_any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
 }
 
-/// How well a layer matches the requested name; lower is better, 2 is no match.
+/// How well a layer matches the requested name. Lower is better; 2 means no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -62,14 +62,14 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// The owner of a channel: a part of the file, a view (such as the left eye's) and a layer, as words.
+/// What a channel belongs to: a part of the file, a view (such as the left eye's) and a layer (as words).
 using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ChannelGroup& group) {
     return {group.part, group.view, group.layer};
 }
 
-/// Layers that have a depth channel in their own part.
+/// Layers that have a depth channel in the same part.
 std::set<Owner> owners_of_depths(const ForeignFile& file) {
     std::set<Owner> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -84,7 +84,8 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Selects the best part and layer for colours among the layers that `layers_of` lists; empty if none fits.
+/// Selects the best part and layer for colours among the layers that `layers_of` lists. Empty if none
+/// matches.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -97,8 +98,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // The first stereo view of the attribute `multiView` is preferred to the other views, whether a
-            // part's `view` attribute or a channel's name says which view it is.
+            // The first stereo view in the attribute `multiView` is preferred to other views. It does not
+            // matter whether a part's `view` attribute or a channel's name states the view.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
             const std::tuple order{misfit(file, i, layer, asked), rank(layer),
@@ -113,7 +114,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
     return best;
 }
 
-/// Layers with luminance, or with alpha and depth.
+/// Layers with luminance, and layers with alpha and depth.
 ChannelNames grey_layers(const ForeignPart& part) {
     ChannelNames out;
     for (const std::string& name : part.channels) {

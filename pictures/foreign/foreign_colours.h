@@ -1,4 +1,4 @@
-// Finds the colours of another program's image among the layers of its file.
+// Finds the colour channels of another program's image among the layers of its file.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Sets the part, the layer and the names of the colours as find_foreign_channels states. `asked`:
-/// ForeignChoice::layer. Throws Error(invalid_input) if no layer has colours.
+/// Sets the part, the layer and the channel names of the colours, by the rules of find_foreign_channels.
+/// `asked` is ForeignChoice::layer. Throws Error(invalid_input) if no layer has colours.
 void find_colours(const ForeignFile& file, const std::string& asked, ForeignChannels& out);
 
 }  // namespace postlens

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Factor from the inverse depth of the file to the inverse depth along the axis in 1/m, at a pixel.
+/// Factor, at a pixel, that converts the file's inverse depth to the inverse depth along the axis, 1/m.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;

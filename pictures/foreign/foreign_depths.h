@@ -1,4 +1,4 @@
-// Depths of another program's image: from the values of the file to inverse depths along the axis.
+// Depths of another program's image: converts values of the file to inverse depths along the optical axis.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace postlens {
 
 class ForeignDepths {
   public:
-    /// Renderers write 1e9, 1e10 or infinity where a ray hits nothing.
+    /// Distances from here on mean that nothing was hit: renderers write 1e9, 1e10 or infinity.
     static constexpr float nothing_z = 1e9F;
 
     /// `encoding`: absent if the values are distances.
@@ -24,8 +24,8 @@ class ForeignDepths {
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
     /// Inverse depth of a value in the file, with its sign.
     float inverse(float value, int x, int y) { return inverse_of(distance(value), x, y, value); }
-    /// Inverse of the distance `z`, from the value `value` at the pixel (x, y) of the file. Notes the depths'
-    /// signs and largest size for `finish`.
+    /// Inverse of the distance `z`, which came from `value` at the pixel (x, y) of the file. Records the sign
+    /// and the largest distance for `finish`.
     float inverse_of(float z, int x, int y, float value) {
         if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // also NaN
         farthest_ = std::max(farthest_, std::abs(z));
@@ -38,11 +38,11 @@ class ForeignDepths {
         return 1 / z;
     }
 
-    /// Sets the depths of a flat image's samples from the values of the file, one per pixel. Repairs filtered
-    /// depths. `covered`: alpha of each pixel.
+    /// Sets the depths of a flat image's samples from the file's values, one per pixel, after repairing
+    /// filtered depths. `covered` is the alpha of each pixel.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
-    /// Converts depths to metres along the axis and sorts each stack, nearest first. Throws
+    /// Converts depths to metres along the axis, and sorts each stack from near to far. Throws
     /// Error(invalid_input) if only some depths are negative.
     void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
 
@@ -51,7 +51,7 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
-    /// Warns if all depths are between 0 and 1. Scenes within one unit are rare, but other encodings have
+    /// Warns if all depths are between 0 and 1. Few scenes are that small, but other encodings of depth have
     /// this range.
     void warn_of_encoding(ForeignPicture& picture) const;
 

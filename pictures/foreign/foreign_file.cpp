@@ -32,7 +32,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// Pixels of a display window that are accepted for any size of the file: 16384 by 16384.
+/// Up to this many pixels, 16384 x 16384, a display window is accepted for a file of any size.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -55,7 +55,7 @@ Window checked_window(const ExrPart& part, const char* attribute, const std::str
 
 namespace {
 
-/// Bytes of one pixel of a flat part, or of one sample of a deep one.
+/// Size, bytes, of one pixel of a flat part, or of one sample of a deep part.
 std::uint64_t bytes_of_pixel(const Imf::Header& h) {
     std::uint64_t bytes = 0;
     for (auto c = h.channels().begin(); c != h.channels().end(); ++c)
@@ -76,8 +76,8 @@ void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t f
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A file may hold a small crop of a large display window; memory for the window is checked when its image
-    // is made. So only implausibly large windows are compared with the size of the file.
+    // A file may store a small crop of a large display window, and memory for the window is checked later. So
+    // only an implausibly large window is compared with the size of the file.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -166,8 +166,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // The headers are checked before the OpenEXR library reads them. The check needs no more memory than
-        // the headers have bytes.
+        // The headers are checked before the OpenEXR library reads them. The check allocates at most as much
+        // memory as the headers have bytes.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -283,7 +283,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is computed from luminance, red and blue by a division by green's weight, which must therefore
+    // Green is computed from luminance, red and blue. This divides by the weight of green, so the weight must
     // not be 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
@@ -294,7 +294,7 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
 
 bool ForeignFile::loses_bits(std::size_t part) const {
     const Imf::Compression c = impl_->header(part).compression();
-    // PXR24 also rounds floats, but equal floats stay equal.
+    // PXR24 also rounds floats, but it rounds equal floats to equal values.
     return c == Imf::DWAA_COMPRESSION || c == Imf::DWAB_COMPRESSION;
 }
 

@@ -1,4 +1,4 @@
-// An OpenEXR file of another program, flat or deep. All sizes are checked before memory is allocated.
+// An OpenEXR file that another program wrote, flat or deep. All sizes are checked before memory is allocated.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace postlens {
 
-/// Use of a part. Parts of a separate file are used only for the pass of that file.
+/// What a part is used for. Parts of a separate file are used only for the pass of that file.
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -36,7 +36,7 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Subsampling of a channel: it has values where x and y are multiples of these numbers.
+/// Subsampling of a channel. The channel has values where x and y are multiples of these numbers.
 struct ChannelSampling {
     int x = 1, y = 1;
     friend bool operator==(const ChannelSampling&, const ChannelSampling&) = default;
@@ -46,15 +46,15 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// Values of each channel, pixel by pixel, sample by sample; their number is the sum of the counts.
-    /// Integers are stored as their bits.
+    /// Values of each channel, pixel by pixel, and sample by sample within a pixel. The number of values is
+    /// the sum of the counts. Integers are stored as their bits.
     std::vector<std::span<const float>> values;
 };
 
-/// An OpenEXR file and its separate files of passes. Throws Error(invalid_input), one line that names the
-/// file, if the file is not a complete OpenEXR file: windows beyond 65536 px per edge or 2^29 px, chunks
-/// beyond 256 MB, sizes that the file cannot hold, damaged data. Throws Error(out_of_memory) before memory is
-/// allocated.
+/// An OpenEXR file, together with separate files for passes. Throws Error(invalid_input), one line that names
+/// the file, unless the file is a complete OpenEXR file within these limits: windows of at most 65536 px per
+/// edge and 2^29 px in total, chunks of at most 256 MB, and sizes that the file can contain. Throws
+/// Error(out_of_memory) before memory is allocated.
 class ForeignFile {
   public:
     explicit ForeignFile(const std::filesystem::path& path);
@@ -64,20 +64,20 @@ class ForeignFile {
     ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
-    /// Adds the parts of another file, with a display window of the same size, for one pass. Throws the
-    /// errors of the constructor, and Error(invalid_input) if the sizes differ.
+    /// Adds the parts of another file for one pass. Both files must have display windows of the same size;
+    /// otherwise, throws Error(invalid_input). Also throws the errors of the constructor.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }
     /// Name of the file that contains the part.
     [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
-    /// Views that parts name, each once; those of `multiView` first.
+    /// Names of all views, each once. Those in `multiView` come first.
     [[nodiscard]] std::span<const std::string> views() const { return views_; }
-    /// Whether a file was attached for a pass.
+    /// True if a separate file was attached for this pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
-    /// Attributes of a part; empty if there is none of that name and type.
+    /// Attribute of a part; empty if the part has no attribute of that name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
@@ -86,23 +86,23 @@ class ForeignFile {
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
                                                                          std::string_view prefix) const;
 
-    /// Reads a flat part from top to bottom, in bands of rows. `take(y, values)` receives one row, channel by
-    /// channel, each of the part's width. Integers are passed as the bits of floats.
+    /// Reads a flat part from top to bottom. `take(y, values)` receives one row at a time: per channel, as
+    /// many values as the part is wide. Integers are passed as their bits in floats.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
-    /// Reads a deep part from top to bottom; `take` receives a band of rows.
+    /// Reads a deep part from top to bottom. `take` receives one band of rows at a time.
     void read_deep(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(const DeepRows&)>& take) const;
-    /// Type of a channel's values; `half` if there is no channel of that name.
+    /// Type of a channel's values; `half` if the part has no channel of that name.
     [[nodiscard]] ChannelKind kind(std::size_t part, const std::string& channel) const;
     [[nodiscard]] ChannelSampling sampling(std::size_t part, const std::string& channel) const;
-    /// Weights of red, green and blue in the luminance of the part, from its chromaticities, or of Rec.709 if
-    /// it has none.
+    /// Weights of red, green and blue in the luminance of the part. They follow from the part's
+    /// chromaticities or, if it has none, from those of Rec.709.
     [[nodiscard]] std::array<double, 3> luminance_weights(std::size_t part) const;
-    /// Reads a subsampled channel of a flat part: one value per pixel of the data window, row by row,
-    /// interpolated bilinearly; constant beyond the last value.
+    /// Reads a subsampled channel of a flat part. Returns one value per pixel of the data window, row by row,
+    /// interpolated bilinearly. Pixels beyond the last value repeat that value.
     [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
-    /// True if the part's compression may turn equal 32-bit floats into different ones.
+    /// True if the part's lossy compression may change equal 32-bit floats to different ones.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
@@ -115,10 +115,10 @@ class ForeignFile {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Names of channels to be read, each once. A channel's number is its index among the values read.
+/// List of the channels to read, each once. A channel's number is its index among the values that are read.
 class ChannelList {
   public:
-    /// Adds a channel, unless it is in the list, and returns its number; empty for an empty name.
+    /// Adds a channel, unless the list already has it. Returns the channel's number; empty for an empty name.
     std::optional<std::size_t> add(const std::string& name);
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 

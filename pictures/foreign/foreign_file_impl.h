@@ -1,5 +1,5 @@
-// Implementation of ForeignFile: the file of the OpenEXR library, and functions that flat and deep reading
-// share.
+// Implementation of ForeignFile: the open files of the OpenEXR library, and functions for both flat and deep
+// parts.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>
@@ -19,9 +19,9 @@ namespace postlens {
 
 namespace foreign {
 
-/// Memory, bytes, that may be allocated for a file without a comparison with the size of the file.
+/// Up to this much memory, bytes, is allocated without a comparison with the size of the file.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032 to 1, and none
+/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032, and no method
 /// compresses twice.
 inline constexpr std::uint64_t densest = 4096;
 
@@ -31,12 +31,12 @@ inline constexpr std::uint64_t densest = 4096;
 /// Number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// Type as which the library reads a channel: float, or integers, whose bits are stored in place of a float.
-/// Throws Error(invalid_input) for a channel that is missing or subsampled.
+/// Type as which the library must read a channel: float, or integer, whose bits are then stored in place of a
+/// float. Throws Error(invalid_input) for a channel that is missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 
-/// Runs a call of the OpenEXR library and converts its exceptions to Error.
+/// Calls the OpenEXR library and converts its exceptions to Error.
 template <typename Call>
 auto guarded(const std::string& name, const Call& call) {
     try {
@@ -59,7 +59,7 @@ struct ForeignFile::Impl {
         std::size_t first_part = 0;
         std::unique_ptr<Imf::MultiPartInputFile> file;
     };
-    std::vector<Opened> files;  ///< the image's file, then attached files
+    std::vector<Opened> files;  ///< the image's own file, then attached files
 
     [[nodiscard]] const Opened& of(std::size_t part) const {
         std::size_t i = files.size() - 1;

@@ -1,4 +1,4 @@
-// ForeignFile: the pixels of flat parts.
+// Part of ForeignFile: reads the pixels of flat parts.
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfTileDescription.h>
@@ -18,7 +18,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
     guarded(name, [&] {
         const Imf::Header& h = impl_->header(part);
         const auto width = static_cast<std::size_t>(p.width());
-        // Each band consists of whole tiles or chunks, so that none is decompressed twice.
+        // Each band consists of whole tiles or chunks, so that each is decompressed only once.
         const int unit = p.tiled ? static_cast<int>(h.tileDescription().ySize) : chunk_rows(h);
         const int rows = std::min(p.height(), unit * std::max(1, 64 / unit));
         require_memory(width * static_cast<std::uint64_t>(rows) * channels.size() * sizeof(float),
@@ -30,7 +30,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             const int last = std::min(y + rows - 1, p.data.y_max);
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                // The library addresses pixels from the origin of the file's coordinates.
+                // The library addresses pixels relative to the origin of the file's coordinates.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
                 auto* base =
@@ -58,7 +58,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // Values exist where both coordinates are multiples of the steps.
+    // The channel has values where both coordinates are multiples of the steps.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {
@@ -72,7 +72,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     guarded(name_of(part), [&] {
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         Imf::FrameBuffer frame;
-        // The library addresses values from the origin of the file's coordinates.
+        // The library addresses values relative to the origin of the file's coordinates.
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
         frame.insert(channel, Imf::Slice(Imf::FLOAT,
@@ -82,7 +82,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// The two values between which a pixel lies, and the weight of the second.
+    /// The indices of the two values between which a pixel lies, and the weight of the second value.
     struct Between {
         std::size_t first, second;
         float share;

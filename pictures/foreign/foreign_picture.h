@@ -1,4 +1,4 @@
-// An image of another program, flat or deep, as a stack of samples per pixel with colour, alpha and depth.
+// An image of another program, flat or deep. Each pixel is a stack of samples with colour, alpha and depth.
 #pragma once
 
 #include <array>
@@ -14,26 +14,25 @@
 
 namespace postlens {
 
-/// One sample of a stack. It is composited over the samples after it ("over" [porter1984]); colours are
+/// One sample of a pixel's stack, composited over the samples behind it ("over" [porter1984]). Colours are
 /// premultiplied by alpha.
 struct StackSample {
-    float inverse_z = 0;  ///< one over the depth along the axis, 1/m; 0: infinitely far
+    float inverse_z = 0;  ///< 1 / depth along the axis, 1/m; 0: infinitely far
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
-    std::uint32_t id = 0;  ///< of the surface; 0: not stated in the file
-    /// Inverse depth, 1/m, from which the circle of confusion is computed, if it is not the inverse depth of
-    /// the sample's position. Below 0: it is that of the position.
+    std::uint32_t id = 0;  ///< of the surface; 0: the file states none
+    /// Inverse depth, 1/m, that determines the circle of confusion, if it is not the depth of the sample's
+    /// position (see spread_inverse_z). A negative value means: use the depth of the position.
     float moved_inverse_z = -1;
-    bool holdout = false;  ///< hides samples behind it, but adds neither colour nor alpha to an image
+    bool holdout = false;  ///< hides samples behind it, but adds no colour or alpha
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// Converts a value of an id channel to an id. Uses the bits of the float, which distinguish both hashes and
-/// whole numbers. Zero of either sign and NaN give 0, no id.
+/// Converts a value of an id channel to an id. The id consists of the bits of the float, because the bits
+/// distinguish both hashes and whole numbers. Zero of either sign and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, known from a Cryptomatte or from a depth that is a mean of two
-/// depths.
+/// A pixel that shows several surfaces. A Cryptomatte states this, or a depth that is a mean of two depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of its stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -42,26 +41,27 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0: a surface without id, such as the sky
     float share = 0;       ///< of the pixel; the shares of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m; 0: infinitely far. Only if the surfaces are known from depths, not
-    /// ids.
+    /// Inverse depth of this surface, 1/m; 0: infinitely far. Present only if depths, instead of ids,
+    /// distinguish the surfaces.
     std::optional<float> inverse_z;
 };
 
-/// A change that was necessary to use the image.
+/// A repair that was necessary to use the image.
 struct ForeignRepair {
     std::string code, text;
     double share = 0;  ///< of the pixels stored
 };
 
 struct ForeignPicture {
-    int width = 0, height = 0;  ///< of the display window less the overscan, px: the raster
-    /// The stored pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on any side.
+    int width = 0, height = 0;  ///< size of the raster, px: the display window without overscan
+    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster on any
+    /// side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
         0};                            ///< start of each pixel's stack, row by row, and the end of the last
-    std::vector<StackSample> samples;  ///< each stack nearest first
-    /// Pixels that show several surfaces, in ascending order, and the shares of these surfaces, largest
-    /// first. The sample of such a pixel has the id of the largest share. Shares below 1 % are left out. Both
+    std::vector<StackSample> samples;  ///< from near to far within each stack
+    /// Pixels that show several surfaces, in ascending order, and the shares of these surfaces, the largest
+    /// first. The sample of a mixed pixel has the id of the largest share. Shares below 1 % are omitted. Both
     /// lists are empty if the image has neither a Cryptomatte nor depths that are means of two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
@@ -77,7 +77,8 @@ struct ForeignPicture {
             static_cast<std::size_t>(x - x_begin);
         return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
-    /// The sample at which the composited alpha of a stored pixel reaches one half; null if it does not.
+    /// The sample at which the composited alpha of a stored pixel reaches one half. Null if alpha stays below
+    /// one half.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
         double left = 1;
         for (const StackSample& s : stack(x, y)) {
@@ -89,24 +90,25 @@ struct ForeignPicture {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// The image of the display window, with every stack composited. `alpha` is empty if all pixels are
-    /// opaque. Throws Error(out_of_memory).
+    /// The image of the display window, with the stack of each pixel composited. `alpha` is empty if all
+    /// pixels are opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
-    /// Depth, m, at which the composited alpha of the stack at a raster position reaches one half; infinity
-    /// if it never does. Throws Error(wrong_arguments) outside the stored pixels.
+    /// Depth, m, at which the composited alpha of the stack at a raster position reaches one half. Infinity
+    /// if alpha stays below one half. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 
 /// Reads the channels that `choice` selects, in bands of rows.
-/// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit, as does a flat image without
-///   depth channel (warning "assumed"). If all finite depths are negative, they are taken as distances with
-///   a warning; a single negative one is an error that names its pixel. Filtered depths of flat images are
+/// Reads the channels that `choice` selects, in bands of rows.
+/// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit. So does a flat image without a
+///   depth channel (warning "assumed"). If all finite depths are negative, their absolute values are used,
+///   with a warning; if only some are negative, an error names a pixel. Filtered depths of flat images are
 ///   repaired (mend_filtered_depths, warning "repaired").
 /// - Colour: values that are not finite are replaced by the mean of finite neighbours, in deep images by
-///   black. Alpha is clamped to [0, 1]. Both cause the warning "repaired".
-/// - Volumes: overlapping deep samples are merged (tidy_volumes) and divided into slices whose circles of
-///   confusion differ little.
-/// - Ids: see surface_id. Ids that cannot be used are ignored with the warning "ids".
+///   black. Alpha is clamped to [0, 1]. Both repairs cause the warning "repaired".
+/// - Volumes: overlapping deep samples are merged (tidy_volumes), then divided into slices within which the
+///   circle of confusion varies little.
+/// - Ids: see surface_id. Unusable ids are ignored, with the warning "ids".
 /// Throws Error(invalid_input) and Error(out_of_memory).
 [[nodiscard]] ForeignPicture read_foreign_picture(const std::filesystem::path& path,
                                                   const ForeignChoice& choice,

@@ -9,7 +9,7 @@ namespace postlens {
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take) {
     const ForeignPart& from = file.parts()[part];
-    // Shift from the coordinates of part `from` to those of part `onto`.
+    // Offset that converts coordinates of part `from` to those of part `onto`.
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int x_begin = std::max(from.data.x_min + right, onto.data.x_min),
               x_last = std::min(from.data.x_max + right, onto.data.x_max);

@@ -1,4 +1,4 @@
-// Reads channels of other parts and files at the pixels of the part that has the colours.
+// Reads channels of other parts and files at the pixels of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -12,34 +12,35 @@
 
 namespace postlens {
 
-/// Reads the rows of a flat part that lie in the data window of part `onto`. Coordinates of both parts are
-/// relative to the corners of their display windows. `take(pixel, count, from, values)` receives `count`
-/// pixels, from index `pixel` of `onto` on; their values begin at index `from` in the row of each channel.
+/// Reads the rows of a flat part that are inside the data window of part `onto`. Coordinates of both parts
+/// are relative to the corners of their display windows. `take(pixel, count, from, values)` receives `count`
+/// pixels, the first of which has index `pixel` in `onto`. Their values begin at index `from` in the row of
+/// each channel.
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// One value of the channel for each pixel of `onto`, row by row; `otherwise` where the part stores no pixel.
-/// Throws Error(out_of_memory).
+/// Returns one value of the channel for each pixel of `onto`, row by row. Where the part stores no pixel, the
+/// value is `otherwise`. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise);
 
-/// Channels of several parts, read row by row as if all of them were in one.
+/// Channels of several parts, read row by row as if a single part contained them.
 class JoinedChannels {
   public:
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel and returns the index of its values in `read`; empty for an empty name. `otherwise` is
-    /// the value where another part stores no pixel. `interpolated` permits a subsampled channel
-    /// (ForeignFile::read_sampled), which is refused otherwise. A channel added twice keeps its index. A
-    /// channel of another part is read at once.
+    /// Adds a channel and returns the index of its values in `read`; empty for an empty name. A channel that
+    /// is added again keeps its index. `otherwise` is the value where another part stores no pixel. A
+    /// subsampled channel (ForeignFile::read_sampled) is an error unless `interpolated` is true. Channels of
+    /// other parts are read immediately.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    bool interpolated = false);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom; `take(y, values)` receives a row, channel by channel.
+    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, channel by channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:
@@ -47,7 +48,7 @@ class JoinedChannels {
         std::size_t part = 0;
         std::string name;
         std::vector<float> plane;  ///< empty for a channel of the part that is read
-        std::size_t row = 0;       ///< index of the channel in the rows of that part
+        std::size_t row = 0;       ///< index of the channel within the rows of that part
     };
     const ForeignFile& file_;
     std::size_t part_;

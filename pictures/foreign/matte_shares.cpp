@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of a pixel for which a surface is kept.
+/// Smallest share of a pixel at which a surface is kept; smaller shares are omitted.
 constexpr float least_share = 0.01F;
 
 struct MatteEntry {
@@ -21,7 +21,7 @@ struct MatteEntry {
     SurfaceShare share;
 };
 
-/// Shares of all pixels, with the values of the file, sorted by pixel.
+/// Returns the shares of all pixels, with the values of the file, sorted by pixel.
 std::vector<MatteEntry> matte_entries(const ForeignFile& file, const ForeignPart& onto,
                                       const Cryptomatte& matte) {
     const std::size_t pixels =

@@ -1,4 +1,4 @@
-// Which surfaces the pixels of a flat image show, by its Cryptomatte.
+// Determines which surfaces the pixels of a flat image show, from its Cryptomatte.
 #pragma once
 
 #include "pictures/foreign/cryptomatte.h"
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Sets the id of each sample to that with the largest share of its pixel, and adds the pixels with several
-/// surfaces to ForeignPicture::mixed. `onto`: the part with the colours, whose samples are in `picture`.
+/// Sets the id of each sample to the id with the largest share of the pixel. Adds pixels that show several
+/// surfaces to ForeignPicture::mixed. `onto` is the part with the colours, whose samples are in `picture`.
 /// Throws Error(invalid_input) and Error(out_of_memory).
 void take_matte(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte,
                 ForeignPicture& picture);

@@ -1,4 +1,4 @@
-// Colours of another program's image that are not finite.
+// Repairs colours of another program's image that are not finite.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +7,9 @@
 
 namespace postlens {
 
-/// Replaces colours that are not finite by the mean of the finite neighbours, in deep images by black. Uses
-/// only original colours, so that the order does not matter. Returns the number of samples replaced.
+/// Replaces colours that are not finite: in flat images by the mean of finite neighbours, in deep images by
+/// black. Means use only original colours, so the order of pixels does not matter. Returns the number of
+/// replaced samples.
 std::size_t mend_colours(ForeignPicture& picture);
 
 }  // namespace postlens

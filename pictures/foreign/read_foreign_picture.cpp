@@ -1,4 +1,4 @@
-// Reads an OpenEXR image of another program, and repairs what it can.
+// Reads an OpenEXR image of another program, and repairs errors in its values.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,11 +24,12 @@
 namespace postlens {
 namespace {
 
-/// Target ratio of the far to the near depth of a volume's slice, and largest number of slices of a volume.
+/// Target ratio of the far to the near depth of a volume's slice, and the largest number of slices per
+/// volume.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
 
-/// Converts the values of the file to stacks of samples.
+/// Converts the values of the file to stacks of samples, one stack per pixel.
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
@@ -42,7 +43,7 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // One raster holds both the display window and the stored pixels, so its size is limited.
+        // One raster must contain both the display window and the stored pixels, so its size is limited.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -94,7 +95,7 @@ class Reader {
         out_.samples.reserve(next);
     }
 
-    /// The camera, and the frame within the display window.
+    /// Determines the camera, and the frame (the display window without overscan).
     void take_camera(ForeignCameraChoice choice) {
         const int margin = choice.overscan_px;
         if (margin < 0 || 2 * margin >= std::min(out_.width, out_.height)) {
@@ -103,8 +104,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // The camera in the file describes the whole display window, so a film width of the frame is
-        // converted to one of the window.
+        // In the file, the camera describes the whole display window. So a film width given for the frame is
+        // converted to the width of the window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -117,14 +118,14 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // A transparent black sample has no effect. NaN is handled later.
+        // A black sample with alpha 0 has no effect. Samples with NaN stay, and are repaired later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         out_.samples.push_back(s);
     }
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Amount by which an alpha that is a sum of rounded values may exceed the range from 0 to 1.
+        // Tolerance for an alpha outside 0 to 1, which may be a sum of rounded values.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -214,8 +215,8 @@ class Reader {
         });
     }
 
-    /// Adds a volume from z to z_back, divided into slices. Its density is constant, so equal distances have
-    /// equal transmittance.
+    /// Adds a volume from z to z_back, divided into slices. The density is constant, so slices of equal
+    /// length have equal transmittance.
     void add_volume(const DeepSample& from, int x, int y) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{depths_.inverse_of(z, x, y, z), from.r, from.g, from.b, from.alpha, from.id};

@@ -11,7 +11,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Path of the file that contains this code: a program, or an extension of another program. For a program,
-// dladdr returns the name with which it was called, which is not a path if the shell searched for it.
+// dladdr returns the name by which the program was called. If the shell searched for the program, this name
+// is not a path.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};
@@ -22,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches for the module below the folders that contain that file. This works in the build folder and in the
-// installation, and both may be moved.
+// Searches for the module in the folders above the file that contains this code. So both the build folder and
+// the installation may be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;
@@ -42,7 +43,7 @@ const PictureLibrary& load() {
         fail(ExitCode::invalid_input, "{}: cannot be loaded ({}); what is neither OpenEXR nor PNG needs it",
              path, reason == nullptr ? "no reason given" : reason);
     };
-    // The module is never closed, because its objects live as long as the process.
+    // The module is never closed, because its objects exist until the process ends.
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (module == nullptr) why_not();
     void* symbol = ::dlsym(module, picture_module_symbol);

@@ -22,8 +22,8 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// An attribute as text. A sample file has some as numbers; TIFF and JPEG have them in their description,
-/// each in a line "NAME=TEXT".
+/// Returns an attribute as text. In sample files, some attributes are numbers. In TIFF and JPEG, each
+/// attribute is a line "NAME=TEXT" of the description.
 std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
     if (const OIIO::ParamValue* found = s.find_attribute(name)) return found->get_string();
     std::string begin("\n"), text("\n");
@@ -80,8 +80,8 @@ class OiioReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Encodes a file in memory. OpenImageIO 2.4 does not write to the disk itself, because on a full disk it
-/// reports success for PNG and TIFF and ends the process for JPEG.
+/// Encodes a file in memory. OpenImageIO 2.4 must not write to the disk itself: on a full disk, it reports
+/// success for PNG and TIFF, and ends the process for JPEG.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
     return guarded(problem, [&]() -> std::vector<unsigned char> {
@@ -120,8 +120,8 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // No colour space is set, because it needs an EXIF directory, which OpenImageIO 2.4 cannot write to
-        // memory. Readers take integer pixels as sRGB anyway.
+        // No colour space is set: that would need an EXIF directory, which OpenImageIO 2.4 cannot write to
+        // memory. Readers assume sRGB for integer pixels anyway.
         // The time of writing is removed, so that equal images give equal files.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;

@@ -1,10 +1,10 @@
-// Interface to OpenImageIO, which reads and writes other image formats. No other code may include
-// OpenImageIO.
+// Interface to OpenImageIO, which reads and writes image formats other than OpenEXR and PNG. Only the
+// implementation of this interface includes OpenImageIO.
 //
-// Debian's OpenImageIO depends on two hundred libraries, which the dynamic loader needs 0.3 s to load. The
-// programs of this project therefore load it when they first need it (loaded_picture_library.cpp). Programs
-// that link the installed libraries link it (linked_picture_library.cpp). The linked file decides which of
-// the two is used.
+// Debian's OpenImageIO depends on two hundred libraries, which take 0.3 s to load. The programs of this
+// project therefore load it only when they need it (loaded_picture_library.cpp). Programs that use the
+// installed libraries of this project link OpenImageIO directly (linked_picture_library.cpp). The choice is
+// made by linking one of these two files.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Contents of a file's header. Members that begin with `full_` are the display window.
+/// The contents of a file's header. Members that begin with `full_` describe the display window.
 struct PictureLayout {
     int width = 0, height = 0, depth = 0;
     int x = 0, y = 0;
@@ -43,12 +43,12 @@ class PictureReader {
 
     [[nodiscard]] virtual const PictureLayout& layout() const = 0;
     /// Reads the first `channels` channels of all pixels, row by row, into `to`, which must be large enough.
-    /// Integers are scaled to 0..1. Returns an error message, empty on success.
+    /// Integer values are scaled to 0..1. Returns an error message; empty on success.
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
-/// An image library. It and its readers throw nothing but std::bad_alloc. Errors are reported as texts, which
-/// may have several lines.
+/// An image library. The library and its readers throw only std::bad_alloc. Other errors are returned as
+/// texts, which may have several lines.
 class PictureLibrary {
   public:
     PictureLibrary() = default;
@@ -58,16 +58,16 @@ class PictureLibrary {
     PictureLibrary(PictureLibrary&&) = delete;
     PictureLibrary& operator=(PictureLibrary&&) = delete;
 
-    /// Opens a file. Returns null and sets `problem` if it cannot be read.
+    /// Opens a file for reading. If that fails, returns null and sets `problem`.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(const std::string& path,
                                                               std::string& problem) const = 0;
-    /// Opens the bytes of a file in the format `format`. The bytes must outlive the reader.
+    /// Opens a file that is in memory and has the format `format`. The bytes must outlive the reader.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(std::string_view bytes,
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
-    /// Returns a TIFF file of width * height * 3 sRGB values, where 65535 stands for 1; for JPEG, 255 stands
-    /// for 1. `description` is stored as text if not empty. Returns an empty vector and sets `problem` on
-    /// failure.
+    /// Returns a TIFF file with width * height * 3 sRGB values, where 65535 means 1; jpeg() returns a JPEG
+    /// file, where 255 means 1. `description` is stored as text if it is not empty. On failure, returns an
+    /// empty vector and sets `problem`.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
                                                           const std::string& description,
@@ -78,17 +78,18 @@ class PictureLibrary {
                                                           std::string& problem) const = 0;
 };
 
-/// The image library. Throws Error(invalid_input) if it cannot be loaded. Several threads may call this at
-/// once.
+/// Returns the image library. Throws Error(invalid_input) if the library cannot be loaded. Several threads
+/// may call this at the same time.
 [[nodiscard]] const PictureLibrary& picture_library();
 
-/// Header attribute of a crop: its x, y, width and height within the whole image.
+/// Name of the header attribute of a crop. It states the crop's x, y, width and height within the whole
+/// image.
 inline constexpr const char* crop_attribute = "postlens.crop";
-/// Header attribute of any image: its exposure (pictures/image.h). TIFF and JPEG have it in their
+/// Header attribute of any image: its exposure (pictures/image.h). In TIFF and JPEG it is part of the
 /// description, as "postlens.exposure_stops=STOPS".
 inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
-/// Header attribute of images and sample files: how they were made. TIFF and JPEG have it in their
-/// description, in a line of its own, as "postlens.made_by=TEXT".
+/// Header attribute of images and sample files: how they were made. In TIFF and JPEG it is a line of the
+/// description, "postlens.made_by=TEXT".
 inline constexpr const char* made_by_attribute = "postlens.made_by";
 
 }  // namespace postlens

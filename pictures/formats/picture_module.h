@@ -3,7 +3,8 @@
 
 #include "pictures/formats/picture_library.h"
 
-/// The number in the name changes with PictureLibrary, so that a module of another version is not accepted.
+/// The number in the name changes when PictureLibrary changes, so a module of another version is not
+/// accepted.
 extern "C" const postlens::PictureLibrary* postlens_picture_library_1();
 
 namespace postlens {

@@ -36,7 +36,7 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The OpenEXR library addresses pixels by their coordinates in the file.
+        // The OpenEXR library addresses pixels by their coordinates in the file, which may not begin at 0.
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {
@@ -62,11 +62,11 @@ class ExrReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Layout of a file with this header; empty if it needs more than open_plain_picture supports.
+/// Returns the layout of a file with this header. Empty if open_plain_picture does not support the file.
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // In images of other programs, these attributes may name a colour space other than linear.
+    // Images of other programs may use these attributes to name a colour space other than linear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }
@@ -123,7 +123,7 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     return out;
 }
 
-/// Lets the OpenEXR library decompress with several threads. It has none by default.
+/// Lets the OpenEXR library decompress with several threads; by default it uses only the calling thread.
 void use_exr_threads() {
     static std::once_flag once;
     std::call_once(once,
@@ -140,7 +140,7 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // The file is left to OpenImageIO, which reports the error.
+        // Returns null, so that OpenImageIO opens the file and reports the error.
     }
     return nullptr;
 }

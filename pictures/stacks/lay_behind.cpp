@@ -11,14 +11,13 @@
 namespace postlens {
 namespace {
 
-/// Transmittance of a stack of samples below which the stack counts as opaque. The rest is rounding of
-/// alphas.
+/// A stack of samples counts as opaque if its transmittance is below this limit, because alphas are rounded.
 constexpr double opaque_within = 1e-3;
-/// Largest relative difference of two inverse depths that count as equal. The depths were stored as half
-/// floats.
+/// Two inverse depths count as equal if they differ by at most this relative amount: the depths were stored
+/// as half floats.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample that is nearer by more than this share of its distance is another surface, and not the same one
-/// with other noise.
+/// A sample of the back image that is nearer by more than this share of its distance is a different surface.
+/// Smaller differences are noise of the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -26,7 +25,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
         fail(ExitCode::invalid_input, "{}: cannot lie behind (got {}x{} px; expected {}x{} px, as in front)",
              name, back.width, back.height, front.width, front.height);
     }
-    // The field of view is given by the ratio of film width and film distance.
+    // The field of view is determined by the ratio of film width to film distance.
     const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
                  other = back.camera.film_width_mm / back.camera.film_distance_mm;
     constexpr double rounding = 1e-4;
@@ -38,7 +37,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Inverse depth, 1/m, of the last sample of an opaque stack; infinity if the stack transmits light.
+/// Inverse depth, 1/m, of the farthest sample of an opaque stack; infinity if the stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;

@@ -16,7 +16,7 @@
 namespace postlens {
 namespace {
 
-/// Shares of a pixel below this are rounding.
+/// Shares of a pixel below this limit are rounding errors.
 constexpr float least_share = 1e-4F;
 
 std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& choice) {
@@ -39,8 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Ids that a text from an option may stand for: the id of that name, the number itself and, in channels of
-/// floats, the bits of that number as a float.
+/// Ids that the text of an option can mean: the id of the object with that name; the number itself; and, for
+/// id channels of floats, the bits of that number as a float.
 std::vector<std::uint32_t> ids_of(const std::string& object) {
     std::vector<std::uint32_t> out{cryptomatte_id(object)};
     std::uint32_t number = 0;
@@ -67,13 +67,13 @@ std::vector<std::uint32_t> ids_of(const std::string& object) {
          choice.object, expected);
 }
 
-/// Divides a sample: `share` of it belongs to the object and comes first.
+/// Divides a sample into two of the same depth. The first is the `share` that belongs to the object.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
     for (float* v : {&out[0].r, &out[0].g, &out[0].b, &out[0].alpha}) *v *= share;
     for (float* v : {&out[1].r, &out[1].g, &out[1].b, &out[1].alpha}) *v *= rest;
-    // An opaque sample stays opaque; rounding must not let light through.
+    // An opaque sample must stay opaque despite rounding, because otherwise light would pass through it.
     if (s.alpha == 1) out[1].alpha = 1;
     return out;
 }

@@ -1,4 +1,4 @@
-// Selects objects in an image of another program by name, by id number, or by a mask image.
+// Selects objects in another program's image: by name, by id number, or by a mask image.
 #pragma once
 
 #include <cstdint>
@@ -9,26 +9,28 @@
 
 namespace postlens {
 
-/// An object as options name it:
-/// - a name of the image's Cryptomatte,
-/// - a number of its id channel, or
-/// - a mask: an image file (its name ends in .exr, .png, .tif, .tiff, .jpg or .jpeg) of the size of the
-/// raster. The mean of its channels, 0 to 1, is the share of each pixel that belongs to the object. It
-/// applies to the nearest sample of a pixel's stack.
+/// An object, as options name it:
+/// - a name in the image's Cryptomatte,
+/// - a number in the image's id channel, or
+/// - a mask: an image file of the size of the raster, whose name ends in .exr, .png, .tif, .tiff, .jpg or
+///   .jpeg. The mean of a mask pixel's channels, 0 to 1, is the share of the pixel that belongs to the
+///   object. The mask applies to the nearest sample of the pixel's stack.
 struct ObjectChoice {
-    std::string option;  ///< the option that names it, for messages
+    std::string option;  ///< the option that names the object, for messages
     std::string object;
     [[nodiscard]] bool is_file() const;
 };
 
-/// Selects the samples of an object: 1 for each sample of `picture` that belongs to it, else 0. A sample that
-/// belongs to the object only in part, by a mask, is divided into two samples of the same depth that
-/// composite to the same colour and alpha. `picture` must then have no mixed pixels (`unmix_edges` first).
-/// Throws Error(wrong_arguments), which lists the existing names, if no pixel shows the object. Throws
-/// Error(invalid_input) for a file that cannot be read or has another size.
+/// Selects the samples of an object. Returns 1 for each sample of `picture` that belongs to the object, and 0
+/// for the others. If a mask assigns only a part of a sample to the object, the sample is divided into two
+/// samples of equal depth; together they composite to the same colour and alpha. `picture` must not have
+/// mixed pixels then (call `unmix_edges` first). Throws Error(wrong_arguments), which lists the existing
+/// names, if no pixel shows the object. Throws Error(invalid_input) for a mask file that cannot be read or
+/// has another size.
 [[nodiscard]] std::vector<std::uint8_t> choose_samples(ForeignPicture& picture, const ObjectChoice& choice);
 
-/// The share of each pixel of the raster that shows the object, row by row. Throws as `choose_samples`.
+/// Returns the share of each pixel that shows the object, for all pixels of the raster, row by row. Throws as
+/// `choose_samples` does.
 [[nodiscard]] std::vector<float> choose_pixels(const ForeignPicture& picture, const ObjectChoice& choice);
 
 }  // namespace postlens

@@ -12,19 +12,19 @@
 namespace postlens {
 namespace {
 
-/// Radius, px, within which unmixed pixels of the same surface are searched. It is larger if depths are means
-/// of two depths, because the filter that made the means mixed more pixels.
+/// Radius, px, within which unmixed pixels of the same surface are searched. The larger radius is for depths
+/// that are means of two depths: the filter that made these means also mixed more pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// Largest relative difference between depths at one position of a surface.
+/// Largest relative difference of depths that count as the same surface at one position.
 constexpr double same_depth = 0.05;
 
-/// Clamps to the range of float, which one surface's part of a very bright pixel may exceed.
+/// Clamps a value to the range of float. One surface's part of a very bright pixel may exceed that range.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// A surface's part of a pixel: premultiplied colour and alpha of the part alone.
+/// The part of a pixel that shows one surface, with the premultiplied colour and alpha of this part alone.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -41,7 +41,7 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// Samples that replace a mixed pixel; empty if it stays unchanged.
+    /// Returns the samples that replace a mixed pixel. Empty if the pixel stays unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -77,8 +77,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels within `reach`. Pixels of the raster that are not
-    /// stored are empty and visited as `unstored`.
+    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Raster pixels that the image
+    /// does not store count as empty, and are visited with the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -122,7 +122,7 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If mixed pixels count, the pixel itself is one of them, at distance 0. Adding 0.5 to the
+            // If mixed pixels count, they include the pixel itself, at distance 0. The addition of 0.5 to the
             // squared distance avoids a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
@@ -141,7 +141,7 @@ class Unmixer {
         }
     }
 
-    /// Changes the colours of the surfaces in a mixed pixel so that their sum, weighted with the surfaces'
+    /// Changes the colours of the surfaces in a mixed pixel, so that their sum, weighted by the surfaces'
     /// shares, equals the pixel's colour.
     static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
         double unknown = 0, squares = 0;
@@ -166,8 +166,8 @@ class Unmixer {
         }
     }
 
-    /// Limits channel `c` of each surface in a mixed pixel to 0 or more, and alpha to at most 1, without
-    /// changing the sum that is weighted with the surfaces' shares.
+    /// Limits channel `c` of each surface in a mixed pixel to at least 0, and alpha to at most 1. The sum
+    /// over the surfaces, weighted by their shares, stays the same.
     static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -186,7 +186,7 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces that are side by side in a pixel to samples that lie over each other.
+    /// Converts surfaces that are side by side in a pixel to samples that lie behind each other.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
@@ -207,7 +207,7 @@ class Unmixer {
             left -= portion.share * portion.rgba[3];
             out.push_back(s);
         }
-        // Rounding of the shares must not make an opaque pixel transparent.
+        // An opaque pixel must stay opaque although the shares are rounded.
         if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;
         return out;
     }

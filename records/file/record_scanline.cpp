@@ -15,7 +15,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables that convert k / 1024 to the bits of a half float and back; NaN for all other bits.
+/// Tables that convert k / 1024 to the bits of a half float and back. All other half floats convert to NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};
@@ -81,8 +81,8 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// Converts a half float to a mark. Values other than integers from 0 to 255 give 255, which no valid record
-/// has.
+/// Converts a half float to a mark. Any value except an integer from 0 to 255 becomes 255, which is never a
+/// valid mark.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);
     return value >= 0 && value <= 255 && value == std::floor(value) ? static_cast<std::uint8_t>(value) : 255;

@@ -1,4 +1,4 @@
-// One scanline of records as bytes: the layout of a deep chunk, and the input of its checksum.
+// One scanline of records as bytes: the contents of a deep OpenEXR chunk, and the input of its checksum.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace postlens {
 
-/// Bytes of a record before compression: 28, plus those of optional channels: W 16, W.bend 2, mark 2,
-/// layer 4.
+/// Bytes per record before compression: 28, plus 16 for W, 2 for W.bend, 2 for the mark and 4 for the layer,
+/// if the file has these channels.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
-/// A scanline before compression, little-endian: int32 y; per pixel, the uint32 number of records up to and
-/// including this pixel; then the channels in the order of their names (B G R W.bend W.xx W.xy W.yx W.yy Z id
-/// layer mark node.path sample.x sample.y), each with the values of all records, pixel by pixel.
+/// A scanline before compression, little-endian. First y as int32; then per pixel, as uint32, the number of
+/// records up to and including this pixel; then the channels in the order of their names (B G R W.bend W.xx
+/// W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y). A channel has the values of all records,
+/// pixel by pixel.
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
@@ -24,14 +25,16 @@ class ScanlineBytes {
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
     /// Packs the records of scanline y. Pixel x_begin + i has the records [offsets[i], offsets[i + 1]) of
-    /// `records`, whose positions lie in this pixel.
+    /// `records`; their positions must lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the first record of each pixel from the table of counts: width + 1 entries, the first 0.
-    /// False if the counts decrease or do not end at the number of records given to `prepare`.
+    /// Computes the index of each pixel's first record from the table of counts: width + 1 entries, the first
+    /// 0. Returns false if the counts decrease, or if the last is not the number of records given to
+    /// `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records in file order. W and layer get default values if their channels are absent. Needs
-    /// the offsets of `unpack_offsets`. False if a position is not a multiple of 1/1024 in [0, 1).
+    /// Unpacks the records in file order, using the offsets from `unpack_offsets`. W and layer get default
+    /// values if the file has no such channel. Returns false if a position is not a multiple of 1/1024 px in
+    /// [0, 1).
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

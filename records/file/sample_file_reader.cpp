@@ -17,13 +17,13 @@ namespace {
 
 using namespace layout;
 
-/// Limits of the expanded size that a chunk states: this many bytes, or this multiple of its packed size if
-/// that is larger. They keep a small damaged file from causing large allocations.
+/// Limit of the expanded size that a chunk claims: this many bytes, or `largest_expansion` times its packed
+/// size if that is larger. The limit prevents large allocations for a small damaged file.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 
-/// Largest expansion of a zlib stream. Every pixel has at least one record, so this limits the size of the
-/// raster by the size of the file.
+/// Largest expansion of a zlib stream. Every pixel has at least one record, so this factor and the size of
+/// the file limit the size of the raster.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
 constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size
@@ -210,7 +210,7 @@ void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, cons
         fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
     }
     const std::size_t first = band.pixel(band.x_begin, y);
-    // The row shares its first and last offset with its neighbours; they are already set.
+    // Neighbouring rows share the row's first and last offset, which are already set.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
     check_row(y, expected, band);

@@ -15,18 +15,18 @@
 namespace postlens {
 namespace layout {
 
-/// Position and sizes of the packed counts and data of a scanline of records.
+/// Position in the file, and sizes in bytes, of the packed counts and data of a scanline of records.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
 
-/// One instant: the positions of its chunks in the file, and summaries of its scanlines.
+/// One instant: the positions of its chunks in the file, and the summaries of its scanlines.
 struct Instant {
     double time_s = 0;
-    std::size_t number = 0;  ///< in the file; larger than the index here if instants before it were removed
+    std::size_t number = 0;  ///< in the file; exceeds the index here if earlier instants were removed
     std::vector<std::uint64_t> record_chunks, scanline_chunks;
     std::vector<ScanlineFacts> facts;
-    std::vector<std::uint8_t> lost;  ///< per row: 1 if the row is left out
+    std::vector<std::uint8_t> lost;  ///< per row: 1 if the row is damaged and replaced
 };
 
 /// Scratch memory of one thread.
@@ -65,7 +65,7 @@ struct SampleFileReader::Impl {
     std::uint64_t record_count = 0;
     std::vector<LostRows> lost_runs;
     std::vector<double> lost_instants_s;
-    /// Kept between reads, so that small bands need no allocations.
+    /// Kept between reads, so that reading small bands does not allocate.
     mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
 
     [[noreturn]] void fail_damaged(int y, const char* what) const {
@@ -82,13 +82,13 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads one row into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Computes the records that replace a lost row, and stores them in `work.stand_ins`.
+    /// Computes the records that replace a lost row, and writes them to `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the records that replace row y into the band, from record `base` on.
+    /// Copies the replacement records of row y into the band, starting at record index `base`.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
-    /// Position and size of the data of the flat chunk at `at`, which must be that of row y of `part` and of
-    /// at most `most_bytes`.
+    /// Position and size, bytes, of the data of the flat chunk at `at`. The chunk must be that of row y of
+    /// `part` and contain at most `most_bytes`.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
     [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;

@@ -1,4 +1,4 @@
-// SampleFileReader: leaves out damaged rows (Damage::salvage).
+// Part of SampleFileReader: finds and replaces damaged rows (Damage::salvage).
 #include <algorithm>
 
 #include "core/threads.h"
@@ -9,7 +9,7 @@ namespace postlens {
 
 using namespace layout;
 
-/// Marks the rows that cannot be read, and resets their facts to those of an empty row.
+/// Marks the rows that cannot be read, and sets their summaries to those of an empty row.
 void SampleFileReader::Impl::find_lost_rows() {
     for (std::size_t i = 0; i < instants.size(); ++i) {
         Instant& of = instants[i];
@@ -34,8 +34,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes instants without readable rows. Lost rows of the others get the record count of their
-/// replacements.
+/// Removes instants without readable rows. In the other instants, a lost row gets the record count of its
+/// replacement.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -82,7 +82,8 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // The row above was read again, and the file may have changed since it was opened.
+    // Computing the replacement reads the row above again. If the file changed since it was opened, the count
+    // may differ.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

@@ -19,7 +19,8 @@ namespace {
 
 using namespace layout;
 
-/// Number of rows that are packed before they are written. It limits memory and gives all threads work.
+/// Number of rows that are packed before they are written. The number limits memory, but gives all threads
+/// work.
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
@@ -77,7 +78,7 @@ struct SampleFileWriter::Impl {
     Image picture;
     std::size_t instant = 0;  ///< instant that is being written: the frame's own, then the keys
     int next_y = 0;           ///< next row of records to write
-    RecordBand last_row;      ///< row next_y - 1 and, while a band is written, the row after it
+    RecordBand last_row;      ///< row next_y - 1; while a band is written, also the row after it
     std::optional<ScanlineFacts> last_facts;  ///< of row next_y - 1, not yet written
     std::vector<std::uint64_t> picture_checksums;
     std::vector<PackedRow> rows;
@@ -154,7 +155,7 @@ Bytes SampleFileWriter::Impl::picture_planes(int y_begin, int y_end) const {
     return bytes;
 }
 
-/// Computes row y of the pinhole image. `band` must hold the records of rows y and y + 1.
+/// Computes row y of the pinhole image. `band` must contain the records of rows y and y + 1.
 void SampleFileWriter::Impl::compute_picture_row(const RecordBand& band, int y) {
     if (instant > 0 || y < 0 || y >= header.height) return;
     const std::span<float> rgb(picture.pixel(0, y), static_cast<std::size_t>(header.width) * 3);
@@ -174,7 +175,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant: writes its last scanline row, which was held back.
+/// Completes an instant by writing the summary of its last row. Every summary is written one row late,
+/// because its checksum of the image row needs the next row of records.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -200,12 +202,13 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Image row y - 1 needs the rows y - 1 and y, which the band holds for every y but its first.
+    // Row y - 1 of the image needs the records of rows y - 1 and y. The band contains both, except at its
+    // first row.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Chunks are written in an order that does not depend on the height of the bands.
+    // The order of chunks in the file must not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

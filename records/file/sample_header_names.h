@@ -1,5 +1,5 @@
-// Names of the attributes of a sample file's header, for its writer and its reader; docs/sample_file.md
-// explains each.
+// Names of the attributes in a sample file's header, shared by writer and reader. docs/sample_file.md
+// explains each attribute.
 #pragma once
 
 namespace postlens::attribute {

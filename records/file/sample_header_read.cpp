@@ -22,8 +22,8 @@ std::map<std::uint32_t, std::string> names_of_manifest(const ExrPart& part, cons
     std::map<std::uint32_t, std::string> names;
     const auto bytes = part.raw("idManifest", "idmanifest");
     if (!bytes) return names;
-    // The attribute is the uint64 expanded size and a zlib stream. The OpenEXR library does not check that
-    // size, so the stream is expanded here.
+    // The attribute consists of the expanded size as uint64 and a zlib stream. The stream is expanded here,
+    // because the OpenEXR library does not check that size.
     std::uint64_t size = largest_manifest_bytes + 1;
     if (bytes->size() >= sizeof size) std::memcpy(&size, bytes->data(), sizeof size);
     if (size > largest_manifest_bytes) {
@@ -63,7 +63,7 @@ std::vector<std::uint32_t> ids_of_text(const std::string& text, const std::strin
     return ids;
 }
 
-/// Checks that the parts are those of a sample file with this header, including optional channels.
+/// Checks that the parts of the file, with their optional channels, are those that this header requires.
 void check_parts(const ExrHeaders& headers, const SampleHeader& header, const std::string& file) {
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     for (std::size_t i = 0; i < headers.parts.size(); ++i) {
@@ -118,7 +118,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         fail(ExitCode::invalid_input, "{}: unexpected number of parts (got {}; expected 3, and 2 for a key)",
              file, headers.parts.size());
     }
-    // These numbers are limited before sizes are computed from them.
+    // Width, height and overscan are limited before sizes are computed from them.
     const Window display = need(part.get_window("displayWindow"), "displayWindow");
     const auto extent = [](int low, int high) {
         return low == 0 && high >= 0 && high < largest_extent_px ? high + 1 : -1;

@@ -33,8 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// Converts a matrix. OpenEXR multiplies row vectors, glm column vectors, so the sixteen numbers in memory
-/// are equal.
+/// Converts a matrix. OpenEXR multiplies row vectors and glm column vectors, so both store the same sixteen
+/// numbers in the same order.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {
@@ -43,8 +43,8 @@ Imath::M44d imath_of(const glm::dmat4& m) {
     return out;
 }
 
-/// Adds attributes for other programs, in single precision. The sample file reader uses the double-precision
-/// attributes of postlens instead.
+/// Adds attributes for other programs, in single precision. The reader of sample files ignores them and uses
+/// the double-precision attributes of postlens.
 void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     const auto add_float = [&](const char* name, double value) {
         out.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
@@ -59,7 +59,7 @@ void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     if (header.f_number) add_float("aperture", *header.f_number);
     if (header.focus_m) add_float("focus", *header.focus_m);
     if (header.exposure_s) add_float("expTime", *header.exposure_s);
-    // OpenEXR's camera looks along +z, that of postlens along -z.
+    // The camera looks along +z in OpenEXR, but along -z in postlens.
     glm::dmat4 camera_from_world = glm::inverse(header.world_from_camera);
     for (int column = 0; column < 4; ++column) camera_from_world[column][2] *= -1;
     Imf::addWorldToCamera(out, Imath::M44f(imath_of(camera_from_world)));

@@ -1,4 +1,4 @@
-// Keyframed motion, prepared for fast evaluation at the instant of each ray.
+// Keyframed motion, prepared so that the pose at the instant of each ray is fast to compute.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// Evaluates keys as transform_at does, but with precomputed inverse cosines: rotations by slerp,
-/// translations and scales linearly.
+/// Interpolates keys as transform_at does: rotations by slerp, translations and scales linearly. Angles and
+/// inverse sines between keys are precomputed.
 class MotionPath {
   public:
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position and orientation at an instant: world = translation + rotation * scale * p.
+    /// Position and orientation at one instant: world = translation + rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
         glm::dmat3 rotation{1};
@@ -25,12 +25,12 @@ class MotionPath {
             return translation + rotation * (scale * p);
         }
         [[nodiscard]] glm::dvec3 direction(const glm::dvec3& v) const { return rotation * (scale * v); }
-        /// Inverse of `point`: p is in world coordinates.
+        /// Inverse of `point`; p is in world coordinates.
         [[nodiscard]] glm::dvec3 unmoved_point(const glm::dvec3& p) const {
             return unmoved_direction(p - translation);
         }
         [[nodiscard]] glm::dvec3 unmoved_direction(const glm::dvec3& v) const {
-            return (v * rotation) / scale;  // v * rotation is the transposed rotation times v
+            return (v * rotation) / scale;  // v * rotation is transpose(rotation) * v
         }
         [[nodiscard]] glm::dmat4 matrix() const;
     };
@@ -38,12 +38,12 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns open, the instants of all keys between open and close, and close.
+    /// Returns a list of instants in order: open, all keys between open and close, and close.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:
     struct Interval {
-        double begin_s = 0, per_s = 0;  // position between the two keys: (t - begin_s) * per_s, 0 to 1
+        double begin_s = 0, per_s = 0;  // (t - begin_s) * per_s goes from 0 to 1 between the keys
         glm::dvec3 translation{0}, translation_step{0};
         glm::dvec3 scale{1}, scale_step{0};
         glm::dquat from{1, 0, 0, 0}, to{1, 0, 0, 0};

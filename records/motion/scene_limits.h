@@ -3,7 +3,7 @@
 
 namespace postlens {
 
-/// Largest length that a scene may hold, m. Its square is far within the range of a float.
+/// Largest length in a scene, m. Its square is far below the largest float.
 inline constexpr double largest_length_m = 1e12;
 /// Smallest extent of a shape, m.
 inline constexpr double smallest_extent_m = 1e-12;

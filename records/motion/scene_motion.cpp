@@ -26,7 +26,7 @@ json json_of(const std::vector<TransformKey>& keys) {
     return out;
 }
 
-/// Reads JSON values; all errors have the same form of message.
+/// Reads JSON values. All errors have the same form of message.
 class Reader {
   public:
     explicit Reader(const std::string& source) : source_(source) {}

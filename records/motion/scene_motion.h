@@ -1,4 +1,4 @@
-// Motion of objects, camera and lights: the part of a sample file's header that gives their poses at every
+// Motion of objects, camera and lights: the part of a sample file's header that gives their poses at any
 // instant.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace postlens {
 
-/// The rigid motion of one id: world(t) = key(t) * p, with p the same at all times.
+/// The rigid motion of the object with one id: world(t) = key(t) * p, where the point p does not depend on t.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
-    glm::dvec3 centre_m{0};          ///< of a sphere that holds the object, in the space of p
+    glm::dvec3 centre_m{0};          ///< of a sphere that encloses the object, in the space of p
     double radius_m = 0;
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves or casts shadows. `place` is its position or direction before the keys are applied.
+/// A light that moves or casts shadows. `place` is its position or direction without the keys.
 struct LightMotion {
     bool directional = false;  ///< true: `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position, m, or direction
@@ -36,13 +36,13 @@ struct SceneMotion {
     [[nodiscard]] bool operator==(const SceneMotion&) const = default;
 };
 
-/// Converts to JSON that reads back to equal values; empty for an empty motion. docs/sample_file.md lists the
-/// keys.
+/// Converts the motion to JSON text from which motion_of_text restores equal values; empty for an empty
+/// motion. docs/sample_file.md lists the keys.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads the text of motion_text. Throws Error(invalid_input), whose message begins with `source`, for other
-/// JSON, numbers that are not finite, times that do not grow, scales of 0, rotations that are not unit
-/// quaternions, and id 0.
+/// Reads the text that motion_text writes. Throws Error(invalid_input), with a message that begins with
+/// `source`, for other JSON, numbers that are not finite, times that do not increase, scales of 0, rotations
+/// that are not unit quaternions, and id 0.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

@@ -8,7 +8,7 @@
 namespace postlens {
 
 /// Position and orientation at one instant. Between keys, translation and scale are interpolated linearly,
-/// rotation by slerp.
+/// and the rotation by slerp.
 struct TransformKey {
     double time_s = 0;
     glm::dvec3 translation{0};
@@ -17,7 +17,7 @@ struct TransformKey {
     [[nodiscard]] bool operator==(const TransformKey&) const = default;
 };
 
-/// Transform at an instant, interpolated between keys; constant before the first and after the last.
+/// The transform at an instant, interpolated between keys; constant before the first and after the last key.
 [[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens
