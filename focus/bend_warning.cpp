@@ -12,14 +12,14 @@
 namespace postlens {
 namespace {
 
-/// Tests which reflected and transmitted nodes are reprojected to a wrong position for some lens point,
-/// because their matrix W is only a linear approximation.
+/// Finds the reflected and transmitted nodes that are reprojected to a wrong position for some lens point.
+/// The cause is that their matrix W is only a linear approximation.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
-    /// Error of a node's position as seen from the lens's rim, px.
+    /// Error of a shading-tree node's position as seen from the lens's rim, px.
     [[nodiscard]] double px(float bend) const { return px_per_bend_ * static_cast<double>(bend); }
     [[nodiscard]] bool by_bend(float bend) const { return px(bend) > most_bend_px; }
     bool operator()(const Record& r) const {
@@ -30,7 +30,8 @@ class Misplaced {
     double px_per_bend_;
 };
 
-/// Half the width of a node's blur, px: the root mean square of the singular values of (1/focus - W), scaled.
+/// Half the width of a shading-tree node's blur, px. This width is proportional to the root mean square of
+/// the singular values of (1/focus - W).
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

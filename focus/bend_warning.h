@@ -1,4 +1,5 @@
-// Warning about nonlinear W: nodes in mirrors and glass that W misplaces for some lens points.
+// Warning about nonlinear W. For some lens points, the matrix W reprojects reflected and transmitted surfaces
+// to wrong positions.
 #pragma once
 
 #include <optional>
@@ -10,29 +11,31 @@
 
 namespace postlens {
 
-/// A warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. That is a
-/// visible node, brighter than 1/255, that W reprojects with an error of more than half a pixel for some lens
-/// point: (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, with the aperture's diameter D. None if no
-/// pixel shows a misplaced node, for a pinhole, and for files without w_bend (`SampleHeader::has_bend`).
+/// Returns a warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. A
+/// node is misplaced if it is visible, brighter than 1/255, and reprojected by W with an error of more than
+/// half a pixel for some lens point: (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, where D is the
+/// aperture's diameter. Returns nothing if no pixel shows a misplaced node, for a pinhole, and for files
+/// without w_bend (`SampleHeader::has_bend`).
 ///
-/// Reads the records once, or not at all if `frame` holds their errors (FocusFrame::largest_bends). The
-/// result does not depend on the number of threads. With `crop`, only these pixels of the traced image count.
+/// Reads the records once. They are not read if `frame` already has their errors (FocusFrame::largest_bends).
+/// The result does not depend on the number of threads. With `crop`, only these pixels of the traced image
+/// count.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Images of the light that W reprojects to wrong positions: the radiance of the nodes that bend_warning
-/// counts, each spread over a square as wide as its blur.
+/// Images of the light that W reprojects to wrong positions. They contain the radiance of all nodes that
+/// bend_warning counts, each spread over a square as wide as the node's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
     /// Adds the records of rows [y_begin, y_end) of `band`. Each row of the file is added once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Misplaced radiance per pixel, row by row; no elements if no node is misplaced.
+    /// Misplaced radiance per pixel, row by row. Empty if no node is misplaced.
     [[nodiscard]] std::vector<float> picture() const {
         return any_ ? summed_up(light_) : std::vector<float>();
     }
-    /// Per pixel, misplaced radiance times the error of its position, px, as seen from the lens's rim. The
-    /// error is limited to farthest_px. No elements if no node is misplaced.
+    /// Per pixel, misplaced radiance times the error of its position, px, as seen from the lens's rim. Errors
+    /// are limited to farthest_px. Empty if no node is misplaced.
     [[nodiscard]] std::vector<float> moved_px() const {
         return any_ ? summed_up(moved_) : std::vector<float>();
     }
@@ -43,7 +46,7 @@ class MisplacedLight {
     int width_, height_;
     bool possible_, any_ = false;
     [[nodiscard]] std::vector<float> summed_up(const std::vector<double>& of) const;
-    std::vector<double> light_, moved_;  ///< squares as differences in x and y, which summed_up integrates
+    std::vector<double> light_, moved_;  ///< squares, stored as differences in x and y (see summed_up)
 };
 
 }  // namespace postlens

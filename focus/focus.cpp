@@ -66,7 +66,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds all rows of the frame to `Splats`, the tables of impulse responses: SplatTables or LayerSplats.
+/// Adds all rows of the frame to `splats`, either SplatTables or LayerSplats.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -74,19 +74,19 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// How an image is divided into strips if its splats, the impulse responses of its samples, exceed the memory
+/// The division of an image into strips, used if its splats (impulse responses of samples) exceed the memory
 /// limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
-    std::size_t most_bytes;  ///< memory limit of the splats of a strip
-    int block_px;            ///< edge of the blocks of pixels that are scattered to together
+    std::size_t most_bytes;  ///< memory limit for the splats of one strip
+    int block_px;            ///< edge of the pixel blocks that are scattered to together
 };
 
-/// Makes an image strip by strip if its splats exceed the memory limit. The result is bit-identical to the
-/// image made at once. The records are read several times: to find the kernels of all rows, to find which
-/// pixels each splat reaches, and for each strip to keep the splats that reach it. `draw(part)` makes one
-/// part of the image.
+/// Computes an image strip by strip if its splats exceed the memory limit. The result is bit-identical to
+/// that without strips. The records are read several times: first to find the kernels of all rows, then to
+/// find the pixels that each splat reaches, and once more for each strip, to keep the splats that reach it.
+/// `draw(part)` computes one part of the image.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -119,7 +119,7 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // If one row of blocks exceeds the limit, it is divided into parts of several columns.
+        // If a single row of blocks exceeds the limit, it is divided into parts of several columns.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -128,8 +128,8 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Blur and magnification commute, so the image is blurred at the traced resolution: there a CoC, in px, is
-/// smaller by the zoom than in the framed image.
+/// Converts the geometry to px of the trace. Blur and magnification commute, so the image is blurred at the
+/// traced resolution, where a CoC in px is smaller than in the framed image by the factor `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -168,16 +168,16 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // A pixel's samples mostly merge into few splats, at most one per record on average. The sums of each
-        // surface and rows before sorting need memory as well, so the splats of a strip get a sixth of the
-        // limit.
+        // On average, a record yields at most one splat, because most samples of a pixel merge. The splats of
+        // a strip only get a sixth of the limit, because the sums of each surface and the unsorted rows need
+        // memory as well.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
     } else {
-        // A response is interpolated between up to four subpixel positions, so a record becomes up to four
+        // A response is interpolated between up to four subpixel positions, so a record yields up to four
         // splats.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
@@ -185,7 +185,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        scatter(splats, image, part);
                    });
     }
-    // Writing the image, the next step, takes as much memory as the image itself.
+    // The image is written next, which needs as much memory as the image itself.
     if (parts) give_back_memory();
     return out;
 }
@@ -214,7 +214,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // Largest share of a pixel's light that may be missing in the records without a warning.
+    // Largest share of a pixel's light that may be missing from the records without a warning.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /
@@ -237,7 +237,7 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
     check_crop(settings.crop, h.width, h.height);
     if (h.projection == Projection::orthographic) {
-        // An orthographic camera has parallel rays: no lens, no aperture and no film distance.
+        // An orthographic camera has parallel rays and thus no lens, aperture or film distance.
         if (!pinhole) {
             fail(ExitCode::wrong_arguments,
                  "f-number is out of range for an orthographic file, which no lens can have taken (got {}; "
@@ -263,7 +263,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // Pixels of a magnified image are means of traced pixels, so the whole traced image is made first.
+    // Each pixel of a magnified image is a mean of traced pixels, so the whole traced image is computed
+    // first.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

@@ -16,11 +16,11 @@
 namespace postlens {
 namespace {
 
-/// Coverages below this are left out of a Cryptomatte, as renderers leave them out.
+/// Smaller coverages are omitted from a Cryptomatte, as renderers do.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects per pixel) of a Cryptomatte. It is above the usual number, because
-/// pixels at blurred edges show more objects. It does not depend on what part of an image is made, so that
-/// all parts have the same channels.
+/// Smallest number of ranks (objects per pixel) of a Cryptomatte. This number exceeds the usual one, because
+/// pixels at blurred edges show more objects. All parts of an image use the same number, so that they have
+/// the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -31,8 +31,8 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Signed CoC diameter of what the pinhole sees in each pixel: of the sample at which the composited alpha
-/// reaches one half.
+/// Signed CoC diameter of the surface that the pinhole sees in each pixel: of the sample at which the
+/// composited alpha reaches one half.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry) {
     const auto width = static_cast<std::size_t>(picture.width);
     Image::Plane out = plane("CoC", width * static_cast<std::size_t>(picture.height));
@@ -93,7 +93,7 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
         image.planes.push_back(std::move(id));
         image.planes.push_back(std::move(coverage));
     }
-    // The key is the first seven digits of the name's hash.
+    // Cryptomatte's metadata key contains the first seven digits of the name's hash.
     const std::string key =
         fmt::format("cryptomatte/{:08x}", cryptomatte_id(source.name)).substr(0, 19) + "/";
     image.texts.emplace_back(key + "name", source.name);
@@ -103,7 +103,7 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
 }
 
 /// Adds the channel with the standard error of the mean of `a` and `b`, the images of two independent halves
-/// of the views: half their difference has the standard deviation of their mean.
+/// of the views. The standard deviation of half their difference equals that of their mean.
 void add_error(const Image& a, const Image& b, Image& image) {
     Image::Plane error = plane("error", a.rgb.size() / 3);
     for (std::size_t k = 0; k < error.values.size(); ++k) {

@@ -43,7 +43,7 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Window of the corners of all pixels whose content is known: the stored pixels, and the other pixels of the
+/// Window of the corners of all pixels with known content: the stored pixels, and all other pixels of the
 /// raster, which are empty.
 RasterWindow known_corners(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
@@ -143,8 +143,7 @@ class Spread {
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
                     const Behind* behind = stored && !behind_.empty() ? &behind_at(x, y) : nullptr;
-                    // `scatter` has no estimates of hidden surfaces, so translucent samples fill their
-                    // pixels.
+                    // `scatter` does not estimate hidden surfaces, so translucent samples fill their pixels.
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
                                behind == nullptr || behind->fills, behind, value, row);
                 }
@@ -162,8 +161,8 @@ class Spread {
 
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
-            // `layers` composites empty space as the farthest surface. `scatter` divides by the weights that
-            // arrive, so it needs for each pixel the largest share that may stay empty.
+            // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
+            // weights that arrive, so it needs the largest share of the pixel that may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels();
             } else {
@@ -177,8 +176,8 @@ class Spread {
             if (auto warning = overscan_warning(splats.border(), corners_, window_, crop_))
                 report->warnings.push_back(*std::move(warning));
         };
-        // Reflected and transmitted surfaces have no depths of their own here, so the depth model has no
-        // effect.
+        // Images of other programs have no separate depths for reflected and transmitted surfaces, so the
+        // choice of the depth model has no effect.
         if (method_ == FocusMethod::layers) {
             finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_), layers);
         } else {
@@ -197,7 +196,7 @@ class Spread {
     std::vector<float> nothing_;  ///< nothing_in_reach, for `scatter`
 };
 
-/// Fills the parts of an opaque image that no view shows, and adds a warning with their share.
+/// Fills the parts of an opaque image that no view shows, and adds a warning with the share of these parts.
 void fill_unseen(StackField& field, const RasterWindow& drawn, std::vector<FocusWarning>& warnings) {
     std::vector<float> seen(field.unseen.size());
     double unseen = 0;
@@ -237,7 +236,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     StackField field = stack_field(picture, behind, s);
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
     if (!is_see_through(picture, behind)) {
-        // Gaps are filled from around, so a part with gaps needs the whole image to have the same bits.
+        // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
+        // that the crop has the same bits as the whole image.
         const auto is_gap = [](float unseen) { return unseen >= 1; };
         if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
             s.drawn = window;
@@ -294,7 +294,7 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& se
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
     // Blur and magnification commute, so the image is blurred at its own resolution, where circles of
-    // confusion are smaller by the zoom.
+    // confusion are smaller by the factor `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

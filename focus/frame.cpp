@@ -9,11 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Largest number of rows read at a time. From fewest_rows on, a band ends at enough_records records (of
-/// about 60 bytes each).
+/// Largest number of rows that are read at a time. A band ends earlier if it has at least fewest_rows rows
+/// and enough_records records (of about 60 bytes each).
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Rows per kept band. Parallel loops over all rows wait for their threads after each band.
+/// Rows per band that is kept in memory. Loops over all rows run in parallel within a band and wait for their
+/// threads after each band.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
@@ -39,8 +40,8 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Each record makes at most one point sample; growing vectors may have twice the capacity they need.
-    // Plain corners add a depth and a colour.
+    // Upper bound of the memory. Each record yields at most one point sample, and a growing vector may have
+    // twice the capacity it needs. Plain corners add a depth and a colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

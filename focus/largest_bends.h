@@ -1,4 +1,5 @@
-// Per pixel, the largest error of W (w_bend) of the nodes that the pinhole sees there.
+// Finds, for each pixel, the largest reprojection error of the matrix W (w_bend) among the shading-tree nodes
+// that the pinhole sees.
 #pragma once
 
 #include <vector>
@@ -10,15 +11,15 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// Per pixel, the largest w_bend, m^-2 (records/record.h), of the nodes that the pinhole sees there and that
-/// are brighter than darkest_shown. w_bend does not depend on the lens: for an aperture of diameter D, the
-/// reprojection by W has an error of up to (film distance / pixel pitch) w_bend (D / 2)^2 px.
+/// Per pixel, the largest w_bend, m^-2 (records/record.h), of the nodes that the pinhole sees and that are
+/// brighter than darkest_shown. w_bend does not depend on the lens. For an aperture of diameter D, the error
+/// of the reprojection by W is at most (film distance / pixel pitch) w_bend (D / 2)^2 px.
 class LargestBends {
   public:
-    /// For rows [y_begin, y_end) of the image of `header`, which has no overscan.
+    /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.
     LargestBends(const SampleHeader& header, int y_begin, int y_end);
-    /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows outside of the rows given to
-    /// the constructor are skipped.
+    /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows that were not given to the
+    /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }

@@ -10,19 +10,20 @@
 namespace postlens {
 namespace {
 
-/// Smaller reaches of missing light into the image, px, cause no warning.
+/// Missing light that reaches less far into the image than this, px, causes no warning.
 constexpr double smallest_reach_px = 0.5;
 
-/// Per pixel along one side of the image, how far light from beyond the records reaches into the image, px.
+/// For each pixel along one side of the image: how far light from beyond the records would reach into the
+/// image, px.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // CoC radii are recorded at pixel corners. Along a side of the image, a pixel has one corner at
-        // either end.
+        // CoC radii are recorded at pixel corners. A pixel at a side of the image has two corners along this
+        // side.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
-        // 1e6 px is more than the size of any image.
+        // The limit of 1e6 px exceeds the size of any image.
         if (reach > smallest_reach_px)
             out[static_cast<std::size_t>(i - begin)] = static_cast<int>(std::ceil(std::min(reach, 1e6)));
     }
@@ -49,7 +50,7 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // All sides of the image have the same overscan, so the side that needs the widest overscan decides.
+    // All sides of the image get the same overscan, so the side that needs most determines it.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

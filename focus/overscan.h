@@ -1,4 +1,4 @@
-// Warning that light from beyond the records blurs into the image.
+// Warning about blur that would bring light from beyond the records into the image.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,10 @@
 
 namespace postlens {
 
-/// A warning of code "overscan" if circles of confusion of the outermost records are larger than the
-/// overscan. The image pixels that these circles reach miss light from beyond the records, and are normalised
-/// by the light that is recorded. Only circles at the border of the records matter, not the largest circle of
-/// the image. `crop`: only these pixels of the image count. None if no pixel is affected.
+/// Returns a warning of code "overscan" if circles of confusion of the outermost records are larger than the
+/// overscan. The image pixels that these circles reach lack light from beyond the records, and are normalised
+/// by the recorded light. Only circles at the border of the records matter, not the largest circle of the
+/// image. With `crop`, only these pixels of the image count. Returns nothing if no pixel is affected.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

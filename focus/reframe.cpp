@@ -10,7 +10,8 @@
 namespace postlens {
 namespace {
 
-/// The traced pixels that an output pixel covers along one axis, with the share of each.
+/// The traced pixels that an output pixel covers along one axis. For each of them, the share of the output
+/// pixel that it fills.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1
@@ -58,7 +59,8 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Averages columns first, then rows, so that each traced row is read once, in memory order.
+            // Averages vertically first, then horizontally, so that each traced row is read once, in memory
+            // order.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {
                 const float* from = traced.pixel(0, row.first + static_cast<int>(j) - window.y_begin);

@@ -42,7 +42,8 @@ class MotionBlur {
         find_motion();
         choose();
         prepare_convolution();
-        // Static surfaces may change colour between recorded instants, so their images are blended.
+        // Static surfaces may change colour between recorded instants, so the images of these instants are
+        // blended.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
         const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
@@ -74,14 +75,14 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Neighbouring bands share a row. An object that is recorded only in that row keeps both bands in
+        // Neighbouring bands share a row. An object that is recorded only in this row keeps both bands in
         // memory.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_)
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // At other recorded instants, the records of an object may move differently, and some objects are
-        // recorded only there.
+        // At other recorded instants, the records of an object may move differently. Some objects are
+        // recorded only at other instants.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             IdExtents extents;
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
@@ -137,7 +138,7 @@ class MotionBlur {
         }
     }
 
-    // Rows of the raster in which a moving group of objects is recorded or over which it passes.
+    // Rows of the raster in which a moving group of objects is recorded, or over which it passes.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -145,8 +146,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // A margin of 2 rows is added, because a sample's quarter of a leaf extends beyond the sample, and a
-        // cell extends half a cell beyond its centre.
+        // A margin of 2 rows is added: a sample represents a quarter of a quadtree leaf, which extends beyond
+        // the sample, and a cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -154,9 +155,9 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Finds the groups of objects to convolve, and the surfaces of the rows that they touch. `automatic`
-    /// leaves a group with parallax to lightfield if it is more than one surface or if other surfaces lie in
-    /// its range of depth.
+    /// Finds the groups of objects to convolve, and the surfaces of the rows that these groups touch. With
+    /// `automatic`, a group with parallax uses lightfield if it is more than one surface or if other surfaces
+    /// lie in its range of depth.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -230,9 +231,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Here moving objects cover every pixel, so no static pixel can fill the background that they
-            // uncover. It is filled from the views, which are therefore drawn for the whole image and not
-            // only the crop.
+            // Moving objects cover every pixel here, so no static pixel can fill the background that they
+            // uncover. The background is filled from the views instead. The views are therefore drawn for the
+            // whole image and not only for the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -255,8 +256,8 @@ class MotionBlur {
     }
 
     // Background colours for the pixels that moving objects cover in the records, interpolated from the
-    // pixels around them. If moving objects cover every pixel, the colours come from the pixels whose light a
-    // view knows.
+    // surrounding pixels. If moving objects cover every pixel, the colours are interpolated from pixels whose
+    // light is known in a view.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -285,8 +286,8 @@ class MotionBlur {
                               result_.warnings);
     }
 
-    // Adds the ids of objects that move in the world but have no records: mirrors and glass may still show
-    // them.
+    // Adds the ids of objects that move in the world but have no records, because mirrors and glass may still
+    // show them.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -300,8 +301,8 @@ class MotionBlur {
         return moving;
     }
 
-    // Warns of moving objects that are recorded only at other instants than the frame's, which convolve
-    // ignores.
+    // Warns of moving objects that are recorded only at instants other than the frame's. The method convolve
+    // ignores them.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
@@ -338,7 +339,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference is not finite if one of the times is not finite, or if the subtraction overflows.
+    // The difference is not finite if one of the times is not finite or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

@@ -1,4 +1,4 @@
-// Motion blur of a sample file: the image that a shutter exposes while the recorded objects move.
+// Motion blur of a sample file: computes the image that is exposed while the recorded objects move.
 #pragma once
 
 #include <optional>
@@ -13,22 +13,23 @@
 
 namespace postlens {
 
-/// How moving objects are blurred.
-/// convolve: convolves the raster of the objects that share a path with the raster of the path.
-/// lightfield: averages views of the surfaces at many instants.
-/// automatic: convolve for objects that move parallel to the film (within 0.25 px) as a whole, and for those
-/// with parallax that are one surface with nothing else in its range of depth; lightfield for all others.
+/// Method by which moving objects are blurred.
+/// - convolve: convolves the raster of the objects that share a path with the raster of the path.
+/// - lightfield: averages views of the surfaces at many instants.
+/// - automatic: convolve for two kinds of objects. The first kind moves parallel to the film as a whole
+///   (within 0.25 px). The second kind has parallax, is one surface, and has no other surface in its range of
+///   depth. All other objects use lightfield.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
-    Exposure exposure;  ///< on the scene's clock, open <= close
+    Exposure exposure;  ///< on the scene's clock, s; open <= close
     ShutterCurve curve = ShutterCurve::box();
     MotionMethod method = MotionMethod::automatic;
     std::optional<int> views;       ///< number of views of lightfield
-    std::vector<ObjectPath> paths;  ///< replace the file's motion of their ids
-    std::optional<double> fit_px;   ///< tolerance within which splines replace paths
-    /// Wanted part of the image; the other pixels are undefined. The wanted pixels have the same bits as
-    /// without a crop, and shares refer to them. Only lightfield becomes faster.
+    std::vector<ObjectPath> paths;  ///< each replaces the file's motion for its ids
+    std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
+    /// The part of the image to compute; all other pixels are undefined. The computed pixels have the same
+    /// bits as without a crop, and shares refer to them. Only lightfield becomes faster with a crop.
     std::optional<Crop> crop;
 };
 
@@ -38,7 +39,7 @@ struct MotionWarning {
     std::string text;
 };
 
-/// Method that was chosen for an id, with the reason.
+/// The method that was chosen for an object id, and the reason.
 struct ObjectReport {
     std::uint32_t id = 0;
     std::string name;
@@ -63,10 +64,10 @@ struct MotionBlurResult {
 /// Throws Error(wrong_arguments) unless both times are finite and open_s <= close_s.
 void check_exposure(const Exposure& exposure);
 
-/// Makes the image of a sample file with motion blur. The result is bit-identical for any number of threads.
-/// If nothing moves between the recorded instant and the exposure, it is the pinhole image, bit for bit.
-/// Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths of unknown ids and
-/// for a damaged file, Error(out_of_memory).
+/// Computes the image of a sample file with motion blur. The result is bit-identical for any number of
+/// threads. If nothing moves between the recorded instant and the exposure, it has the same bits as the
+/// pinhole image. Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths of
+/// unknown ids and for a damaged file, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

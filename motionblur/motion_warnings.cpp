@@ -21,8 +21,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Whether a shading tree has a node whose object moves differently from that of the primary node, with which
-/// all nodes are reprojected.
+/// Whether a shading tree shows an object that moves differently from the directly visible object. All nodes
+/// of a tree are reprojected with the motion of the directly visible object.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -31,7 +31,8 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end), with the range of its records, for every shading tree of layer 0 in a pixel.
+/// Calls tree(first, end) for every shading tree of layer 0 in a pixel. The arguments are the range of its
+/// records.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -50,7 +51,7 @@ std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>&
     std::vector<std::uint64_t> counts(bands.size(), 0);
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
-        // The band's last row is left out: it is also the first row of the next band, where it is counted.
+        // The band's last row is left out here, because it is counted as the first row of the next band.
         for (int y = std::max(0, band.y_begin); y < std::min(h.height, band.y_end - 1); ++y) {
             if (y % step != 0) continue;
             for (int x = 0; x < h.width; x += step) {
@@ -116,7 +117,7 @@ std::vector<MovingLight> lights_of(const SceneMotion& motion, const Exposure& ex
     return out;
 }
 
-/// Whether the segment from point p to the light crosses the sphere at instant i.
+/// Whether the segment from point p to the light intersects the sphere at instant i.
 bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& sphere, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - p;
     const dvec3 to = sphere.centre[i] - p;
@@ -163,8 +164,8 @@ class ShadowTest {
     std::vector<MovingLight> lights_;
 };
 
-/// Whether the motion brings a side on which the border of the recorded area cuts an object off into the
-/// frame.
+/// Whether an object that is cut off by the border of the recorded area moves so that its cut side comes into
+/// the frame.
 bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                      const IdExtent& e, const Exposure& exposure) {
     const SampleHeader& h = file.header();
@@ -178,7 +179,7 @@ bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, st
             const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                                 (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
             if (!p) return true;
-            // Without overscan, the border of the recorded area is that of the frame.
+            // Without overscan, the border of the recorded area is the border of the frame.
             constexpr double margin_px = 0.5;
             if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
                 (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))

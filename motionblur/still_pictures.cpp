@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-/// Adds one band of an instant's image, weighted by `share`, in the pixels that are not `hidden`.
+/// Adds one band of an instant's image with the weight `share`, except in the pixels that are `hidden`.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -29,7 +29,7 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The four corners of a pixel are among the records of the pixel and of its right, lower and lower right
+// The four corners of a pixel are stored with the pixel itself and with its right, lower and lower right
 // neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
@@ -46,7 +46,7 @@ std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::
     };
     parallel_for(bands.size(), [&](std::size_t b) {
         const RecordBand& band = bands[b];
-        if (band.offsets.size() <= 1) return;  // the band is not in memory, as nothing moves in it
+        if (band.offsets.size() <= 1) return;  // the band is not in memory, because nothing moves in it
         for (int y = std::max(0, band.y_begin); y < std::min(header.height, band.y_end - 1); ++y) {
             for (int x = 0; x < header.width; ++x) {
                 out[static_cast<std::size_t>(y) * width + static_cast<std::size_t>(x)] =

@@ -15,20 +15,20 @@
 namespace postlens {
 namespace {
 
-/// Number of views of every tile at the start: 8 for each of the image's two independent halves.
+/// Number of views of every tile at the beginning: 8 for each of the image's two independent halves.
 constexpr int first_views = 16;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));
 }
 
-/// Plans the next step: doubles the number of views of tiles, at most once each, until the expected mean
-/// noise is below `wanted_mse`. The tiles where an added view removes most noise come first. Twice the views
-/// are assumed to halve the squared noise of a tile.
+/// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
+/// mean noise is below `wanted_mse`. Tiles where an added view removes most noise come first. Doubling the
+/// views is assumed to halve the squared noise of a tile.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const TileGrid& grid, double wanted_mse) {
     struct Step {
-        double gain = 0;  ///< squared error removed, per added view of a pixel
+        double gain = 0;  ///< squared error that each added view removes, per pixel
         std::size_t tile = 0;
         bool operator<(const Step& other) const {
             return gain != other.gain ? gain < other.gain : tile > other.tile;
@@ -55,8 +55,9 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Tiles in which rays replace all view samples, because the records themselves are in error there. The tiles
-/// with the largest error are chosen, until the error of the remaining tiles is a quarter of the target.
+/// Selects the tiles in which rays replace all samples of views, because the records themselves are in error.
+/// The tiles with the largest errors are selected, until the error of the remaining tiles is a quarter of the
+/// target.
 std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_mse) {
     std::vector<std::size_t> order;
@@ -107,8 +108,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         StatedError error = stated_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
             std::vector<std::uint8_t> biased = biased_tiles(tiles);
-            // More views do not reduce the error of the records. If it is above a quarter of the target, rays
-            // instead of views are cheaper.
+            // More views do not reduce the error of the records. If this error exceeds a quarter of the
+            // target, replacing views by rays is cheaper.
             if (error.bias_mse > most_mse / 4) {
                 const std::vector<std::uint8_t> more = most_biased(tiles, grid, most_mse);
                 for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];

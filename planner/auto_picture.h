@@ -1,4 +1,4 @@
-// An image with as many views per tile as a target error needs.
+// Makes an image with as many views in each tile as a target error needs.
 #pragma once
 
 #include <optional>
@@ -14,14 +14,14 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. Absent: default_target_db, and no warning
-    /// if the error bound misses this target.
+    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. If absent, the target is
+    /// default_target_db, and there is no warning if the error bound misses it.
     std::optional<double> target_db;
 };
 
 struct AutoTile {
     int views = 0;
-    bool left_to_rays = false;  ///< every view sample of the tile is a ray
+    bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double noise_mse = 0;       ///< measured; sRGB values, mean over pixels and channels
 };
 
@@ -30,11 +30,11 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
-    /// Share of the view samples that the records do not determine. Only set without a scene.
+    /// Share of the samples of views that the records do not determine. Set only if no scene is given.
     double unsure_share = 0;
-    /// noise_mse: measured noise of the views. bound_mse: upper bound of the error that noise and unsure view
-    /// samples cause together (planner/errors/records_bound.h). Only set without a scene, where
-    /// `hybrid.stated` is empty.
+    /// noise_mse: measured noise of the views. bound_mse: upper bound of the error from this noise and from
+    /// samples of views that the records do not determine (planner/errors/records_bound.h). Both are set only
+    /// if no scene is given; `hybrid.stated` is then empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -42,17 +42,18 @@ struct AutoResult {
     std::string plan;  ///< views, error and rays in one sentence, for the log
 };
 
-/// Makes a light field image with as many views per tile as the target error needs. Starts with a few views
-/// per tile. Then repeatedly doubles the number of views of those tiles where this reduces the error most for
-/// its cost, until the upper end of the 95 % interval of the image's error is below the target.
+/// Makes a light field image with as many views in each tile as the target error needs. Starts with a few
+/// views per tile. Then repeatedly doubles the number of views in those tiles where this reduces the error
+/// most in relation to its cost. Stops when the upper end of the 95 % interval of the image's error is below
+/// the target.
 ///
-/// Unsure view samples are those that the records do not determine. With a scene, they are replaced by rays.
-/// Check rays also measure the error of the other samples: if it exceeds a tile's noise or keeps the image
-/// from its target, rays replace all view samples of the tile. Without a scene, unsure samples stay as
-/// recorded, and their error is not measured.
+/// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
+/// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or
+/// prevents the image from reaching its target, rays replace all view samples of the tile. If no scene is
+/// given, unsure samples keep their recorded colours, and their error is not measured.
 ///
-/// A crop does not change the views of a tile. The result is bit-identical for any number of threads. Throws
-/// what hybrid_picture throws.
+/// A crop does not change the number of views of a tile. The result is bit-identical for any number of
+/// threads. Throws the errors of hybrid_picture.
 [[nodiscard]] AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings);
 
 }  // namespace postlens

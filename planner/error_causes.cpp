@@ -18,17 +18,18 @@ namespace postlens {
 namespace {
 
 constexpr int views = 256;
-/// A cause explains a pixel's error if an image without the cause has at most half of the error there: a
-/// quarter of the squared error.
+/// A cause explains a pixel's error if, in an image without this cause, the pixel has at most half of the
+/// error, that is a quarter of the squared error.
 constexpr double explained = 0.25;
-/// Smallest estimated squared error with which a cause counts as the cause of a pixel's error, as a share of
-/// the pixel's squared error. Estimates are accurate to an order of magnitude. The limit for the record
-/// density is smaller, because its estimate includes only edges that the corners of a cell show.
+/// Smallest estimated squared error for which a cause is accepted, as a fraction of the pixel's squared
+/// error. Estimates are accurate to an order of magnitude. The limit for the record density is smaller,
+/// because its estimate includes only edges that the corners of a cell show.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// Share of a pixel's light up to which missing records do not count as the cause of its error.
+/// Share of a pixel's light that may be missing from the records. A larger share counts as a cause of the
+/// pixel's error.
 constexpr float tolerated_unknown = 0.02F;
-/// Share of the squared error without a known cause, above which the scene is traced again to find causes.
+/// Fraction of the squared error without a known cause, above which the scene is traced again to find causes.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -51,14 +52,14 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel, double above) {
 }
 
 /// Share of a pixel's light that may come from beyond the overscan: the part of the pixel's circle of
-/// confusion that lies outside. The circle is assumed to be as large as the largest one along that side of
+/// confusion that lies outside. The circle is assumed to be as large as the largest circle along that side of
 /// the image.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
         : h_(header), geometry_(geometry) {}
 
-    /// Adds records. Adding a record twice changes nothing.
+    /// Adds records. A record that is added twice counts once.
     void add(const RecordBand& band) {
         constexpr int side = 8;
         const int margin = h_.overscan_px;
@@ -82,7 +83,8 @@ class BeyondMargin {
     }
 
   private:
-    /// Share of a disc beyond a straight line at a distance from the disc's centre.
+    /// Share of a disc that lies beyond a straight line. `distance_px`: distance of the line from the disc's
+    /// centre.
     static double outside(double distance_px, double radius_px) {
         if (radius_px <= distance_px) return 0;
         const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
@@ -91,10 +93,10 @@ class BeyondMargin {
 
     const SampleHeader& h_;
     FocusGeometry geometry_;
-    double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest radius of a CoC along each side, px
+    double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest CoC radius along each side, px
 };
 
-/// Means over squares of 2 radius_px + 1 px around each pixel.
+/// Mean over a square of 2 radius_px + 1 px around each pixel.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
     const auto at = [](int line, int next, int i, int step) {
@@ -117,7 +119,7 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Cause of the error of a pixel that a light field with many views shows correctly.
+/// Returns the cause of the error of a pixel that a light field with many views renders correctly.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -150,7 +152,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
                                                   {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // The light field of the records resolves visibility and, with a shutter, the motion.
+    // The light field of the records resolves visibility. With a shutter, it also resolves the motion.
     FieldFocusSettings by_field{
         geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, views, {}, {}};
     if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
@@ -184,7 +186,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing again is expensive, and in most images little of the error remains unexplained.
+    // Tracing again is expensive, and in most images only little of the error remains unexplained.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -222,8 +224,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else if (best != nullptr) {
             cause = best->cause;
             // Records of other instants show surfaces that rotated into view, but also changed colours of
-            // surfaces that were visible before. If hardly any light was unknown, the changed colours are the
-            // cause.
+            // surfaces that were already visible. If hardly any light was unknown, the changed colours are
+            // the cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
@@ -232,7 +234,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // The views do not know light from beyond the overscan either. Its share is subtracted.
+            // The unknown light of the views includes light from beyond the overscan. The share of that light
+            // is subtracted.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

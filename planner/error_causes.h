@@ -1,4 +1,4 @@
-// The cause of each pixel's error, from the records, the lens and the shutter.
+// Finds the cause of each pixel's error, from the records, the lens and the shutter.
 #pragma once
 
 #include <array>
@@ -12,15 +12,15 @@
 namespace postlens {
 
 enum class ErrorCause : std::uint8_t {
-    none,            ///< the pixel is not wrong
+    none,            ///< the pixel is not in error
     hidden_surface,  ///< the lens sees a surface that is not recorded
-    visibility,      ///< the method mixes recorded surfaces of which one hides the other
+    visibility,      ///< the method mixes two recorded surfaces although one hides the other
     curvature_of_w,  ///< nonlinear W: a reflected or refracted node is reprojected to a wrong position
-    view_dependent_shading,     ///< no other cause: the radiance differs over the lens
+    view_dependent_shading,     ///< assumed if no other cause is found: the radiance differs over the lens
     path_and_depth_correlated,  ///< an object moves through the focus or in front of a blurred object
     frame_edge,                 ///< light comes from beyond the overscan
     kernel_truncation,          ///< the number of depths or the size of kernels was limited
-    record_density,             ///< edges are known to a quadtree cell only, or there are too few views
+    record_density,             ///< edges are known only to a quadtree cell, or there are too few views
 };
 inline constexpr std::size_t error_causes = 9;
 /// Name of a cause, such as "hidden-surface".
@@ -28,33 +28,35 @@ inline constexpr std::size_t error_causes = 9;
 
 struct CauseRequest {
     HybridSettings view;                ///< lens, shutter and motion; the method is ignored
-    std::optional<FocusMethod> method;  ///< method that made the image; empty: unknown
-    std::optional<int> depths;          ///< number of depths that `scatter` was limited to
-    /// A pixel is wrong if a channel differs by more than this, sRGB values.
+    std::optional<FocusMethod> method;  ///< method that made the image; empty if it is not known
+    std::optional<int> depths;          ///< number of depths to which `scatter` was limited
+    /// A pixel is in error if a channel differs from the reference by more than this, sRGB values.
     double wrong_above = 1.0 / 255;
 };
 
 struct CauseMap {
     int width = 0, height = 0;
     std::vector<ErrorCause> causes;                  ///< per pixel
-    std::array<double, error_causes> error_share{};  ///< per cause, share of the wrong pixels' squared error
+    std::array<double, error_causes> error_share{};  ///< per cause, share of the squared error
 };
 
-/// Finds the cause of the error of each wrong pixel (CauseRequest::wrong_above), in three steps.
+/// Finds the cause of the error of each pixel in error (CauseRequest::wrong_above), in three steps.
 ///
-/// 1. Some causes can be removed: the image is made again with finer kernels (kernel_truncation), and by the
-///    light field with many views. The latter removes visibility, path_and_depth_correlated with an open
-///    shutter, record_density of a light field with fewer views, and curvature_of_w if another depth model
-///    than W was used. A pixel whose error falls to half or less has that cause.
-/// 2. With `view.scene`, if a tenth of the error is still unexplained, the scene is traced again, without
-///    limits that may be the cause (error_trials).
-/// 3. For pixels that are still unexplained, an error is estimated for each remaining cause: for hidden
-///    surfaces and light from beyond the overscan from the local contrast, for nonlinear W from the radiance
-///    that it moves, and for the record density from the record floor (record_floor). The cause with the
-///    largest estimate is chosen if that is at least a tenth of the error. Otherwise the cause is
-///    view-dependent shading.
+/// 1. Some causes can be removed by making the image again. Finer kernels remove kernel_truncation. A light
+/// field with many views removes visibility, path_and_depth_correlated (with an open shutter), record_density
+/// (of a light field with fewer views), and curvature_of_w (if a depth model other than W was used). If the
+/// error of a pixel decreases to half or less, its cause is the one that was removed.
 ///
-/// Throws what hybrid_picture throws. The images' size must be the file's.
+/// 2. If `view.scene` is given and at least a tenth of the error is still unexplained, the scene is traced
+/// again, without limits that may be the cause (error_trials).
+///
+/// 3. For each remaining cause, the error is estimated in the pixels that are still unexplained. For hidden
+/// surfaces and light from beyond the overscan, the estimate comes from the local contrast. For nonlinear W,
+/// it comes from the radiance that W misplaces, and for record density from the record floor (record_floor).
+/// The cause with the largest estimate is chosen if the estimate is at least a tenth of the error. Otherwise
+/// the cause is view-dependent shading.
+///
+/// Throws the errors of hybrid_picture. Both images must have the file's size.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,
                                          const CauseRequest& request);
 

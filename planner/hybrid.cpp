@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Pixels whose records are insufficient: too much of their light is unknown or misplaced. The worst pixels
-/// come first; equally bad ones are in the order of the image.
+/// Returns the pixels with insufficient records, where too much of the light is unknown or misplaced. The
+/// worst pixels come first. Equally bad pixels have the order of the image.
 std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
                                         double tolerated, const std::optional<Crop>& crop) {
     std::vector<std::uint32_t> out;
@@ -33,11 +33,11 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
-/// Scattering costs about as much as this many views of the whole image. An image of few views is scattered
-/// only where that replaces most of its pixels.
+/// Cost of scattering, in views of the whole image. An image of few views is therefore scattered only if this
+/// replaces most of its pixels.
 constexpr double scatter_costs_views = 200;
 
-/// Image from the records alone, without rays.
+/// Makes the image from the records alone, without rays.
 HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     FieldFocusSettings by_field = field_settings(frame.file().header(), settings);
     const SampleFileReader& file = frame.file();
@@ -88,7 +88,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Image from records and rays into the scene, drawn in two halves whose difference measures the noise.
+/// Makes the image from records and from rays into the scene. The two halves of the image are drawn
+/// separately, and their difference measures the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

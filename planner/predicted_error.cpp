@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest number of views of the estimate, and number of their first set of lens points. The sets of the
-/// image have lower numbers, so that its errors are independent of those of the estimate.
+/// Smallest number of views in the estimate, and the number of its first set of lens points. The sets of the
+/// image have lower numbers, so the image's errors are independent of those of the estimate.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

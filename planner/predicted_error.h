@@ -1,4 +1,4 @@
-// The error of an image, estimated from its records alone.
+// Estimates the error of an image from the image's records alone, without rays.
 #pragma once
 
 #include <vector>
@@ -10,30 +10,31 @@ namespace postlens {
 
 /// Squared errors of a tile: sRGB values, mean over the tile's pixels and the channels.
 struct PredictedTile {
-    /// Error of the image against the light field of its records with infinitely many views.
+    /// Error of the image relative to the light field of its records with infinitely many views.
     double method_mse = 0;
-    double bound_mse = 0;  ///< error bound of view samples that the records do not determine
+    double bound_mse = 0;  ///< bound of the error from samples that the records do not determine
 };
 
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// PSNR of the image or its crop against the light field of its records with infinitely many views.
+    /// PSNR of the image, or of its crop, relative to the light field of its records with infinitely many
+    /// views.
     double predicted_db = 0;
-    double bound_db = 0;      ///< PSNR with the error bound of view samples that the records do not determine
+    double bound_db = 0;      ///< PSNR of the error bound of samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine
     int views = 0;            ///< number of views drawn for the estimate
 };
 
 /// Throws Error(wrong_arguments) if the impulse response has no lens points (`diffraction`, `lens:`), if the
-/// framing is not the trace's, if the file is orthographic, or if the crop exceeds the image.
+/// framing differs from that of the trace, if the file is orthographic, or if the crop exceeds the image.
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
 /// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens` with `views` views
-/// (0: the method draws no views). Draws two independent images a and b. Each has `views` views, at least 64,
-/// none of which `image` has. The expectation of (image - a)(image - b) is the squared error of `image`,
-/// since the errors of a and b are independent. Throws what check_predictable and field_focus throw. The
-/// result is bit-identical for any number of threads.
+/// (0 if the method draws no views). Two independent images a and b are drawn with `views` views each, but at
+/// least 64. They share no views with `image`. The errors of a and b are independent, so the expectation of
+/// (image - a)(image - b) is the squared error of `image`. Throws the errors of check_predictable and
+/// field_focus. The result is bit-identical for any number of threads.
 [[nodiscard]] PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const Image& image,
                                            int views);
 

@@ -26,7 +26,7 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise, in a pixel, of the mean of the images `a` and `b`; mean over channels.
+/// Squared noise of the mean of the images `a` and `b` in a pixel, as a mean over channels.
 double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
@@ -37,7 +37,7 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
 }
 
 /// Squared error of the records in a pixel: product of the mean residuals (ray minus record) of the two
-/// independent halves, mean over channels.
+/// independent halves, as a mean over channels.
 double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     double sum = 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -66,7 +66,8 @@ struct Mean {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height) {
-    // Products of residuals have a wide distribution: 8000 of them estimate their mean well enough.
+    // Products of residuals (ray minus record) have a wide distribution. With 8000 of them, their mean is
+    // known well enough.
     constexpr int enough_pixels = 8000, sparse = 4, dense = 2;
     edge_ = std::int64_t{width} * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
 }
@@ -86,8 +87,8 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    // Two views per half are checked in each checked pixel. Twice the rays per pixel divide the variance of
-    // the product of two noisy means by four; twice the pixels would divide it by two only.
+    // Two views per half are checked in each checked pixel. Doubling the rays in a pixel divides the variance
+    // of the product of two noisy means by four. Doubling the pixels would only divide it by two.
     const auto views = static_cast<std::uint64_t>(count);
     out.push_back(static_cast<std::uint32_t>(h % views));
     if (views > 1) out.push_back(static_cast<std::uint32_t>((h + 1 + (h >> 32U) % (views - 1)) % views));
@@ -134,12 +135,13 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     out.bias_mse = std::max(0.0, bias.mean());
     const double mse = out.mse();
     if (!(mse > 0)) return out;
-    // Let a piece's error be normally distributed and equal in all its pixels. Its square s then has the
-    // variance 2 E(s)^2, and E(s^2) = 3 E(s)^2, so 2/3 s^2 estimates the variance. The variance counts twice,
-    // because the noise estimate and the noise of this particular image both vary by it.
+    // Let the error of a square piece of the image be normally distributed and equal in all its pixels. Its
+    // square s then has the variance 2 E(s)^2, and E(s^2) = 3 E(s)^2, so 2/3 s^2 estimates the variance. The
+    // variance counts twice, because both the noise estimate and the noise of this particular image have it.
     const double noise_variance = 2 * 2.0 / 3 * noise_squares / (pixels * pixels),
                  deviation = std::sqrt(noise_variance + bias.variance());
-    // 95 % of a normal distribution, here of the error's logarithm, lie within 1.96 standard deviations.
+    // 95 % of a normal distribution lie within 1.96 standard deviations. Here the error's logarithm is
+    // normally distributed.
     const double factor = std::exp(1.96 * deviation / mse);
     out.low_mse = mse / factor;
     out.high_mse = mse * factor;

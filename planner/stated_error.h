@@ -1,4 +1,5 @@
-// The error of an image of views and rays, measured by independent halves and by check rays.
+// The error of an image made of views and rays, measured by independent halves of the views and by check
+// rays.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +11,18 @@
 
 namespace postlens {
 
-/// Selects the view samples that are compared with rays. In each block of 4 x 4 px (2 x 2 px in small
-/// images), one random pixel is checked to state the image's error, and another one to decide in which tiles
-/// rays replace all view samples. In a checked pixel, up to two random views of each half are compared.
+/// Selects the samples of views that are compared with rays. In each block of 4 x 4 px (2 x 2 px in small
+/// images), one random pixel is checked to state the image's error. Another random pixel is checked to decide
+/// in which tiles rays replace all samples. In a checked pixel, up to two random views of each half are
+/// compared.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// `width`, `height`: of the image, px.
+    /// `width`, `height`: size of the image, px.
     CheckedPixels(int width, int height);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the numbers, from 0 to count - 1, of the checked views among views [first, first + count) of a
-    /// set.
+    /// Appends the numbers of the checked views among views [first, first + count) of a set. The numbers are
+    /// relative to `first`: 0 to count - 1.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
 
   private:
@@ -30,7 +32,7 @@ class CheckedPixels {
 /// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
 struct StatedError {
     double noise_mse = 0;  ///< noise of the views: a quarter of the squared difference of two halves
-    double bias_mse = 0;   ///< error of the records, as check rays measure it
+    double bias_mse = 0;   ///< error of the records, measured by check rays
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }
@@ -39,17 +41,18 @@ struct StatedError {
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
 };
 
-/// The error of the mean of `a` and `b`: two images with equally many views, from independent sets of lens
-/// points, and with comparisons of view samples with rays.
+/// Measures the error of the mean of `a` and `b`. These are two images with equally many views, from
+/// independent sets of lens points, and with comparisons between view samples and rays.
 ///
-/// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2. Bias: a checked pixel
-/// has two mean residuals (ray minus record), one per half; their noise is independent, so the expectation of
-/// their product is the squared error of the records. Residuals are converted to sRGB values by the slope of
-/// the sRGB curve at the image's value.
+/// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
+///
+/// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
+/// so the expectation of their product is the squared error of the records. Residuals are converted to sRGB
+/// values by the slope of the sRGB curve at the image's value.
 ///
 /// The 95 % interval assumes that the error's logarithm is normally distributed. Its variance is the sum of
 /// three variances: of the noise estimate, of the image's own noise, and of the products of residuals. The
-/// first two are equal; they assume that the error is the same within a square piece of the image (piece_px),
+/// first two are equal. They assume that the error is constant within a square piece of the image (piece_px)
 /// and independent between pieces.
 [[nodiscard]] StatedError stated_error(const FieldFocus& a, const FieldFocus& b,
                                        const std::optional<Crop>& crop,
@@ -58,14 +61,14 @@ struct StatedError {
 /// Squared errors of a tile: sRGB values, means over pixels and channels.
 struct TileError {
     double noise_mse = 0;
-    double bias_mse = 0;        ///< error of the records, as check rays estimate it; may be negative
+    double bias_mse = 0;        ///< error of the records, estimated by check rays; may be negative
     double bias_deviation = 0;  ///< standard error of `bias_mse`
 };
-/// One per tile of TileGrid, row by row.
+/// Errors of the tiles, one element per tile of TileGrid, row by row.
 [[nodiscard]] std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b);
 
-/// 1 for tiles in which view samples that the records determine have a significant error: it exceeds the
-/// noise of the views and twice its own standard error.
+/// Returns 1 for tiles in which samples that the records seem to determine have a significant error. An error
+/// is significant if it exceeds the noise of the views and twice its own standard error.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
 
 }  // namespace postlens

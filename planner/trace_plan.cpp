@@ -27,11 +27,12 @@ namespace postlens {
 namespace {
 
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
-constexpr int look_levels = 2;  ///< the finest cells of the preview are then pixels of the trace
+constexpr int look_levels = 2;  ///< levels of the preview; its finest cells then are pixels of the trace
 constexpr int most_levels = 6;
-/// Share of the tiles that must reach the target, besides the whole image.
+/// Fraction of the tiles that must reach the target, in addition to the whole image.
 constexpr double tiles_met = 0.9;
-/// Mean number of new samples when a cell is split: its centre and the midpoints of sides that have none yet.
+/// Mean number of new samples when a cell is divided: its centre and those midpoints of its sides that have
+/// no sample yet.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
@@ -60,8 +61,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // Circles of confusion are measured in pixels of the planned trace. Such a pixel is 1/4 of a preview
-    // pixel wide.
+    // CoC diameters are measured in pixels of the planned trace, each 1/4 as wide as a preview pixel.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -88,14 +88,14 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 std::array<const CellCorner*, 4> at{};
                 for (std::size_t i = 0; i < 4; ++i) at[i] = &corners[leaf.corner[i]];
                 const CellStep step = cell_step(at);
-                // Only pixels of the trace that an edge crosses count.
+                // Pixels of the trace without an edge do not contribute.
                 if (step.split == CellStep::Split::none) continue;
                 ++out.edge_pixels;
                 squares += step.square;
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At level L an edge crosses 2^L cells of 4^-L px^2, so that the variance of the light is
+                // At level L an edge crosses 2^L cells of 4^-L px^2, so the variance of the light is
                 // proportional to 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
@@ -105,10 +105,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             const int x = static_cast<int>(pixel) % rows.band->width() + rows.band->x_begin,
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
-            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. Their errors are proportional
-            // to their area, 4^-L px^2. If the edge is parallel to the cells, the errors are equal and add
-            // up, so the squared error is proportional to 2^-2L. If it is slanted, the errors are independent
-            // and their squares add up to 2^-3L.
+            // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
+            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are equal
+            // and add up, so the squared error is proportional to 2^-2L. If the edge is slanted, the errors
+            // are independent, and the sum of their squares is proportional to 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -153,7 +153,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // The records may cause half of the squared error that the target allows, the views the other half.
+    // Half of the squared error that the target allows is reserved for the records, and half for the views.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -171,19 +171,19 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Area of the planned trace, px. Its overscan is that of the preview, whose pixels are `coarser` times as
+    // Area of the planned trace, px, including the preview's overscan, whose pixels are `coarser` times as
     // wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
                              camera.height);
-    // Each split of a cell into four adds samples.
+    // Dividing a cell into four adds samples.
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // `trace` records hidden surfaces as far beside an edge as the lens may see behind it, plus a margin of a
-    // few pixels. The preview's larger pixels make this margin wider, so its number of hidden records is
-    // scaled down.
+    // `trace` records hidden surfaces beside an edge as far as the lens may see behind the edge, plus a
+    // margin of a few pixels. In the preview this margin is wider, because pixels are larger, so the
+    // preview's number of hidden records is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -191,8 +191,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of one at
-        // infinity. No two surfaces of the scene differ by more.
+        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of a surface at
+        // infinity. No two surfaces of the scene differ by more than this.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

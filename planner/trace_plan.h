@@ -13,7 +13,7 @@ struct TracePlan {
     TraceSettings settings;  ///< given settings, with subdivision, hidden layers, overscan and keys chosen
     int levels = 0;          ///< chosen levels of subdivision
     double floor_db = 0;     ///< expected record floor with these levels, as PSNR
-    bool met = true;         ///< false: the record floor of every level is too high for the target
+    bool met = true;         ///< false: the record floor exceeds the target at every level
     double records = 0;      ///< expected number of records
     double bytes = 0;        ///< expected size of the file
     double seconds = 0;      ///< expected time of the trace, on this machine at its present load
@@ -22,16 +22,16 @@ struct TracePlan {
 };
 
 /// Chooses the settings of a trace by a preview at a quarter of the width and height. The contrast and blur
-/// of the preview's edges give the record floor of each level of subdivision, the error of edges that are
-/// known only to a quadtree cell (planner/errors/record_floor.h). The record floor may be at most half of the
-/// squared error that `target_db` allows, in the mean of the image and in nine of ten tiles. The coarsest
-/// level that meets this is chosen.
+/// of the preview's edges determine the record floor of each level of subdivision. The record floor is the
+/// error that arises because edges are known only to within a quadtree cell (planner/errors/record_floor.h).
+/// It may be at most half of the squared error that `target_db` allows, in the mean of the image and in nine
+/// of ten tiles. The coarsest level that satisfies this is chosen.
 ///
 /// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
-/// Hidden surfaces are skipped if all circles of confusion differ by less than half a pixel.
+/// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
 ///
-/// Throws Error(wrong_arguments) if `asked` has neither for_f_number and for_focus_m nor for_shutter, and
-/// what trace_to_file throws. Writes a file to the system's temporary folder.
+/// Throws Error(wrong_arguments) if `asked` has neither for_shutter nor both for_f_number and for_focus_m.
+/// Also throws the errors of trace_to_file. Writes a file to the system's temporary folder.
 [[nodiscard]] TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db);
 
 }  // namespace postlens

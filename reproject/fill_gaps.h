@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Pull-push interpolation [gortler1996, sec. 3.5]: each level of an image pyramid is the weighted mean of
-/// the finer one, and a pixel of weight 0 gets its colour from the finest level with a weight above 0. Pixels
-/// of weight above 0 keep their colour. If all weights are 0, the image becomes black.
+/// Pull-push interpolation [gortler1996, sec. 3.5]. Each level of an image pyramid is the weighted mean of
+/// the next finer level. A pixel of weight 0 gets its colour from the finest level at which the weight
+/// exceeds 0. All other pixels keep their colours. If all weights are 0, the image becomes black.
 void fill_gaps(Image& image, const std::vector<float>& weight);
 
 }  // namespace postlens

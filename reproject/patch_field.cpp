@@ -32,8 +32,8 @@ struct Workplace {
     CheckedSamples checked;
 };
 
-/// Number of views that are drawn between tests for cancellation, as a tile with thousands of views takes
-/// long.
+/// Number of views that are drawn between two tests for cancellation. A tile can have thousands of views, so
+/// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
 class Field {
@@ -165,7 +165,7 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// The motion of each patch of a tile in one view.
+    /// The motion of each patch (nearly planar part of a surface) of a tile in one view.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -221,7 +221,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // Where all view samples of a tile are rays, only highlights need the reprojected surfaces.
+        // If rays replace all samples of the tile, the reprojected surfaces are only needed to draw
+        // highlights.
         const bool drawn = lights || !w.rays.whole_tile;
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -248,8 +249,8 @@ class Field {
             w.rays.set_aside(shown, w.sum);
         }
         const bool trees = bins_.trees() && w.trees.any() && !w.rays.whole_tile;
-        // If both recorded instants show the same surface in a pixel, their colours are blended; otherwise
-        // only the nearer surface counts.
+        // Where both recorded instants of the view show the same surface, their colours are blended.
+        // Elsewhere only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -264,7 +265,7 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view that is reprojected from a single recorded instant to the sums.
+    /// Adds all pixels of a view to the sums. The view must be reprojected from a single recorded instant.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -272,8 +273,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds a view's pixels from recorded instant `u` to the sums, where the view has two recorded instants
-    /// or the lens blocks its light in some pixels.
+    /// Adds the pixels that a view gets from recorded instant `u`. Used if the view has two recorded
+    /// instants, or if the lens blocks its light in some pixels.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;
@@ -296,8 +297,8 @@ class Field {
         }
     }
 
-    /// Adds the light that a texel (one recorded colour of a primary surface) shows by reflection and
-    /// transmission.
+    /// Adds the light that a directly visible surface reflects and transmits at a texel (recorded colour of
+    /// one quadtree leaf).
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

@@ -1,4 +1,5 @@
-// The mean of many views of the recorded surfaces, each from its own lens point and at its own instant.
+// Reprojects the recorded surfaces to many views, each from its own lens point and at its own instant, and
+// averages the views.
 #pragma once
 
 #include <cstdint>
@@ -13,92 +14,102 @@
 
 namespace postlens {
 
-/// The patches of one recorded instant.
+/// The patches (nearly planar parts of surfaces) of one recorded instant.
 struct PatchInstant {
     const PatchMesh* primary = nullptr;
     const PatchMesh* deeper = nullptr;  ///< patches of reflected and transmitted nodes; null: there are none
 };
 
-/// One view: up to two recorded instants, each reprojected to the view, and blended.
+/// One view: up to two recorded instants, each reprojected to the view's lens point and instant. The two
+/// reprojections are blended.
 struct PatchView {
     glm::dvec2 sample{0.5};  ///< sample position in every pixel, px
     double weight = 1;
     struct Use {
         std::size_t instant = 0;
-        double share = 1;  ///< weight of its colour in pixels where both instants show the same surface
-        /// Per class of objects that move alike, their motion from the recorded instant to the view's
-        /// instant; empty: nothing moves.
+        double share = 1;  ///< weight of this instant's colour where both instants show the same surface
+        /// Motion from the recorded instant to the view's instant, for each class of objects that move alike.
+        /// Empty if nothing moves.
         std::vector<RasterMap> motions;
     };
     std::vector<Use> uses;  ///< one or two
-    LensShift lens;         ///< applied after the motion
-    /// Whether the lens transmits light to the pixel (x, y) of the image; pixels without light are black.
-    /// None: it transmits to all pixels.
+    LensShift lens;         ///< shift by the lens, applied after the motion
+    /// Returns whether the lens transmits light to the pixel (x, y) of the image. Pixels without light are
+    /// black. An empty function means that all pixels get light.
     std::function<bool(int x, int y)> passes;
-    // Members of SightLine, for sets with rays; `number` is its `view`.
+    // If the set of views has rays, these values are copied to each ray (SightLine). `number` becomes
+    // SightLine::view.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
     std::uint32_t number = 0;
 };
 
-/// A set of views. An image, or some of its pieces, is the mean of them.
+/// A set of views. Their mean is an image, or some square pieces of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Whether this set draws a piece, a square of the image with edge PatchField::piece_px; none: it draws
-    /// all pieces. Pieces that no set draws stay black and unknown.
+    /// Returns whether this set of views draws a piece (a square of the image, with edge
+    /// PatchField::piece_px). An empty function means that it draws all pieces. Pieces that no set draws stay
+    /// black and unknown.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights to a square piece of the image, given what every view sees there. Called from several
-    /// threads. Null: there are no highlights.
+    /// Adds highlights to a square piece of the image, depending on the surfaces that every view sees in it.
+    /// Several threads call it at the same time. Null if there are no highlights.
     const class Lights* lights = nullptr;
-    /// Traces a ray for each view sample that the records do not determine. Null: such samples stay as
-    /// recorded.
+    /// Traces a ray for each view sample (one view's sample in one pixel) that the records do not determine.
+    /// If null, these samples keep their recorded colours.
     const SightRays* rays = nullptr;
-    /// With rays: whether all view samples of the piece with the pixel (x, y) are rays. None: false
-    /// everywhere.
+    /// Only with rays: returns whether rays replace all samples of the piece (square of the image) that
+    /// contains the pixel (x, y). If empty, no piece is replaced as a whole.
     std::function<bool(int x, int y)> left_to_rays;
-    LightElsewhere less;  ///< radiance that `lights` add, which rays leave out
-    /// With rays: appends the numbers of the views whose samples of the pixel (x, y) are compared with a ray.
-    /// The comparisons go to PatchPicture::checks and do not change the image. None: no comparisons.
+    LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
+    /// Only with rays: appends the numbers of the views whose samples in the pixel (x, y) are compared with a
+    /// ray. The results are stored in PatchPicture::checks; the image does not change. If empty, no samples
+    /// are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Number of the image that this set draws. Sets of one image must draw different pieces.
+    /// Number of the image that this set of views draws. Sets of one image must draw different square pieces
+    /// of it.
     std::size_t picture = 0;
 };
 
 struct PatchField {
     std::vector<PatchInstant> instants;
-    /// The class of an object: objects of one class move alike. Only called if objects move or `class_marks`
-    /// is not empty.
+    /// Returns the class of an object. Objects of one class move alike. Only called if objects move or
+    /// `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// Per class of objects that move alike, the bits that PatchPicture::touched gets where a view sees such
-    /// an object; 0 for a class that does not move in any view. Empty: `touched` is not computed.
+    /// For each class of objects that move alike, the bits that are set in PatchPicture::touched where a view
+    /// sees such an object. 0 for a class that does not move in any view. If the list is empty, `touched` is
+    /// not computed.
     std::vector<std::uint8_t> class_marks;
-    std::uint8_t wanted_marks = 0xFF;  ///< tiles where none of these bits can occur are not drawn
+    std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
     /// Edge of a piece, px: SeenTile::edge divided by a power of two.
     int piece_px = SeenTile::edge;
-    /// All sets share the search for the patches of a tile.
+    /// The sets of views. They share the search for the patches (planar parts of surfaces) of a tile.
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The raster px [begin, end) that have records. Only for sets with rays.
+    /// The rectangle of raster pixels that have records, from `recorded_begin` to before `recorded_end`. Only
+    /// needed for sets with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Extent of the lens from its centre, as LensShift::lens_px. Only for sets whose `lights` use
-    /// TileViews::patches.
+    /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. Only needed
+    /// for sets whose `lights` use TileViews::patches.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// The primary surfaces that every view sees in a piece of the image, from the view's first recorded instant.
+/// The directly visible surfaces that every view sees in a piece of the image. They come from the view's
+/// first recorded instant.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
     static constexpr std::size_t view = row * row;      ///< stride from one view to the next
     std::vector<float> inverse_z;                       ///< 1/m; -1: nothing recorded
     std::vector<std::uint32_t> texel;
-    /// The primary patches that any lens point may see here, nearest first; null if objects move.
+    /// The directly visible patches (planar parts of surfaces) that any lens point may see here, nearest
+    /// first. Null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
-/// Highlights: radiance that was taken out of the reprojected surfaces and is spread by its impulse response.
+/// Highlights: bright radiance that was removed from the reprojected surfaces. Each highlight is spread over
+/// the image by its impulse response.
 class Lights {
   public:
     Lights() = default;
@@ -107,16 +118,17 @@ class Lights {
     Lights(Lights&&) = delete;
     Lights& operator=(Lights&&) = delete;
     virtual ~Lights() = default;
-    /// Whether light of any highlight reaches a rectangle of the image, px.
+    /// Returns whether light of any highlight reaches a rectangle of the image, px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels: r, g, b, and the mean square,
-    /// in the brightest channel, of the highlights' radiance along single rays through the lens.
+    /// Adds four values per pixel to `light`, in rows of TileViews::row pixels. The first three are r, g and
+    /// b. The fourth is the mean square of the highlights' radiance along single rays through the lens, in
+    /// the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
 };
 
-/// Residuals of a pixel's views that are compared with a ray: the ray's radiance minus that of the records.
-/// View samples that the image takes from rays anyway count as residual 0.
+/// Comparison of rays with records in one pixel. A residual is the radiance of a ray minus the radiance of
+/// the records, for one view. If the image takes the sample from a ray anyway, its residual is 0.
 struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
@@ -127,29 +139,30 @@ struct PatchPicture {
     PatchPicture() = default;
     /// All pixels black and unknown.
     PatchPicture(int width, int height);
-    Image image;  ///< mean of the view samples that are known; black if none is
+    Image image;  ///< mean of all samples of views that are known; black if none is
     std::vector<float>
-        unknown;  ///< per pixel: share of the views' weight whose primary surface is not recorded
-    /// Per pixel: share of the views' weight whose reflected or transmitted node is not recorded. A node that
-    /// is dimmer than the pixel everywhere in the tile counts as much less (TreeSums).
+        unknown;  ///< per pixel: share of the views' weight for which no directly visible surface is recorded
+    /// Per pixel: share of the views' weight for which a reflected or transmitted surface is not recorded.
+    /// Such a surface counts less if it is dim compared with the pixel everywhere in the tile (TreeSums).
     std::vector<float> unknown_below;
-    /// The part of `unknown_below` for which too few other views see the node: it gets the radiance that the
-    /// pinhole sees.
+    /// The part of `unknown_below` for which too few other views see the reflected or transmitted surface. In
+    /// this part, the radiance seen from the pinhole is used instead.
     std::vector<float> guessed_below;
-    /// Per pixel: share of the views' weight that is rays. Empty for sets without rays.
+    /// Per pixel: share of the views' weight that comes from rays. Empty for sets without rays.
     std::vector<float> traced;
-    /// Per pixel; empty for sets without `checked`.
+    /// Per pixel, the sums of residuals (ray minus records). Empty for sets without `checked`.
     std::vector<PixelCheck> checks;
-    /// Per pixel, the fourth value of `Lights`; empty without lights.
+    /// Per pixel, the fourth value that Lights::add computes. Empty if there are no lights.
     std::vector<float> light_square;
-    /// Per pixel, the bits (PatchViews::class_marks) of all moving objects that are recorded there or that a
-    /// view sees there; all bits if a view sees nothing recorded. 0: every view sees what is recorded there.
+    /// Per pixel, the bits (PatchField::class_marks) of all moving objects that are recorded there or that a
+    /// view sees there. All bits are set if a view sees no recorded surface. 0 means that every view sees the
+    /// surface that is recorded at this pixel.
     std::vector<std::uint8_t> touched;
 };
 
-/// Draws the sets of views into `out`, images of the field's size. Square pieces of the image that no set
-/// draws keep their values. The result is bit-identical for any number of threads and any division of sets
-/// into calls.
+/// Draws the sets of views into the images `out`, which have the field's size. Square pieces of an image that
+/// no set draws keep their values. The result is bit-identical for any number of threads, and however sets
+/// are divided into calls.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Motion in raster coordinates: a rigid motion of object and camera maps raster position and depth at one
-// instant to those at another by a 4x4 matrix.
+// Motion in raster coordinates. A 4x4 matrix describes the rigid motion of an object and the camera: it maps
+// raster position and depth at one instant to those at another.
 #pragma once
 
 #include <functional>
@@ -24,11 +24,12 @@ struct RasterTangent {
     RasterPoint at;          ///< image of the point
     RasterPoint by_x, by_y;  ///< derivatives along the surface, per px to the right and down
     glm::dvec2 by_depth{0};  ///< derivative of the image by inverse depth, px m
-    double bend_px = 0;      ///< about the second-order error at distance `reach`, px
+    double bend_px = 0;      ///< approximate second-order error at distance `reach`, px
 };
 
-/// A map of raster position and depth. Perspective: a matrix on homogeneous (x, y, 1, 1/z'), which includes
-/// points at infinity. Orthographic: a matrix on (x, y, z', 1); points at infinity do not move.
+/// A map of raster position and depth. For a perspective camera it is a matrix on homogeneous (x, y, 1,
+/// 1/z'), which includes points at infinity. For an orthographic camera it is a matrix on (x, y, z', 1);
+/// points at infinity do not move.
 class RasterMap {
   public:
     RasterMap() = default;
@@ -37,8 +38,9 @@ class RasterMap {
 
     /// Image of a point; none if it lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Tangent at `p` of a surface whose inverse depth changes by `slope` per px to the right and down, and
-    /// that extends `reach` px either way. None if a part of its image lies behind the camera.
+    /// Linearises the map at the point `p` of a surface. The surface's inverse depth changes by `slope` per
+    /// px to the right and down, and it extends `reach` px to either side of `p`. Returns nothing if a part
+    /// of the surface's image lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -51,8 +53,8 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// The shift of a node's image for one lens point: `(1/s I - W) lens_px + offset_px`; W = I / z' for primary
-/// nodes.
+/// The shift of a shading-tree node's image for one lens point: `(1/s I - W) lens_px + offset_px`, where s is
+/// the focus distance and W the node's 2x2 matrix of inverse depth. For surfaces seen directly, W = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -61,30 +63,33 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// `motion`, then the shift of primary nodes by the lens. Must be perspective, unless the shift is 0.
+/// Returns the map that applies `motion` and then the lens's shift of directly visible surfaces. `motion`
+/// must be perspective, unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// The camera's frame at the frame's instant (m; x right, y up, looking along -z) from the raster, both
-/// homogeneous: (x, y, 1, 1/z') for a perspective camera, (x, y, z', 1) for an orthographic one.
+/// Maps homogeneous raster coordinates to homogeneous coordinates of the camera at the frame's instant (m; x
+/// right, y up, looking along -z). A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z',
+/// 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motion of every object on the raster: from the file's header, or as set later.
+/// The motion of every object on the raster, initially as in the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
 
     /// Displacement on the raster, px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
-    /// Replaces the motion of one object on the raster, including the share that the camera's motion has in
-    /// it.
+    /// Replaces the motion of one object on the raster. `displacement` must include the effect of the
+    /// camera's motion.
     void set_displacement(std::uint32_t id, Displacement displacement, std::vector<double> breaks_s);
-    /// Replaces the rigid motion of one object in the world. The camera's motion stays.
+    /// Replaces the rigid motion of one object in the world. The motion of the camera stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Map from the raster at one instant to the raster at another, for the object `id` (0: background at
-    /// infinity). Exactly the identity if neither object nor camera moves between the two.
+    /// Returns the map from the raster at one instant to the raster at another, for the object `id` (0:
+    /// background at infinity). The map is exactly the identity if neither the object nor the camera moves
+    /// between the two instants.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
-    /// Sorted instants at which the motion of the object or of the camera may have a corner.
+    /// Sorted instants at which the velocity of the object or of the camera may change abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;
     /// Whether the camera moves between two instants.
     [[nodiscard]] bool camera_moves(double open_s, double close_s) const;

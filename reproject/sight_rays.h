@@ -1,4 +1,4 @@
-// Interface to a ray tracer, which finds the radiance along rays that replace view samples.
+// Interface to a ray tracer. Rays replace those samples of views that the records do not determine.
 #pragma once
 
 #include <array>
@@ -11,23 +11,25 @@
 
 namespace postlens {
 
-/// The ray of one view sample: through a position in the pixel, from a lens point, at an instant.
+/// The ray that replaces one view's sample in one pixel. It is defined by a position in the pixel, a lens
+/// point and an instant.
 struct SightLine {
     int x = 0, y = 0;           ///< pixel, raster px
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
-    double light_before = 0.5;  ///< share of the exposure that is over at the ray's instant, 0 to 1
-    /// Seed of the ray's samples of lights and lobes. They are stratified over the views of one set and
-    /// independent between sets.
+    double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
+    /// Seed of the ray's random samples of lights and scattering lobes. The samples are stratified over the
+    /// views of one set and independent between sets.
     std::uint32_t set = 0, view = 0;
 };
 
-/// Radiance that is added to the image as highlights, so that rays must not count it again.
+/// Radiance that is added to the image as highlights. Rays must leave it out, so that it is not counted
+/// twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Whether a node is clamped. Arguments: its path; the id of the reflecting or transmitting object before
-    /// it, and its own id; for a primary node the raster position, px, at which the pinhole sees it. None: no
-    /// node is clamped.
+    /// Returns whether the radiance of a shading-tree node is clamped. `path` and `id` describe the node;
+    /// `parent_id` is the object that reflects or transmits it. For nodes seen directly, `at` is the raster
+    /// position, px, at which the pinhole sees the node. If empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
 };
 
@@ -40,12 +42,13 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Writes the scene-linear RGB radiance of each line to `radiance`, which has as many elements.
+    /// Writes the scene-linear RGB radiance of each line to the element of `radiance` with the same index.
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Whether all rays that reach a point of an object by `path` get the same radiance from it. False if
-    /// lights or lobes are sampled there: the radiance above a limit then differs from ray to ray.
+    /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
+    /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
+    /// from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
 };
 

@@ -13,16 +13,15 @@
 namespace postlens {
 namespace {
 
-/// A transmittance up to this counts as 0, because alphas are rounded.
+/// A transmittance up to this value counts as 0, since rounded alphas may not reach 1.
 constexpr double opaque_within = 1e-3;
-/// Step of signed CoC radius from which neighbours count as different surfaces, px.
+/// Difference in signed CoC radius, px, from which neighbours count as different surfaces.
 constexpr float least_step_px = 1;
 /// Largest distance of the search for a farther surface, px.
 constexpr float farthest_px = 512;
 
-/// Searches the surroundings of opaque pixels for farther surfaces. Stores one signed CoC radius per pixel:
-/// that of the sample at which its stack of samples becomes opaque, or infinity if the stack never becomes
-/// opaque.
+/// Searches around opaque pixels for farther surfaces. Each pixel is represented by one signed CoC radius:
+/// that of the last sample in its stack, or infinity if the stack never becomes opaque.
 class Search {
   public:
     Search(const ForeignPicture& picture, const FocusGeometry& geometry)
@@ -40,8 +39,8 @@ class Search {
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 double left = 1;
                 float last = nothing_px_;
-                // A pixel may have further samples behind the first opaque one. The estimate must lie behind
-                // the last of them.
+                // A pixel may have further samples behind its first opaque one. The estimated surface must
+                // lie behind the last of them.
                 for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
                     last = radius_px(p_.samples[k].spread_inverse_z());
@@ -71,8 +70,8 @@ class Search {
     }
 
   private:
-    /// Finds the translucent pixels (`fills_`) with only empty space behind them and around them; they become
-    /// opaque for the search. All other pixels that are not opaque count as empty space.
+    /// Finds the translucent pixels with only empty space behind them and around them (`fills_`). The search
+    /// treats these pixels as opaque. All other pixels that are not opaque count as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -129,12 +128,13 @@ class Search {
     struct Find {
         float distance_px = 0;  ///< 0: none
         float radius_px = 0;
-        std::span<const StackSample> stack;  ///< samples from the first farther one on; none: empty space
+        std::span<const StackSample> stack;  ///< samples from the first farther one on; empty for empty space
     };
 
-    /// Steps from a pixel in a direction, up to the sum of its CoC radius and the largest one, and calls
-    /// `take(distance_px, x, y)` until that returns true. Raster pixels that are not stored are empty space.
-    /// Outside both the raster and the stored window the content is unknown, and the walk ends.
+    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until it returns
+    /// true. The walk ends at the sum of the pixel's CoC radius and the largest CoC radius. Raster pixels
+    /// that are not stored are empty space. The walk also ends outside both the raster and the stored window,
+    /// where the content is unknown.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float own_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -146,14 +146,15 @@ class Search {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Whether two CoCs of these radii, at this distance, overlap or are less than a pixel apart.
+    /// Whether two circles of confusion overlap or are less than a pixel apart. The arguments are the
+    /// distance of their centres and their radii.
     [[nodiscard]] static bool reach_each_other(float distance_px, float own_px, float other_px) {
-        // Empty space, of infinite radius here, is not blurred.
+        // Empty space is not blurred; its radius is stored as infinity.
         const float other = std::isfinite(other_px) ? std::abs(other_px) : 0;
         return distance_px <= std::abs(own_px) + other + 1;
     }
 
-    /// Whether a surface farther than `own_px` begins so near that blur can disocclude it at this pixel.
+    /// Whether a surface farther than `own_px` begins so near to this pixel that blur can disocclude it.
     /// Empty space does not count.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
         bool found = false;
@@ -176,7 +177,8 @@ class Search {
     [[nodiscard]] float last_at(int x, int y) const {
         return is_stored(x, y) ? last_px_[index(x, y)] : nothing_px_;
     }
-    /// Whether a surface farther than a pixel of signed CoC radius `own_px` begins between two neighbours.
+    /// Whether a new surface begins between two neighbouring pixels, and is farther than a pixel of signed
+    /// CoC radius `own_px`.
     [[nodiscard]] static bool begins(float before_px, float last_px, float own_px) {
         return last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
     }
@@ -188,14 +190,14 @@ class Search {
         return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
     }
 
-    /// Per stored pixel, the number of steps in a direction to the first pixel whose last sample is farther
-    /// than that of the pixel before it by at least `least_step_px` of CoC radius. 0: none within
-    /// `most_steps`.
+    /// For each stored pixel, the number of steps in a direction until depth increases. Depth increases where
+    /// the last sample of a pixel is farther than that of the previous pixel by at least `least_step_px` of
+    /// CoC radius. 0 if there is no such pixel within `most_steps`.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
         steps.assign(pixels(), 0);
         for (int row = 0; row < height_; ++row) {
-            // A pixel's neighbour in this direction comes before it.
+            // Pixels are visited in an order in which the neighbour in direction d comes first.
             const int y = d.dy > 0 ? height_ - 1 - row : row;
             for (int column = 0; column < width_; ++column) {
                 const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
@@ -211,7 +213,7 @@ class Search {
         }
     }
 
-    /// The first surface in a direction that begins farther than the pixel's own, near enough to be
+    /// The first surface in a direction that is farther than the pixel's own surface and near enough to be
     /// disoccluded.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, float own_px) const {
         const Direction& d = directions[direction];
@@ -240,9 +242,9 @@ class Search {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces found of one object, that with the largest weight: moves them to the front, in
-    /// their order, and returns their number. The others are dropped, so that a small emitter beside an edge
-    /// does not colour all that is behind the edge.
+    /// Keeps only the surfaces of one object, the one with the largest weight. Moves them to the front in
+    /// their order and returns their number. Dropping the others prevents a small emitter beside an edge from
+    /// colouring everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -301,7 +303,7 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// Summed-area table: sums over rectangles of a raster. Outside the raster all values are 0.
+/// Summed-area table: computes sums over rectangles of a raster. Outside the raster all values are 0.
 class RectangleSums {
   public:
     RectangleSums(int width, int height, const std::vector<float>& values)
@@ -339,8 +341,8 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window) {
-    // Raster pixels that are not stored are empty. Outside both the raster and the stored window, the content
-    // is unknown and does not count as empty.
+    // Raster pixels that are not stored are empty space. Outside both the raster and the stored window the
+    // content is unknown, and does not count as empty.
     const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
                              std::max(p.height, p.y_end)};
     const auto pixels =
@@ -372,8 +374,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by a quarter of a
-            // pixel.
+            // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by up to a quarter
+            // of a pixel.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -1,4 +1,5 @@
-// What a compositor does to single objects before the lens: holdouts, sharp objects, moved focus.
+// Effects that a compositor applies to single objects before the lens: holdouts, sharp objects, and offsets
+// in depth.
 #pragma once
 
 #include <vector>
@@ -9,13 +10,13 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Holdouts: objects that hide what is behind them, with sharp edges, but add neither colour nor alpha to
-    /// the image.
+    /// Holdouts: objects that hide the surfaces behind them, with sharp edges, but add neither colour nor
+    /// alpha to the image.
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
-    /// Objects that are blurred as if they were farther away by this distance, m. They still hide what they
-    /// hide at their own depth.
+    /// Objects that are blurred as if they were farther away by this distance, m. Occlusion still uses their
+    /// true depth.
     struct Offset {
         ObjectChoice object;
         double metres = 0;
@@ -23,9 +24,9 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies holdouts, sharp objects and offsets to the samples of a picture. An object's own depth always
-/// decides what it hides. An offset that would move an object to the camera or behind it places it 1 mm from
-/// the camera. Throws what `choose_samples` throws.
+/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses an
+/// object's true depth. If an offset would move an object to the camera or behind it, the object is placed 1
+/// mm in front of the camera. Throws the errors of `choose_samples`.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

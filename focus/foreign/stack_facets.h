@@ -1,4 +1,4 @@
-// The samples of another program's image as quadrilaterals, which views draw.
+// The samples of another program's image as quadrilaterals, from which views are drawn.
 #pragma once
 
 #include <array>
@@ -16,18 +16,18 @@ namespace postlens {
 
 /// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
 struct Facet {
-    /// Number of a pixel's corners. The corner at (x, y), each 0 or 1, has the index x + 2 y.
+    /// Number of corners of a pixel. The corner at (x, y), where x and y are 0 or 1, has the index x + 2 y.
     static constexpr std::size_t corners = 4;
     std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
     StackSample sample;
-    std::uint32_t threshold = 0;  ///< random bits by which it is opaque or transparent in a view
+    std::uint32_t threshold = 0;  ///< random bits that make the sample opaque or transparent in a view
 };
 
-/// The samples of an image and of the surfaces behind its edges as quadrilaterals, by pixel. Neighbours that
-/// continue one surface share the depths of their corners.
+/// The samples of an image and of the surfaces behind its edges, as quadrilaterals sorted by pixel. Where
+/// neighbouring quadrilaterals continue one surface, their common corners have the same depth.
 class Facets {
   public:
-    /// `behind`: one per pixel, or empty.
+    /// `behind`: one estimate per pixel, or empty.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry);
 
     int x_begin, y_begin, width, height;
@@ -37,7 +37,8 @@ class Facets {
     }
     [[nodiscard]] std::uint64_t first_of(std::size_t pixel) const { return offsets_[pixel]; }
     [[nodiscard]] const Facet& facet(std::uint64_t number) const { return facets_[number]; }
-    /// Smallest and largest inverse depth in a row of pixels; none where it holds no sample.
+    /// Smallest and largest inverse depth in a row of pixels; infinity and -infinity if the row has no
+    /// sample.
     [[nodiscard]] const std::pair<float, float>& range(int row) const {
         return ranges_[static_cast<std::size_t>(row)];
     }
@@ -48,11 +49,11 @@ class Facets {
         return geometry_.coc_diameter_px(static_cast<double>(f.sample.spread_inverse_z())) / 2;
     }
     [[nodiscard]] bool one_surface(const Facet& a, const Facet& b) const;
-    /// The sample of a pixel that continues the surface of `f`; null where there is none.
+    /// Returns the sample in pixel (x, y) that continues the surface of `f`. Null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
-    /// Sets the corner depths of `f` to the mean over the samples that continue its surface. Thread-safe,
-    /// because no neighbour reads the corners.
+    /// Sets the corner depths of `f` to the mean depth of the samples that continue its surface. Thread-safe,
+    /// because corner depths of neighbours are not read.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

@@ -15,14 +15,14 @@ namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Number of views that are drawn between two tests whether the job is cancelled.
+/// Number of views that are drawn between two tests for cancellation of the job.
 constexpr std::size_t views_per_look = 16;
 
 /// A view: its lens point, and its sample position within the pixels.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
-    float x, y;  ///< what is added to every position: the lens's offset, less the place in the pixel, px
+    float x, y;  ///< added to every position, px: the lens's offset minus the sample position in the pixel
     std::uint32_t threshold;
     LensViewPoint point;
 };
@@ -80,8 +80,8 @@ class Band {
                                   static_cast<std::size_t>(x - s_.window.x_begin);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // A view whose light the lens blocks is black, so colours are means over all views. It does not
-            // affect alpha, which is the mean over the other views.
+            // A view whose light the lens blocks contributes black, so colours are means over all views.
+            // Alpha is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? std::min(sums_[i].rgba[3] / passed, 1.0F) : 1;
             if (!shares_.empty() && passed > 0) {
@@ -94,7 +94,7 @@ class Band {
 
   private:
     struct Nearest {
-        float inverse_z = -1;  ///< of the nearest opaque quadrilateral; below 0: none
+        float inverse_z = -1;  ///< of the nearest opaque quadrilateral; negative if there is none
         std::uint64_t number = ~std::uint64_t{0};
     };
     struct Sum {
@@ -119,8 +119,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the view's sample points inside a quadrilateral. In the view's coordinates, they are at
-    /// integers.
+    /// Finds the view's sample points that lie inside a quadrilateral. In the view's coordinates, sample
+    /// points have integer coordinates.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -147,13 +147,13 @@ class Band {
         }
     }
 
-    /// Whether a point lies in one of the quadrilateral's two triangles, whatever their orientation. The
-    /// sides count as inside, so that neighbours leave no crack.
+    /// Whether a point lies in one of the two triangles of the quadrilateral, for any orientation. Points on
+    /// the sides count as inside, so that neighbours leave no cracks.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // The side starts at the corner that comes first in order, so that both neighbours of the side
-            // compute the same number.
+            // Both quadrilaterals beside a side compute its line from the same corner, so that they get the
+            // same number and leave no crack.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -170,14 +170,14 @@ class Band {
         const double share = static_cast<double>(f.threshold + v.threshold) * 0x1p-32;
         if (share < static_cast<double>(f.sample.alpha)) n = {z, number};
     }
-    /// Whether a quadrilateral is behind the nearest one so far. Of two at equal depth, the one with the
-    /// smaller number is in front.
+    /// Whether a quadrilateral lies behind the nearest one found so far. Of two at equal depth, the one with
+    /// the smaller number is in front.
     [[nodiscard]] static bool is_behind(float z, std::uint64_t number, const Nearest& n) {
         return z < n.inverse_z || (z == n.inverse_z && number > n.number);
     }
 
-    /// Adds the premultiplied light of all quadrilaterals that no opaque one hides. The expected value is
-    /// that of the operator "over".
+    /// Adds the premultiplied light of all quadrilaterals that no opaque one hides. The expected value equals
+    /// compositing with the operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -213,8 +213,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Finds the views whose light the lens transmits to each pixel, by where the view's ray meets the plane
-    /// in focus.
+    /// For each pixel, tests whether the lens transmits the view's light. The result depends on the point
+    /// where the view's ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,
@@ -237,7 +237,7 @@ class Band {
     std::vector<Sum> sums_;
     std::vector<std::uint8_t> met_, passes_;
     std::vector<std::vector<ObjectShare>> shares_;
-    std::vector<float> passed_;  ///< views that the lens lets through; empty: all
+    std::vector<float> passed_;  ///< per pixel, number of views that the lens transmits; empty: all
     double half_diagonal_px_;
 };
 

@@ -1,4 +1,4 @@
-// The light field of an image of another program: the mean of its views from many lens points.
+// The light field of another program's image: the mean of views from many lens points.
 #pragma once
 
 #include <vector>
@@ -16,35 +16,37 @@ struct StackFieldSettings {
     FocusGeometry geometry;
     Aperture aperture;
     RasterWindow window;  ///< the raster pixels of the image
-    RasterWindow drawn;   ///< those that are drawn, within `window`; the others are 0
+    RasterWindow drawn;   ///< pixels that are drawn, within `window`; all other pixels are 0
     int views = default_lens_views;
-    int set = 0;          ///< sets have independent lens points and errors (focus/light_field/lens_views.h)
-    bool shares = false;  ///< also finds StackField::shares
+    int set = 0;          ///< number of the set of views (focus/light_field/lens_views.h)
+    bool shares = false;  ///< whether to compute StackField::shares as well
 };
 
-/// What a pixel of the image shows of one object on one side of the focus.
+/// Share of a pixel that shows one object, on one side of the focus.
 struct ObjectShare {
     std::uint32_t id = 0;  ///< 0: samples without an id
     int side = 0;          ///< -1 in front of the focus, 1 behind; 0: a CoC diameter of at most 1 px
-    float share = 0;       ///< of the pixel; all of a pixel add up to its alpha
+    float share = 0;       ///< share of the pixel; the shares of a pixel add up to its alpha
 };
 
 struct StackField {
     Image image;  ///< premultiplied; `alpha` has a value for every pixel
-    /// Per pixel of the window: the share of its views that meet no sample at all.
+    /// Per pixel of the window, the fraction of its views that hit no sample.
     std::vector<float> unseen;
-    std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty unless it is asked for
+    std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
-/// Draws the image from each lens point and takes the mean.
+/// Draws a view of the image from each lens point and returns the mean of the views.
 ///
-/// A sample of a pixel's stack is a quadrilateral: the square of its pixel, whose corners are reprojected
-/// with the mean inverse depth of the samples of the same surface that meet there. Samples belong to one
-/// surface if their ids do not differ and their CoC radii differ by less than a pixel (beyond 16 px by less
-/// than a 16th). A view takes one point of each pixel, and of the quadrilaterals there the nearest hides the
-/// others, in the share of views that is its alpha (stochastic transparency [enderton2010], with thresholds
-/// that are spread evenly over the views). `behind` adds one sample to the end of each stack whose estimate
-/// is known; it may be empty.
+/// Each sample of a pixel's stack is drawn as a quadrilateral, the square of its pixel. A corner is
+/// reprojected with the mean inverse depth of all samples of the same surface that meet at this corner.
+/// Samples belong to one surface if their ids are equal or unknown and their CoC radii differ by less than a
+/// pixel (beyond 16 px: by less than a 16th).
+///
+/// A view has one sample point in each pixel. Of the quadrilaterals there, the nearest opaque one is visible.
+/// A quadrilateral is opaque in a fraction of the views that equals its alpha (stochastic transparency
+/// [enderton2010]); its thresholds are distributed uniformly over the views. `behind` adds the estimated
+/// surface behind a pixel, where one is known, to the end of the pixel's stack; `behind` may be empty.
 ///
 /// The expected value of the image is "over" along each ray through the lens. The result is bit-identical for
 /// any number of threads and any `drawn`. Throws Error(wrong_arguments) for a number of views out of range,

@@ -8,9 +8,10 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha of a sample. Samples that emit light but cover nothing need a weight to be composited.
+/// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
+/// composited.
 constexpr double least_alpha = 1e-4;
-/// Smaller shares of a pixel are rounding errors.
+/// Shares of a pixel below this are considered rounding errors.
 constexpr double least_share = 1e-6;
 
 }  // namespace
@@ -34,8 +35,9 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
     const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
-    // Computes the share of the light that stays hidden from all lens points, because its occluder moves with
-    // it over the lens. Behind a translucent occluder, `independence` gives this share, as in `composite`.
+    // Computes `covered`, the share of the light that no lens point sees, because its occluder moves with it
+    // over the lens. Behind a translucent occluder, this share follows from `independence`, as in
+    // `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
@@ -109,7 +111,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                  hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depths, 0, false);
-        // Light that always moves with its occluder is seen by no lens point.
+        // Light that moves together with its occluder over the whole lens is hidden from every lens point.
         if (s.covered < s.hidden_weight * (1 - least_share))
             store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }

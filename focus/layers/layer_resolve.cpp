@@ -8,17 +8,17 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Sum of the weights of a path's nodes at a pixel, from which their own radiance is used. With a smaller
-/// sum, the path's radiance scattered with the kernel of the mirror or glass is blended in.
+/// If the weights of a path's nodes at a pixel add up to at least this, only the nodes' own radiance is used.
+/// With a smaller sum, the path's radiance scattered with the kernel of the mirror or glass is blended in.
 constexpr double enough_weight = 0.05;
 
-/// The nodes that one path (sequence of reflections and transmissions) has at a pixel, and their total
+/// The nodes at a pixel that have the same path (sequence of reflections and transmissions), and their total
 /// radiance.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
     double masks = 0;                  ///< sum of the weights of all masks
-    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks: the substitute
+    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks; replaces missing nodes
     double outer = 0;                  ///< sum of the weights of the outer masks
     [[nodiscard]] NodePath path() const { return NodePath(terms[0].part->path); }
 };
@@ -28,9 +28,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, in proportion to
-/// `mask`, the share of the surface that shows the path. The radiance is distributed over the lens like the
-/// mask's weight.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, weighted by `mask`,
+/// the share of the surface that shows the path. Over the lens, the radiance is distributed like the
+/// surface's own coverage.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -40,8 +40,8 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// Adds the radiance of a path to the fragment (a surface's light at the pixel) of the mirror or glass that
-/// shows it. `shown`: the surface of that parent node. The radiance is weighted by the masks of `shown`.
+/// Adds the radiance of a path to the fragment (light at the pixel) of the mirror or glass that reflects or
+/// transmits it. `shown` is the surface of this mirror or glass; the masks of `shown` weight the radiance.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -50,8 +50,8 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// The light of one surface at a pixel, from the sums of the part that the pinhole sees (`seen`) and of the
-/// part that it does not see (`hidden`); one of them may be null.
+/// Computes the light of one surface at a pixel from two sums. `seen` is the sum over nodes that the pinhole
+/// sees, `hidden` the sum over all others. One of them may be null.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -61,7 +61,7 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
 }
 
 /// Converts the nodes of a path (sequence of reflections and transmissions) to fragments, one per surface.
-/// Adds the radiance of the longer paths that continue this path. Returns the sum of the nodes' weights.
+/// Adds the radiance of `longer`, the paths that continue this path. Returns the sum of the nodes' weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -106,8 +106,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path has added its radiance, weighted by its outer masks, so stand_in is not blended in
-        // for missing nodes of this path.
+        // The longer path has already added its radiance, weighted by its outer masks. So stand_in, the
+        // substitute for missing nodes of this path, must not be blended in as well.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)
@@ -118,7 +118,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
 }  // namespace
 
 std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const FocusGeometry& geometry) {
-    std::size_t own = 0;  // terms of the surface itself
+    std::size_t own = 0;  // number of terms of the surface itself
     while (own < terms.size() && terms[own].part->path == 0) ++own;
     if (own == 0) return std::nullopt;
     const LayerTerm* seen = terms[0].part->kind == Kind::seen ? terms.data() : nullptr;
@@ -127,7 +127,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longest paths first: a path needs the results of the paths that continue it.
+    // Longest paths first, because a path needs the results of the paths that continue it.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

@@ -7,9 +7,9 @@
 namespace postlens {
 namespace {
 
-/// CoC radii from which the several samples of a pixel are placed at fewer subpixel positions, in steps of a
-/// quarter or a whole pixel, so that they merge into few splats. A blurred edge changes by (step / radius)^2
-/// / 8 < 1e-3 of its height (see phases_of).
+/// CoC radii, px, from which samples are placed only in steps of a quarter pixel or of a whole pixel, if a
+/// pixel has several samples. The samples then merge into few splats. A blurred edge changes by (step /
+/// radius)^2 / 8 < 1e-3 of its height (see phases_of).
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// CoC radii, px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
@@ -25,8 +25,8 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// Least-squares linear estimate of the lens point through which light passed, per px of the position at
-/// which it arrives. A disc of radius R has the variance R^2 / 4 along each axis, a pixel 1 / 12.
+/// Linear least-squares estimate of the lens point through which light passed, per px of the position at
+/// which the light arrives. A disc of radius R has the variance R^2 / 4 along each axis, a pixel 1 / 12.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
     const double radius_px = signed_radius_px(geometry, inverse_depth_per_m);
     return radius_px / (radius_px * radius_px + 1.0 / 3);
@@ -57,7 +57,7 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
         // A disc much smaller than a pixel has the same kernel at all positions inside the pixel, so the
-        // middle is used.
+        // pixel's middle is used.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -70,12 +70,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Samples of a pixel that share a kernel become one splat. Slots are chosen by the hash of the kernel's key,
-// because kernel numbers depend on the timing of threads and the result must not.
+// Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The hash of
+// the kernel's key selects the slot of the cache. Kernel numbers depend on the timing of threads, so using
+// them instead would change the result.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Fibonacci hashing. On a collision the older splat stays separate.
+        // Fibonacci hashing. If a different splat occupies the slot, the two splats are not merged.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -93,8 +94,8 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
     row_.splats.push_back(splat);
 }
 
-// Places colour and weight with one kernel or, if the lens vignettes, with two: the weight has the kernel
-// without vignetting, so that dividing the colour by it does not undo the vignetting.
+// Places colour and weight with one kernel, or with two if the lens vignettes. The weight then has the kernel
+// without vignetting. Otherwise the division by the weight would undo the vignetting of the colour.
 void LayerSplats::RowBuilder::add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                                        const std::array<float, 3>& rgb, const LayerPart& part) {
     const NodeResponses& responses = t_.responses_;
@@ -117,7 +118,9 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Nodes are sorted by path, and a path's number is greater than that of its parent path.
+    // Sums the radiance of subtrees. Nodes of the shading tree are sorted by path, and a child has a greater
+    // path number than its parent. Going backwards, each node's sum is complete before it is added to the
+    // parent.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -133,9 +136,9 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. Its
-// mask is therefore blurred with the near side's kernel. The far side's own W may be that of a caustic, which
-// would blur the mask far too much.
+// A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. The
+// far side's mask is therefore blurred with the near side's kernel. The far side's own matrix W may be that
+// of a caustic, and would blur the mask far too much.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -172,7 +175,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // As in `scatter`, only visible primary nodes at a finite depth determine the largest CoC.
+        // As in `scatter`, the largest CoC is that of the directly visible surfaces at a finite depth.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
@@ -192,7 +195,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // If the parent was not recorded, the nearest recorded ancestor replaces it.
+        // If the parent was not recorded, the nearest recorded ancestor is used instead.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -205,8 +208,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds nodes that are hidden behind reflected or transmitted nodes. `surface`: the visible mirror or glass at
-// which the paths of these nodes begin.
+// Adds nodes that are hidden behind reflected or transmitted nodes. `surface` is the visible mirror or glass
+// at which the paths of these nodes begin.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -1,4 +1,4 @@
-// Makes the splats of LayerSplats from one row of a sample file.
+// Builds the splats (impulse responses of samples) of LayerSplats from one row of a sample file.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@
 
 namespace postlens {
 
-/// Processes one row of corners; only writes data of that row.
+/// Processes one row of corners. Writes only data of this row.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -49,12 +49,12 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// The node of the current shading tree with this path; null if the tree has no such node.
+    /// The node of the current shading tree with this path, or null.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// The node whose kernel blurs the outline of `from`.
+    /// Returns the shading-tree node whose kernel blurs the outline of the node `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at node `met`: the share of its parent `from` that shows the path.
-    /// `from` was added before.
+    /// Adds the mask of the path that ends at node `met`: the share of the parent node `from` that shows this
+    /// path. `from` must have been added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);
@@ -85,7 +85,7 @@ class LayerSplats::RowBuilder {
     std::vector<Slot> slots_{1024};
     std::vector<Nodes> hidden_;       ///< hidden layers of the pixel, by position and layer
     std::vector<Met> met_;            ///< nodes of the current tree
-    float covered_ = 0;               ///< LayerSplat::covered of the current node, as a share
+    float covered_ = 0;               ///< LayerSplat::covered of the current node, divided by its weight
     std::vector<double> radii_px_;    ///< signed CoC radii of the sample's surfaces so far
     std::vector<std::uint32_t> ids_;  ///< ids of the sample's surfaces so far
     std::vector<Shown> shown_;        ///< reflected and transmitted nodes of the sample so far

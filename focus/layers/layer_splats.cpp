@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, px: a block of the image tests the splats of a tile together for whether they reach it.
+/// Edge of a tile, px. All splats (impulse responses) of a tile are tested together for whether they reach a
+/// block of the image.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -68,7 +69,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows of the image are added from the top, so the rows of tiles above the next row are complete.
+    // Rows are added from the top of the image down, so all rows of tiles above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -82,7 +83,7 @@ void LayerSplats::Row::clear() {
 
 void LayerSplats::store(int y, Row& made) {
     const auto index = static_cast<std::size_t>(y - source_.y_begin);
-    if (index < joined_ * tile_px) return;  // the row was added before, with an earlier range
+    if (index < joined_ * tile_px) return;  // the row was already added, with an earlier range of rows
     if (keep_ == Keep::none) {
         made.splats.clear();
         made.part.clear();
@@ -112,7 +113,7 @@ struct LayerSplats::Segment {
     [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
 };
 
-// Sorts the splats of a row by part and tile (stable), and appends their segments.
+// Sorts the splats of a row by part and tile, with a stable sort, and appends the row's segments.
 void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -160,8 +161,8 @@ void LayerSplats::find_reach(LayerCell& cell) const {
         cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
 }
 
-// Joins the splats of all rows of a row of tiles, sorted by part and tile. Frees the memory of each row, so
-// that there are never two copies of all splats.
+// Joins the splats of all rows in a row of tiles, sorted by part and tile. The memory of each row is freed as
+// soon as its splats are joined, so that there are never two copies of all splats.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<Segment>> by_row(last_row - first_row);
@@ -238,7 +239,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows of the file that are not read again only provide the splats that were kept because they reach far.
+    // Rows of the file that are not read again only contribute the splats that were kept because they reach
+    // far.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

@@ -1,4 +1,5 @@
-// Splats made from records, separated by surface: the input of `layers`.
+// Builds splats (impulse responses of samples) from records, separated by surface, as input of the method
+// `layers`.
 #pragma once
 
 #include <array>
@@ -21,8 +22,8 @@
 
 namespace postlens {
 
-/// A surface is an object, divided where it hides itself: `before` is the number of surfaces of the same
-/// object in front of it on the same ray.
+/// Identifies a surface. An object that hides a part of itself has several surfaces: `before` is the number
+/// of surfaces of the same object in front of this one on the same ray.
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -30,35 +31,36 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Splats that are summed up separately: those of one surface, or of what it shows by reflection and
-/// transmission along one path. Parts are sorted by surface, then by path, parents first.
+/// A part: splats that are summed up separately, because they belong to one surface, or to the light that a
+/// surface reflects or transmits along one path. Parts are sorted by surface, then by path, parents first.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
         hidden,       ///< nodes behind another surface
-        mask,         ///< the nodes' colours, scattered with the kernels of their parent nodes
+        mask,         ///< the node's colours, scattered with the kernels of the parent nodes
         hidden_mask,  ///< masks of parent nodes behind another surface
         outer_mask,   ///< masks with the kernels that scatter the mask of the parent's path
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0: the surface itself
-    SurfaceKey shown;  ///< surface of the node; for masks that of the parent, empty if the parent is the
-                       ///< primary node; empty for outer masks
+    SurfaceKey shown;        ///< surface of the node; for masks, surface of the parent node, and empty if the
+                             ///< parent is the primary node; empty for outer masks
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// One node of a point sample, multiplied by the sample's weight. `depth` is the weight times 1/z'.
+/// One shading-tree node of a point sample, multiplied by the sample's weight. `depth` is the weight times
+/// 1/z'.
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Where light passed through the lens, in lens radii per px: light that arrives d px from the anchor
-    /// passed, on average, through the lens point d * lens_per_px.
+    /// Lens points of the light, in lens radii per px. Light that arrives d px from the anchor passed, on
+    /// average, through the lens point d * lens_per_px.
     float lens_per_px = 0;
-    /// Part of the weight that is hidden from all lens points, because the surface in front moves together
-    /// with this one over the lens (Fragment::covered).
+    /// Part of the weight that no lens point sees, because the surface in front moves together with this one
+    /// over the lens (Fragment::covered).
     float covered = 0;
 };
 
@@ -78,30 +80,30 @@ struct ColourRange {
     void include(const ColourRange& other);
 };
 
-/// Usage: add each row once, in bands in any order; finish.
+/// Usage: add each row once, in bands in any order; then call finish.
 class LayerSplats {
   public:
-    /// Arguments as for SplatTables.
+    /// The arguments are those of SplatTables.
     LayerSplats(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
 
-    /// Adds the corner rows [y_begin, y_end), in parallel. `band` must have one more row above and below, if
-    /// the source window has it. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must have one more row above and
+    /// below, if the source window has these rows. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds corner rows whose point samples may already have been found.
+    /// Adds rows of pixel corners. The point samples of `rows` may already have been computed.
     void add_rows(const FrameRows& rows);
-    /// Call it before add_pixels: samples then lie at pixel centres.
+    /// Moves all samples to pixel centres. Call it before add_pixels.
     void take_pixels() { from_anchor_px_ = 0.5; }
     /// Adds row y of another program's image. Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Makes the kernels and sorts the splats. Call it after the last row.
+    /// Builds the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// For images whose splats would exceed a memory limit. Call it before the first row: rows that are added
-    /// until finish() then keep no splats (SplatTables::survey).
+    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row. Until
+    /// finish(), rows that are added store no splats (SplatTables::survey).
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -122,9 +124,9 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Position of samples relative to their anchors, px: 0.5 for pixels, else 0.
+    /// Position of samples relative to their anchors, px: 0.5 for pixels of other programs, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
-    /// Range of the recorded colours, to which images are clamped.
+    /// Range of the recorded colours. Images are clamped to this range.
     [[nodiscard]] const ColourRange& colours() const { return colours_; }
 
   private:
@@ -149,7 +151,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell) const;
-    /// Stores the splats of row y that are to be kept; removes the others from `made`.
+    /// Stores the splats of row y that must be kept, and removes the others from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 
@@ -170,7 +172,7 @@ class LayerSplats {
     std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each sorted by part, tile, row and column
     std::size_t joined_ = 0;                          ///< number of complete elements of tile_rows_
     std::vector<std::vector<LayerCell>>
-        tile_cells_;  ///< per element of tile_rows_; empty once sorted into cells_
+        tile_cells_;  ///< per element of tile_rows_; emptied when the cells have been sorted into cells_
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     ColourRange colours_;

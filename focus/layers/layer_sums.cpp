@@ -31,7 +31,8 @@ struct LayerPass {
     double* covered_change = nullptr;
 };
 
-/// Adds splats to a block. `vectors`: number of groups of four sums per pixel, 4 with lens moments, else 1.
+/// Adds splats to a block. `vectors`: number of groups of four sums per pixel; 4 with lens moments, otherwise
+/// 1.
 template <std::size_t vectors>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.x_end - pass.rows.x_begin;
@@ -98,7 +99,7 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<4>(pass);
 }
 
-/// Adds to the first `width` pixels of a row the prefix sums of their differences.
+/// Adds the prefix sums of the differences to the first `width` pixels of a row.
 template <std::size_t numbers>
 void sum_row(double* sum, const double* change, std::size_t width) {
     double inside[numbers] = {};

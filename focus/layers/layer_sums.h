@@ -1,4 +1,4 @@
-// Sums of the splats of one LayerPart over a block of pixels.
+// Sums of the splats (impulse responses) of one LayerPart over a block of pixels.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth times kernel. The cost of a splat is proportional to the length of its
-/// kernel's outline, because the uniform inside of a kernel row is stored as differences at its ends (as in
-/// PointScatter).
+/// Sums of colour, weight and depth, each multiplied by the kernel. A splat costs as much as the length of
+/// its kernel's outline, because the uniform interior of a kernel row is stored as differences at its two
+/// ends (as in PointScatter).
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
-    /// `from_anchor_px`: position of samples to the right of and below their anchors.
+    /// `from_anchor_px`: distance of samples from their anchors, to the right and down.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Adds up the differences along each row, which gives the sums. Call it after the last splat.
+    /// Adds up the differences along each row to get the sums. Call it after the last splat.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
@@ -29,7 +29,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sum_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return depth_[index(x, y)]; }
     [[nodiscard]] double covered_at(int x, int y) const { return covered_[index(x, y)]; }
-    /// The lens moments of `at`: each term multiplied by the lens point of its light, in lens radii.
+    /// The lens moments of the sums that `at` returns: each term is multiplied by the lens point of its
+    /// light, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
   private:
@@ -41,11 +42,10 @@ class LayerSums {
     RasterWindow rows_;
     bool with_lens_ = false;
     double from_anchor_px_ = 0;
-    std::size_t width_ =
-        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::size_t width_ = 0;   ///< pixels per row of the buffers: rows_ plus one, for the last difference
     std::size_t stride_ = 4;  ///< values per pixel
-    /// Per pixel: red, green, blue, weight. With lens moments also these times lens_per_px, and that times
-    /// the anchor's x and y, counted from the corner of rows_.
+    /// Per pixel: red, green, blue, weight. With lens moments, each pixel also has these four values times
+    /// lens_per_px, and those products times the anchor's x and y, counted from the corner of rows_.
     std::vector<double> sum_, change_;
     std::vector<double> depth_, depth_change_, covered_, covered_change_;
 };

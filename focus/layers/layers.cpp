@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, px. LayerSums need up to 280 B per pixel, so that those of a block fit the L2 cache.
+/// Width of a block, px. LayerSums need up to 280 B per pixel, so those of a block fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time, about 270 B each.
-/// A block with very many surfaces is processed in parts of a few rows.
+/// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time; each needs about
+/// 270 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
 /// Stores the channels that one pass computes: all three, or one if each channel has its own kernels.
@@ -26,30 +26,30 @@ void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::siz
     if (splats.parts().empty()) return;
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // Sums of differences leave rounding errors, and colours are only a linear function of the lens
-        // point, so the result may leave the range of the recorded colours.
+        // The result may leave the range of the recorded colours, because sums of differences have rounding
+        // errors and colours are approximated as linear functions of the lens point.
         out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// Whether a part needs lens moments, which tell through which side of the lens its light passes. Reflected
-/// and transmitted nodes do not need them, as they are composited by alpha alone.
+/// Whether a part needs lens moments, which describe through which side of the lens its light passes. Parts
+/// of reflected and transmitted nodes do not, because they are composited by alpha alone.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// Makes the blocks of one thread, one after the other, and reuses its buffers.
+/// Computes the blocks of one thread, one after another, and reuses its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Makes the pixels of a block. `cells`: ascending indices of the groups of splats (LayerCell) that reach
-    /// the block.
+    /// Computes the pixels of a block. `cells`: ascending indices of the groups of splats (LayerCell) that
+    /// reach the block.
     void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
 
   private:
-    /// The elements [begin, end) of the block's groups of splats (LayerCell) that belong to one part
-    /// (LayerPart).
+    /// A range of the block's list of cells: the elements [begin, end) belong to one part (LayerPart). A cell
+    /// (LayerCell) is a group of neighbouring splats.
     struct PartCells {
         const LayerPart* part;
         std::size_t begin, end;
@@ -73,8 +73,7 @@ class BlockLayers {
     std::vector<RasterWindow> surfaces_;  ///< per surface, the pixels of the block that it reaches
     std::vector<LayerSums> sums_;
     std::vector<LayerTerm> terms_;
-    std::vector<std::int32_t>
-        first_;  ///< per pixel, head of a linked list in entries_, last added first; or -1
+    std::vector<std::int32_t> first_;  ///< per pixel, index in entries_ of the fragment added last; -1: none
     std::vector<Entry> entries_;
     std::vector<Fragment> fragments_;
 };
@@ -164,8 +163,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Whether a surface may overlap another one in the block. Only then does it need lens moments, which tell
-// through which side of the lens its light passes.
+// Whether a surface may overlap another surface in the block. Only overlapping surfaces need lens moments,
+// which describe through which side of the lens their light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;

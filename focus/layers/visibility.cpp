@@ -23,15 +23,15 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Share, 0 to 1, of light that the transmittance S lets pass. The light is given by its sum and its lens
-    /// moment (sum of light times lens point).
+    /// Fraction, 0 to 1, of light that the transmittance S transmits. The light is described by its sum and
+    /// its lens moment (sum of light times lens point).
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
     }
 };
 
-/// A surface that was composited before, in front of the others.
+/// A surface that has been composited and lies in front of those that follow.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -55,8 +55,9 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Depths are means, so rounding errors would decide the order of surfaces in one plane. There the smaller
-    // alpha comes first; otherwise a wall that fills the pixel would hide an emitter on it.
+    // Depths are means, so rounding errors would decide the order of surfaces in one plane. In one plane, the
+    // surface with the smaller alpha is therefore composited first. Otherwise a wall that fills the pixel
+    // could hide an emitter on it.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -73,8 +74,8 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a surface at the pixel after occlusion by the surfaces in front. `add` adds a light multiplied by
-/// `times`. Colours and alpha are attenuated separately, each by its own lens moment.
+/// Light of a surface at the pixel after occlusion by the surfaces in front. `add` adds the light multiplied
+/// by `times`. Each colour channel and alpha are attenuated separately, according to their own lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -86,14 +87,15 @@ struct Arrived {
             rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens[3]);
-        // The product of two linear functions, without its quadratic part.
+        // The product of two linear functions, without its quadratic term.
         lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Coverage by the surfaces in front that move with a surface of this signed CoC radius. Their radii differ
-/// more the nearer they are, so that from the first independent one on all are independent.
+/// Coverage by those surfaces in front that move over the lens together with a surface of this signed CoC
+/// radius. Radii differ the more, the nearer a surface is. All surfaces in front of the first independent one
+/// are therefore independent too.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -117,14 +119,14 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
         // Surfaces in front with a similar CoC move together with this surface over the lens. They do not
-        // hide the part of it that the pinhole sees.
+        // hide the part of this surface that the pinhole sees.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface's coverage is at most the share that is still free, and at least the part that cannot
-        // be hidden.
+        // The surface's coverage is at most the share of the lens that is still uncovered, and at least the
+        // part of the surface that nothing can hide.
         const double least =
             std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
@@ -135,8 +137,9 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Upper bound of the lens moment of a part of the unit disc, given its area as a share of the disc.
-        // Half of the disc has the moment 0.21; a small part at the rim has a moment equal to its area.
+        // Upper bound of the lens moment of a part of the unit disc, given the part's area as a fraction of
+        // the disc. Half of the disc has the moment 0.21; a small part at the rim has a moment equal to its
+        // area.
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

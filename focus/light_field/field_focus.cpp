@@ -19,7 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Tests whether the lens point of a view transmits light to a pixel of the window; none: always.
+/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window, or an
+/// empty function if it transmits to all pixels.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -31,8 +32,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Divides objects into classes that move alike on the raster: one class per moving object, and class 0 for
-/// all objects that only the camera's motion moves.
+/// Divides objects into classes that move alike on the raster. Each moving object has its own class. All
+/// objects that move only with the camera are in class 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -49,7 +50,7 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Per class, the motion on the raster from one instant to another.
+    /// For each class, the motion on the raster from one instant to another.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -64,7 +65,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// The recorded instants that a view at `time_s` uses, with the motions from each of them to `time_s`.
+/// The recorded instants from which a view at `time_s` is reprojected, with the motions from each of them to
+/// `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -73,7 +75,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Whether a pixel of the crop is in no view: it is filled from known pixels, which may lie outside the crop.
+/// Whether some pixel of the crop is seen in no view. Such a pixel is filled from known pixels, which may lie
+/// outside the crop.
 bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
     for (int y = crop.y; y < crop.y + crop.height; ++y) {
         for (int x = crop.x; x < crop.x + crop.width; ++x) {
@@ -129,8 +132,8 @@ struct FieldFocuser::Prepared {
     }
     std::vector<double> instants_s;
     double strip_records = 0;                 ///< largest number of records of a strip
-    std::optional<FieldSurfaces> all;         ///< none: surfaces are read strip by strip
-    std::unique_ptr<FieldHighlights> of_all;  ///< null: each strip makes its own highlights
+    std::optional<FieldSurfaces> all;         ///< absent: surfaces are read strip by strip
+    std::unique_ptr<FieldHighlights> of_all;  ///< null: highlights are computed for each strip
 };
 
 FieldFocuser::~FieldFocuser() = default;
@@ -143,13 +146,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A moving mirror and what it reflects move differently on the raster, so reflected and transmitted nodes
-    // are drawn for themselves.
+    // A moving mirror and its reflection move differently on the raster, so reflected and transmitted nodes
+    // are drawn separately from their parents.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // With motion, highlights reflected by moving objects and highlights of large moving surfaces are not
-    // spread by impulse responses: the views show them.
+    // With motion, the views show some highlights, which are then not spread by impulse responses: those
+    // reflected by moving objects and those of large moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -174,8 +177,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). Surfaces that are
-        // read strip by strip therefore have no highlights.
+        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). If surfaces are
+        // read strip by strip, there are therefore no highlights.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -197,7 +200,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// The description of the light field without its surfaces and sets of views, which the caller adds.
+/// Describes the light field without its surfaces and sets of views, which the caller adds.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
@@ -270,7 +273,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Strips are read later and may contain highlights, which need the patches seen from any lens point.
+        // Strips are read later and may contain highlights. Highlights need the patches (planar parts of
+        // surfaces) that any lens point sees.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }

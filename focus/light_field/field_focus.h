@@ -1,5 +1,5 @@
-// The light field over lens and shutter: the mean of the records' views from many lens points, each at its
-// own instant.
+// The light field over lens and shutter: reprojects the records to many views, each from its own lens point
+// and at its own instant, and averages the views.
 #pragma once
 
 #include <functional>
@@ -35,26 +35,27 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< none: all views show the frame's own instant
-    /// If set, pixels where nothing moves and only one surface is seen are not drawn, because scattering is
-    /// exact for them. They are left out only if they make up at least this share of the image. Absent: all
-    /// pixels are drawn.
+    /// If present, pixels are left out in which nothing moves and all views see one surface, because
+    /// scattering is exact for them. This happens only if such pixels make up at least this share of the
+    /// image. If absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
-    RecordsRead also;  ///< called with the records of the frame's own instant as they are read
-    /// Draws only these pixels of the window, bit-identical to a drawing of all; the others are undefined.
+    RecordsRead also;  ///< called with the records of the frame's own instant while they are read
+    /// Draws only these pixels of the window, bit-identical to those of the whole image. All other pixels are
+    /// undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit of the surfaces, bytes. If all surfaces together need more, they are read again for each
+    /// Memory limit for the surfaces, bytes. If all surfaces together need more, they are read again for each
     /// image, in strips that need a quarter of the limit. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays for view samples that the records do not determine. Only highlights whose radiance is the
-    /// same for all rays are then spread by their impulse response; no pixel is left out or unknown. Null: no
-    /// rays.
+    /// Traces rays for samples of views that the records do not determine. With rays, only highlights whose
+    /// radiance is the same for all rays are spread by their impulse responses, and no pixel is left out or
+    /// unknown. Null: no rays.
     const SightRays* rays = nullptr;
 };
 
 struct FieldFocus {
     Image image;
-    // One value per pixel of the window; PatchPicture has the definitions.
+    // One value per pixel of the window, as defined in PatchPicture.
     std::vector<float> unknown, unknown_below, guessed_below;
     std::vector<float> traced;           ///< empty without rays
     std::vector<PixelCheck> checks;      ///< empty unless view samples are compared with rays
@@ -64,20 +65,20 @@ struct FieldFocus {
     [[nodiscard]] double unknown_share(const std::optional<Crop>& crop = std::nullopt) const;
 };
 
-/// The views whose mean is an image: views [first, first + count) of a set. A set's lens points form one
+/// The views whose mean is an image: views [first, first + count) of a set. The lens points of a set form one
 /// scrambled Sobol sequence.
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and errors (lens_views.h)
     int first = 0;  ///< number of the first view; more than 0 continues a set
-    /// Whether a square piece of the image is drawn; none: all pieces are. Pieces that are not drawn are
-    /// filled from their surroundings.
+    /// Returns whether a square piece of the image is drawn. If empty, all pieces are drawn. Pieces that are
+    /// not drawn are filled from their surroundings.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    std::optional<double> leave_out_from_share;  ///< as in FieldFocusSettings; only if a single set is drawn
-    // With rays: as in PatchViews.
+    std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
+    // Only with rays. Both are defined in PatchViews.
     std::function<bool(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Number of the image that this set of views belongs to, among the images drawn together. Sets of one
+    /// Number of the image to which this set of views belongs, among the images drawn together. Sets of one
     /// image must draw different pieces of it.
     std::size_t picture = 0;
 };
@@ -85,7 +86,7 @@ struct FieldViews {
 class FieldStrips;
 struct OneSurface;
 
-/// The surfaces of a frame, prepared to draw several images with one lens. Keeps a reference to the frame.
+/// Prepares the surfaces of a frame, to draw several images with one lens. Keeps a reference to the frame.
 class FieldFocuser {
   public:
     /// `settings.views` and `settings.leave_out_from_share` are ignored.
@@ -98,17 +99,18 @@ class FieldFocuser {
 
     /// Draws the image of one set of views. The result is bit-identical for any number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws several sets of views at once, which is faster than one after the other.
+    /// Draws several sets of views together, which is faster than drawing one after the other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
 
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// The instant at which the share u of the exposure is over.
+    /// Converts a fraction u of the exposure, from 0 to 1, to an instant. The fraction u of the light arrives
+    /// before this instant.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// The pixels to leave out because they show a single surface (OneSurface), of the strips or of the whole
-    /// image. None if no set of views leaves pixels out.
+    /// Finds the pixels to leave out because they show a single surface (OneSurface), from the strips or from
+    /// the whole image. Returns nothing if no set of views leaves pixels out.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

@@ -13,24 +13,26 @@
 namespace postlens {
 namespace {
 
-/// Smaller semi-axis of the CoC, px, from which views would show a highlight as separate dots.
+/// Smaller semi-axis of the CoC, px. If it is larger, the mean of the views would show a highlight as
+/// separate dots.
 constexpr double spread_from_px = 2;
-/// Area of all highlights of a sheet (one surface within a square of the raster), px^2, below which they are
-/// spread by their impulse response even with little blur, because only few views hit them.
+/// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Smaller highlights
+/// are spread by their impulse response even if they are hardly blurred, because only few views hit them.
 constexpr float small_px2 = 4;
-/// Edges of the squares in which the highlights of one surface are merged, px: merged_px for a blur of
-/// spread_from_px or more, merged_sharp_px for less.
+/// Edges of the squares in which the highlights of one surface are merged, px. merged_px is used if the blur
+/// is at least spread_from_px, merged_sharp_px otherwise.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
-/// Limits of the number of instants whose sources form the streak of a moving highlight. The more instants a
-/// streak needs, the larger are the squares in which highlights are merged: 1/8 px up to the first limit, 1/4
-/// px up to the second, else merged_px.
+/// Limits for the number of instants that form the streak of a moving highlight. The more instants a streak
+/// needs, the larger are the squares in which highlights are merged: 1/8 px up to the first limit, 1/4 px up
+/// to the second, and merged_px beyond.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Largest number of sources of all moving highlights, unless each would have fewer than least_moments.
+/// Largest number of sources (highlights at one instant) of all moving highlights. The limit may be exceeded,
+/// so that each highlight has at least least_moments sources.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance above which light is a highlight.
 constexpr float brightest = 1;
-/// Edge of the squares whose highlights share their visibility, px.
+/// Edge of the squares, px, in which all highlights share one computation of visibility.
 constexpr double group_px = 1.5;
 
 double light_of(const std::array<float, 3>& rgb) {
@@ -60,7 +62,7 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
-        // Highlights of one surface that lie in the same small square are merged.
+        // Highlights of one surface are merged if they lie in the same small square.
         const PatchLens lens = patch_lens(geometry);
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
         std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
@@ -149,7 +151,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // A pixel about as large as the impulse response receives light through the whole lens.
+    // If the impulse response is about as small as a pixel, a pixel receives light through the whole lens.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;

@@ -1,4 +1,5 @@
-// Highlights of a light field, spread by their exact impulse responses, with visibility.
+// Spreads the highlights of a light field by their exact impulse responses, with occlusion by nearer
+// surfaces.
 #pragma once
 
 #include <memory>
@@ -14,26 +15,26 @@
 
 namespace postlens {
 
-/// The rule that selects highlights, for `tree_sheets`. In the mean of a few views, a highlight would appear
-/// once per view, as a ghost. The rule selects nothing for apertures whose impulse response varies over the
-/// image or is not the aperture's shape.
+/// The rule by which `tree_sheets` selects highlights. In the mean of a few views, a highlight that is not
+/// selected appears once per view, as ghosts. The rule selects nothing for apertures whose impulse response
+/// varies over the image or differs from the aperture's shape.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. The light of a highlight reaches a pixel
-/// through one lens point, and counts if that lens point sees the highlight. For highlights that are seen
-/// directly, this is computed exactly, by rasterising the nearer surfaces along the rays from the highlight
-/// (PointRays). For reflected, transmitted and moving highlights, and for all but the brightest highlights of
-/// a tile, the views nearest to the lens point (and to the instant) decide whether the highlight is seen.
+/// through one lens point, and is added if that lens point sees the highlight. For the brightest highlights
+/// of a tile that are seen directly and do not move, visibility is computed exactly: the nearer surfaces are
+/// rasterised along the rays from the highlight (PointRays). For all others (reflected, transmitted, moving
+/// or less bright), visibility is that of the views nearest to the lens point and to the instant.
 class FieldHighlights {
   public:
-    /// Keeps a reference to `sheets`. `window`: the image's pixels. `motion`: null if nothing moves.
+    /// Keeps a reference to `sheets`. `window`: pixels of the image. `motion`: null if nothing moves.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// The highlights as light added to a set of views. `set`: its number, which also seeds the sample
-    /// positions of visibility. `instants`: per view, the share of the exposure that is over; may be empty if
-    /// nothing moves. Keeps a reference to this object.
+    /// Returns the highlights as light that is added to a set of views. `set`: number of the set; it also
+    /// seeds the sample positions of visibility. `instants`: per view, the fraction of the exposure that is
+    /// over; may be empty if nothing moves. Keeps a reference to this object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
@@ -47,13 +48,13 @@ class FieldHighlights {
         double square = 0;  ///< rgb times radiance, of the brightest channel
         glm::dmat2 lens_from_px{1};
         float inverse_z = 0;
-        bool by_all = false;  ///< all views decide on visibility, not those near one lens point
-        double u = -1;        ///< share of the exposure that is over at its instant; -1: present all the time
+        bool by_all = false;  ///< all views decide on visibility, instead of those near one lens point
+        double u = -1;        ///< fraction of the exposure that is over at its instant; -1: always present
         SheetKey key;
         std::uint32_t sheet = 0;
         std::uint32_t group = 0;  ///< index into groups_
     };
-    /// Neighbouring sources that share one computation of visibility, at their centre.
+    /// Neighbouring highlights that share one computation of visibility, at their centre.
     struct Group {
         Source middle;
         int column = 0, row = 0;  ///< of its square in the grid of groups
@@ -61,15 +62,15 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of its sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that its kernels reach
     };
-    /// A group of neighbouring highlights whose light reaches a tile: its highlights there, and the number of
-    /// visibility samples per pixel; 0: the views decide whether the highlights are visible.
+    /// A group of neighbouring highlights whose light reaches a tile. `sources`: its highlights there.
+    /// `samples`: number of visibility samples per pixel; 0 if the views decide on visibility.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
     };
     void group_sources();
     void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
-    /// In each pixel of a part of a tile, the share of a group of highlights that is visible.
+    /// In each pixel of a part of a tile, the fraction of a group of highlights that is visible.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
@@ -86,7 +87,7 @@ class FieldHighlights {
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<Group> groups_;
     static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
-    std::vector<std::vector<std::uint32_t>> rows_;  ///< sources by the rows of tiles that they reach
+    std::vector<std::vector<std::uint32_t>> rows_;  ///< per row of tiles, the sources that reach it
 };
 
 }  // namespace postlens

@@ -13,10 +13,10 @@ namespace postlens {
 namespace {
 
 /// Factor and margin by which a kernel may exceed its CoC: coarsened kernels have rounded sizes, and their
-/// positions have an error of up to a pixel.
+/// positions have errors of up to a pixel.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// Surfaces that some view displaces by more than this from their square of the raster, px, are kept in
-/// memory, up to a total of most_far_bytes.
+/// Distance, px. Surfaces that some view displaces farther than this from their square of the raster are kept
+/// in memory, up to a total of most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -35,7 +35,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// The surfaces for which `wanted` returns true, given the raster rows in which views may show them.
+/// Selects the surfaces for which `wanted` returns true. The argument of `wanted` is the range of raster rows
+/// in which views may show the surface.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -128,7 +129,7 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
     std::vector<Reach> out(mesh.sheets->sheets.size());
     for (const Patch& patch : mesh.patches) {
         const RasterRect r = sweep_.of(mesh, patch, instant);
-        // patch_field also includes one pixel more on either side.
+        // patch_field includes one additional pixel on either side.
         out[patch.sheet].include(std::floor(r.y_min - 1), std::floor(r.y_max + 1) + 1);
     }
     const auto include = [&](const Highlight& light) {

@@ -1,4 +1,5 @@
-// The surfaces from which a light field is drawn: all of a file, or those that reach a strip of the image.
+// Provides the surfaces from which a light field is drawn: all surfaces of a file, or those that reach a
+// strip of the image.
 #pragma once
 
 #include <algorithm>
@@ -20,47 +21,46 @@
 
 namespace postlens {
 
-/// Per recorded instant, the sheets (surfaces within squares of the raster) and their planar patches. The
-/// patches keep references to the sheets.
+/// The sheets (surfaces within squares of the raster) of each recorded instant, and their planar patches. The
+/// patches have references to the sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
 
     void add(std::shared_ptr<const TreeSheets> some, const PatchLens& lens);
-    /// Sets these surfaces as the instants of a field.
+    /// Sets the instants of `field` to these surfaces.
     void show(PatchField& field) const;
 };
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Approximate memory of a file's surfaces and patches, bytes per record, measured on a few rows of squares
-/// of the first instant: from 25 in scenes without reflections to 140 in scenes with many small reflecting
-/// objects.
+/// Estimates the memory of a file's surfaces and patches, bytes per record, by building a few rows of squares
+/// of the first instant. Values range from 25 in scenes without reflections to 140 in scenes with many small
+/// reflecting objects.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces of an image strip by strip: for each strip, the surfaces that reach the strip in any
-/// view. The first read finds how far the surfaces of each row of squares reach, and keeps the few that reach
-/// far. For later strips, only the rows close to the strip are read.
+/// Reads the surfaces of an image strip by strip. Each strip gets the surfaces that reach it in any view. The
+/// first read measures how far the surfaces of each row of squares reach, and keeps the few that reach far.
+/// For later strips, only the rows close to the strip are read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views`: a field without instants. A strip also gets the surfaces
-    /// that reach it from any other lens point within views.lens_reach_px. `lens_box_px`: half the width and
-    /// height of the lens, as LensShift::lens_px, which limits the reach of highlights. `motion`: motion of
-    /// highlights; null: no highlight moves.
+    /// Keeps references to its arguments. `views`: the field of views, without recorded instants. A strip
+    /// also gets the surfaces that reach it from any other lens point within views.lens_reach_px.
+    /// `lens_box_px`: half the width and height of the lens, in units of LensShift::lens_px, which limits the
+    /// reach of highlights. `motion`: motion of highlights; null if no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
                 const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                 const HighlightMotion* motion);
 
     /// The surfaces that reach raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by one thread at a
-    /// time.
+    /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Divides the window's rows into strips of whole tiles, each with at most `most_records` records or one
-    /// row of tiles.
+    /// Divides the window's rows into strips of whole rows of tiles. Each strip has at most `most_records`
+    /// records, or a single row of tiles.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 
@@ -73,8 +73,8 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces of neighbouring squares that views displace far, with the raster rows that each surface
-    /// reaches.
+    /// Surfaces of neighbouring squares of the raster that views displace far, with the raster rows that each
+    /// surface reaches.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
@@ -88,7 +88,7 @@ class FieldStrips {
         bool known = false;
         std::vector<Row> rows;
     };
-    /// Per sheet (surface within a square of the raster), the raster rows in which views may show it.
+    /// For each sheet (surface within a square of the raster), the raster rows in which views may show it.
     [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
     void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
               std::size_t part, int y, Row& row);

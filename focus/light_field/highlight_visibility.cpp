@@ -1,4 +1,4 @@
-// How views see highlights: the share of a highlight's light that reaches each pixel of a tile.
+// Computes the share of each highlight's light that reaches a pixel of a tile, in a set of views.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,29 +17,28 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight if its 1/z' is larger than the highlight's by more than this factor.
+/// A surface hides a highlight if its 1/z' exceeds that of the highlight by more than this factor.
 constexpr float nearer = 1.02F;
-/// The visibility samples of a tile together may cost as much as drawing all its views. If the tile has fewer
-/// views than this, they may cost as much as drawing this number of views.
+/// The visibility samples of a tile may cost as much as drawing all its views. If the tile has fewer views
+/// than this, they may cost as much as drawing this number of views.
 constexpr std::size_t least_drawn = 64;
-/// Lower bound of the cost of one visibility sample, as a share of the cost of drawing one view of the whole
-/// tile.
+/// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
-/// Positions in a pixel at which visibility is sampled: no two share a row or a column.
+/// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// Per visibility sample, the position that stands for the highlights of a group, in standard deviations from
-/// their centre: mean 0 and variance 1 along each axis. These positions are uncorrelated with drawn_samples,
-/// because correlation would make the edges of shadows too soft or too hard.
+/// For each visibility sample, the position that represents a group's highlights, in standard deviations from
+/// their centre. These positions have mean 0 and variance 1 along each axis, and are uncorrelated with
+/// drawn_samples, because correlation would make the edges of shadows too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// An occluder casts one shadow for each highlight of a group. If the standard deviation of the positions of
-/// these shadows is at most this number of px, a single shadow replaces them.
+/// An occluder casts one shadow for each highlight of a group. If the standard deviation of the shadows'
+/// positions is at most this, px, a single shadow replaces them.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// The highlights for one set of views, with tables of the views nearest to each lens point.
+/// The highlights for one set of views, with tables that contain the views nearest to each lens point.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -60,16 +59,16 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// Views that decide whether a source is visible. `nearest`: the views nearest to each cell of a table
-    /// over the lens, which has `edge` by `edge` cells. `all`: the views for sources that are hardly blurred
-    /// (Source::by_all).
+    /// The views that decide whether a source of light is visible. `nearest`: the views nearest to each cell
+    /// of a table over the lens with `edge` by `edge` cells. `all`: the views for sources that are hardly
+    /// blurred (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// The three views nearest to each cell of a table over the lens with `edge` by `edge` cells.
-    /// `away2(view)` is added to the squared distance in lens radii.
+    /// The three views nearest to each cell of a table over the lens, which has `edge` by `edge` cells.
+    /// `away2(view)` is added to the squared distance, in lens radii.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -79,14 +78,14 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// The groups of neighbouring highlights whose light reaches the tile, with their visibility samples per
-    /// pixel.
+    /// The groups of neighbouring highlights whose light reaches the tile, and the number of visibility
+    /// samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Share of the deciding views that see the source at the pixel. Unless Source::by_all, these are the
-    /// views nearest to the lens point through which the light of the source reaches `at`, the pixel's centre
-    /// in image px.
+    /// Fraction of the views near one lens point that see the source of light at the pixel. The source's
+    /// light reaches `at`, the pixel's centre in image px, through this lens point. If Source::by_all is set,
+    /// all views count.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Whether one view sees the source at a pixel of the tile.
@@ -98,16 +97,16 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into this many spans, each with its own table. In distances between views the
-    /// whole exposure counts as much as the lens's diameter.
+    /// The exposure is divided into `spans` spans, each with its own table of nearest views. For distances
+    /// between views, the duration of the exposure corresponds to `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
-    static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in Asked::all of a span
+    static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
     const FieldHighlights& of_;
     std::size_t view_count_;
     int set_;
     Asked always_;
-    std::vector<Asked> timed_;  ///< per span; empty: no highlight moves
+    std::vector<Asked> timed_;  ///< per span of the exposure; empty if no highlight moves
 };
 
 std::unique_ptr<Lights> FieldHighlights::over(const std::vector<LensViewPoint>& views, int set,
@@ -179,7 +178,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
     // A reflected or transmitted source is visible where the view sees the object that reflects or transmits
-    // it.
+    // this source.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -192,8 +191,8 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // The cost of a visibility sample is its area. All visibility samples together may cost as much as the
-    // views of the tile, or as least_drawn views if the tile has fewer.
+    // The cost of a visibility sample is proportional to its area. All visibility samples together may cost
+    // as much as the views of the tile, or as least_drawn views if the tile has fewer.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -227,10 +226,11 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which the visibility of a group of highlights is sampled. It differs
-    // between groups, so that the samples of many highlights do not all miss the same occluder. It is made
-    // from the group's position, because the group's number depends on the crop. It also differs between sets
-    // of views, so that the difference between two images includes the error of this sampling.
+    // Random offset of the positions at which the visibility of a group of highlights is sampled. The offset
+    // differs between groups, so that the samples of many highlights do not all miss the same occluder. The
+    // group's position determines the offset, because the group's number depends on the crop. The offset also
+    // differs between sets of views, so that the difference between two images includes the error of this
+    // sampling.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -244,7 +244,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Patches are sorted by the depth of their corners only, so later ones may still be nearer.
+            // Patches (planar parts of surfaces) are sorted by the depths of their corners, so later patches
+            // may still have nearer parts.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -256,8 +257,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     };
     find_before({0, 0});
     // An occluder in front of an emitter casts one shadow for each of the emitter's highlights. If these
-    // shadows lie apart, each visibility sample uses one of four positions, which have the standard deviation
-    // of the highlights in the group.
+    // shadows are distinct, the visibility samples use four positions that have the same standard deviation
+    // as the highlights in the group.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {

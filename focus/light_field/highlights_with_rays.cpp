@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Identifies a surface by the properties that a ray can determine: path, id of the last reflecting or
-/// transmitting object, id of the surface, column and row of the sheet's square.
+/// Identifies a surface by properties that a ray can determine: path, id of the last reflecting or
+/// transmitting object, id of the surface, and column and row of its square of the raster.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,

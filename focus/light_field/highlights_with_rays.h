@@ -1,5 +1,5 @@
-// Selects the highlights that are spread by their impulse response, for images in which rays replace some
-// view samples.
+// Selects the highlights that are spread by their impulse responses, for images in which rays replace some
+// samples of views.
 #pragma once
 
 #include "reproject/sheets/sheet_mesh.h"
@@ -7,13 +7,13 @@
 
 namespace postlens {
 
-/// Restricts `rule` so that rays can tell which radiance is a highlight, applies it to `sheets`, and returns
-/// the radiance that rays must leave out.
+/// Restricts `rule` to highlights that a ray can recognise, applies it to `sheets`, and returns the radiance
+/// that rays must leave out.
 ///
-/// A ray only knows which surface it hits. So either all radiance of a surface above the limit is a
-/// highlight, or none of it is. None of it is a highlight if rays get different radiance from the surface
+/// A ray only identifies the surface that it hits. So for each surface, either all radiance above the limit
+/// is a highlight, or none is. None is a highlight if rays get different radiance from the surface
 /// (SightRays::steady), or if a nearer surface hides a part of the highlight. A surface is identified by its
-/// path and ids, and, if it is seen directly and does not move, also by its square of the raster.
+/// path and ids. If it is seen directly and does not move, it is also identified by its square of the raster.
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, bool moves,
                                            HighlightRule& rule);
 

@@ -17,21 +17,22 @@ inline constexpr int most_lens_views = 4096;
 struct LensViewPoint {
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     glm::dvec2 place{0.5};      ///< sample position in every pixel, px
-    double light_before = 0.5;  ///< share of the exposure that is over at the view's instant
+    double light_before = 0.5;  ///< fraction of the exposure that is over at the view's instant
     LensShift shift;
 };
 
-/// Whether the impulse response is that of a thin lens's aperture. Only then can an image be made from views
-/// through single points of the lens.
+/// Whether the impulse response is that of a thin lens's aperture. An image can be made from views through
+/// single lens points only in this case.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) if the impulse response has no lens points (has_points).
 void check_has_points(const Impulse& impulse);
 
-/// Views [first, first + views) of a set: lens points distributed as the aperture's transmittance, with
-/// positions in the pixel and instants. They are five-dimensional Sobol points [joe2008] with Owen scrambling
-/// [owen1995]. Sets are scrambled independently: half the squared difference of the means of two sets is
-/// therefore an unbiased estimate of the squared error of either mean. Throws Error(wrong_arguments) if
-/// `views` is below 1 or if the set would exceed most_lens_views.
+/// Returns the views [first, first + views) of a set. Lens points are distributed according to the aperture's
+/// transmittance; each view also has a position in the pixel and an instant. Together these are
+/// five-dimensional Sobol points [joe2008] with Owen scrambling [owen1995]. Sets are scrambled independently,
+/// so half the squared difference of the means of two sets is an unbiased estimate of the squared error of
+/// either mean. Throws Error(wrong_arguments) if `views` is below 1 or if the set would exceed
+/// most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

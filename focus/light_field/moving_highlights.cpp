@@ -9,17 +9,18 @@
 namespace postlens {
 namespace {
 
-/// Number of instants at which the speed of a highlight is measured.
+/// Number of instants at which a highlight's position is computed to find its speed.
 constexpr int looks = 64;
-/// Largest step from one instant of a streak to the next: in px, or as a share of the CoC radius, whichever
-/// is more.
+/// Largest step from one instant of a streak to the next: step_px, in px, or step_of_blur times the CoC
+/// radius, whichever is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// For jittered instants: each share of the exposure is divided into this many parts, and the instant of a
-/// highlight lies in one of them. The factors, 1/px, choose the part by raster position, so that highlights a
+/// For jittered instants. Each instant lies in an equal share of the exposure, which is divided into `turns`
+/// parts. The factors turn_x and turn_y, 1/px, choose the part from the raster position, so that highlights a
 /// quarter or half a pixel apart get different parts.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// Largest position and CoC radius, px. Beyond it no light of a highlight reaches the image.
+/// Largest position and CoC radius of a highlight, px. If either is larger, no light of the highlight reaches
+/// the image.
 constexpr double farthest_px = 1e5;
 
 }  // namespace
@@ -46,7 +47,7 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // Neighbouring positions give the change of area: a surface that comes nearer becomes larger.
+    // Neighbouring positions show the change of area: a surface that comes nearer becomes larger.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -1,4 +1,5 @@
-// Highlights that move during the exposure: impulse responses at enough instants to form a streak.
+// Highlights that move during the exposure. Each has impulse responses at so many instants that they form a
+// streak.
 #pragma once
 
 #include <cstdint>
@@ -17,47 +18,50 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Largest area, px^2, that the highlights of a surface within a square of the raster may have to be
-    /// spread as streaks of impulse responses. If the area is larger, the views alone show a streak.
+    /// Largest total area, px^2, of the highlights of one surface within a square of the raster at which they
+    /// are spread as streaks of impulse responses. The mean of the views shows larger highlights as streaks
+    /// anyway.
     static constexpr float largest_px2 = 64;
-    /// Smallest radiance above the highlights' limit that is spread as a streak. A dimmer highlight leaves no
-    /// visible dots in the mean of the views.
+    /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
+    /// highlights leave no visible dots in the mean of the views.
     static constexpr float least_radiance = 3;
 
-    /// Motion of an object from the recorded instant to that at which the share `u` (0 to 1) of the exposure
-    /// is over.
+    /// Returns the motion of an object from the recorded instant to the instant at which the fraction `u` (0
+    /// to 1) of the exposure is over.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// `moves`: whether an object moves on the raster. `lens`: determines the size of the impulse responses.
+    /// `moves`: returns whether an object moves on the raster. `lens`: determines the size of the impulse
+    /// responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
     /// Whether the surface with this key is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
-    /// Whether a moving highlight is spread as a streak. `area_px2`: as in HighlightRule.
+    /// Whether a moving highlight is spread as a streak. `area_px2` is defined in HighlightRule.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A highlight at one instant.
     struct Moment {
         Highlight light;   ///< as seen at the instant
-        double u = 0;      ///< share of the exposure that is over, 0 to 1; -1: present all the time
+        double u = 0;      ///< fraction of the exposure that is over, 0 to 1; -1: present all the time
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Number of instants that form a streak of a highlight, a power of two, at most `most_moments`. Up to
-    /// that limit, position and CoC radius together change from one instant to the next by at most half a
-    /// pixel, or a quarter of the smallest CoC radius if that is more. 1 if the highlight does not move.
+    /// Number of instants that form a highlight's streak: a power of two, at most `most_moments`. From one
+    /// instant to the next, position and CoC radius together change by at most half a pixel, or by a quarter
+    /// of the smallest CoC radius if that is more. If this would need more than `most_moments` instants, the
+    /// steps are larger. The number is 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// The highlight at `count` instants, one per equal share of the exposure. Instants are left out at which
-    /// the highlight lies behind the camera, or so far outside that no light reaches an image. A highlight
-    /// that does not move gets a single element with u = -1.
+    /// The highlight at `count` instants, one in each of `count` equal parts of the exposure. Instants are
+    /// omitted if the highlight lies behind the camera, or so far outside that its light cannot reach an
+    /// image. A highlight that does not move gets a single element with u = -1.
     ///
-    /// Each instant is the middle of its share. If `turned`, it is jittered within the share by the raster
-    /// position instead, so that several highlights close together form a streak with fewer instants than
-    /// moments_wanted.
+    /// Each instant is the middle of its part of the exposure. If `turned`, the instant is shifted within its
+    /// part by an amount that depends on the raster position. Several highlights close together then form a
+    /// streak with fewer instants than moments_wanted.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Motions of an object to the middles of `count` equal shares of the exposure. Thread-safe.
+    /// Motions of an object to the middles of `count` equal parts of the exposure. Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

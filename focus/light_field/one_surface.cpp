@@ -6,7 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Largest stretch of a patch, relative to its size, in the view from the lens's rim.
+/// Largest stretch of a patch (planar part of a surface) in the view from the lens's rim, as a fraction of
+/// the patch's size.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -17,7 +18,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // The rectangle is widened by one pixel, for the pixel filter and for scattered kernels.
+    // The rectangle is enlarged by one pixel on each side, because the pixel filter and scattered kernels
+    // reach beyond it.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),

@@ -1,4 +1,4 @@
-// Finds the parts of an image that show a single surface, for which scattering is exact.
+// Finds the parts of an image that show a single surface. Scattering is exact for these.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// One value per cell of `edge` x `edge` px of the window, row by row. 1: from all lens points a single
-/// object is seen, whose surface does not overlap itself and is nowhere so steep that this matters for the
-/// lens. 0: otherwise, also if nothing is recorded, or if there are reflected or transmitted nodes.
+/// One value per cell of `edge` x `edge` px of the window, row by row. 1: all lens points see a single object
+/// in the cell, whose surface does not overlap itself and is not too steep for the lens. 0: all other cells,
+/// for example with unrecorded parts or with reflected or transmitted nodes.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -20,19 +20,21 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Share of the cells in which a single surface is seen (value 1).
+    /// Fraction of the cells that show a single surface (value 1).
     [[nodiscard]] double share() const;
-    /// Whether a single surface is seen in every cell that overlaps a rectangle of the window.
+    /// Whether every cell that overlaps a rectangle of the window shows a single surface.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
-/// Computes a OneSurface from the patches of an image, which may be added in any order and in several parts.
+/// Computes a OneSurface from the patches (planar parts of surfaces) of an image. The patches may be added in
+/// any order and in several parts.
 class OneSurfaceFinder {
   public:
-    /// `lens_px`: half the width and height of the lens's box, times film distance / pitch, px m.
+    /// `lens_px`: half the width and height of the lens's bounding box, times film distance / pixel pitch, px
+    /// m.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds patches of directly seen surfaces, and of reflected and transmitted ones (`deeper`, which may be
-    /// empty).
+    /// Adds patches of directly seen surfaces (`primary`), and of reflected and transmitted ones (`deeper`,
+    /// which may be empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

@@ -1,4 +1,5 @@
-// The K impulse responses of [potmesil1981]: which depths have one, and which one a sample uses.
+// The K impulse responses of [potmesil1981]: the depths that have one, and the choice of the response for a
+// sample.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +19,9 @@ enum class DepthSpacing {
 };
 
 enum class DepthModel {
-    ray_differentials,  ///< W of each node: reflected and transmitted nodes have their virtual image's depth
+    ray_differentials,  ///< W of each node; reflections have the depth of their virtual image
     path,               ///< z' of each node, the path length of [potmesil1981]
-    first_hit,          ///< z' of the primary node for all nodes of its sample, as programs without trees do
+    first_hit,          ///< z' of the primary node for all nodes of its sample (as without shading trees)
 };
 
 /// The range of finite z' in a file; none if nothing was hit.
@@ -32,22 +33,23 @@ struct DepthRange {
 /// Largest CoC diameter in the range, px.
 [[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
-/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth, in the chosen
-/// spacing.
+/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth; distances are
+/// measured in the chosen spacing.
 ///
-/// With the number of levels K given: K equal steps from the nearest to the farthest finite z', and one more
-/// level for infinity [potmesil1981]. Without K, inverse spacing uses the levels of LevelTable, which lie
-/// around the focus: samples in focus are exactly sharp, and equal CoCs in front of and behind the focus
-/// share a level. Without K, linear spacing uses as many levels as quantise the CoC by half a pixel, at most
-/// `most_linear_levels`.
+/// If the number of levels K is given, there are K equal steps from the nearest to the farthest finite z',
+/// and one more level for infinity [potmesil1981]. Without K, inverse spacing uses the levels of LevelTable,
+/// which lie around the focus: samples in focus are exactly sharp, and equal CoCs in front of and behind the
+/// focus share a level. Without K, linear spacing has enough levels to quantise the CoC by half a pixel, but
+/// at most `most_linear_levels`.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// Radius at the depth in focus. Not 0, so that the disc has an area; small enough to lie within one
-    /// pixel.
+    /// Radius, px, at the depth in focus: above 0 so that the disc has an area, and small enough that the
+    /// disc lies within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// For a larger radius, a sample contributes less than 1e-10 to any pixel, uniformly over the image.
+    /// Largest radius, px. A sample with a larger radius would add less than 1e-10 to any pixel, uniformly
+    /// over the image.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) for `depths` outside 2..most_depths.
@@ -55,22 +57,23 @@ class DepthLevels {
                 std::optional<int> depths);
 
     /// The level for an inverse depth, 1/m; 0 is infinity. If the number of levels was given or the spacing
-    /// is linear, inverse depths outside the range may have no level, for example negative ones (images
-    /// behind the lens).
+    /// is linear, there may be no level for inverse depths outside the range, for example for negative ones
+    /// (images behind the lens).
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Whether the levels are those of LevelTable. Every inverse depth then has a level, and levels_of may be
-    /// used.
+    /// Whether the levels are those of LevelTable. If so, every inverse depth has a level, and levels_of may
+    /// be called.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
-    /// level_of for several inverse depths; `level` has as many elements. Requires around_focus().
+    /// Computes level_of for several inverse depths. `level` must have the same number of elements. Requires
+    /// around_focus().
     void levels_of(std::span<const double> inverse_depth_per_m, std::uint32_t* level) const {
         table_->levels_of(geometry_, inverse_depth_per_m.data(), inverse_depth_per_m.size(), level);
     }
     /// Radius per level, px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// K, without the level for infinity; none if the levels are those of LevelTable.
+    /// The number of levels K, without the level for infinity. Absent if the levels are those of LevelTable.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

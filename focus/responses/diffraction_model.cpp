@@ -9,16 +9,17 @@
 namespace postlens {
 namespace {
 
-/// Share of the energy that a kernel leaves out.
+/// Fraction of the energy that a kernel leaves out.
 constexpr double tail = 0.01;
-/// Largest extent of a kernel beyond the geometric edge, px, even if more than `tail` lies farther out.
+/// Largest extent of a kernel beyond the geometric edge, px. Energy farther out is cut off, even if it
+/// exceeds `tail`.
 constexpr double widest_skirt_px = 256;
-/// CoC radius from which a uniform disc replaces the diffracted response, px: its fringes are finer than a
-/// pixel.
+/// CoC radius, px, from which a uniform disc replaces the diffracted response, because the fringes of the
+/// response are then finer than a pixel.
 constexpr double disc_from_px = 2048;
 
-/// CoC radius, px. The elliptical CoC of a node that is seen in a mirror or through glass is replaced by a
-/// disc of its mean radius.
+/// CoC radius, px. For a node seen in a mirror or through glass, the elliptical CoC is replaced by a disc
+/// with the mean radius.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

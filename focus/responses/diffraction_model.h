@@ -8,10 +8,11 @@
 
 namespace postlens {
 
-/// The model of a round aperture with diffraction, one kernel per colour channel [potmesil1981].
-/// `wavelengths_nm`: wavelengths that all channels use; empty: each channel uses its band
-/// (lens/wave/spectrum.h). A kernel includes 99 % of the energy, if that lies within 256 px of the geometric
-/// edge, and is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
+/// Creates the model of a round aperture with diffraction, with one kernel per colour channel [potmesil1981].
+/// `wavelengths_nm`: wavelengths that all channels use; if empty, each channel uses its band
+/// (lens/wave/spectrum.h). A kernel contains 99 % of the energy, or less if that would reach more than 256 px
+/// beyond the geometric edge, and is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of
+/// range.
 [[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
                                                                const FocusGeometry& geometry);
 

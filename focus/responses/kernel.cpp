@@ -14,21 +14,22 @@
 namespace postlens {
 namespace {
 
-/// Smallest length of the uniform inside of a kernel row, px. A shorter inside is stored as single values
-/// (taps), because the differences at its ends cost as much as a few taps. Measured with
+/// Smallest length, px, of the uniform interior of a kernel row. A shorter interior is stored as single
+/// values (taps), because the differences at its ends cost as much as a few taps. Measured with
 /// bench/scatter_bench.cpp; values from 4 to 12 px are about equally fast.
 constexpr int shortest_inner_px = 6;
 
-/// Radius of the disc that replaces an ellipse of size 0, px. Its kernel equals that of a vanishing CoC.
+/// Radius, px, of the disc that replaces an ellipse of size 0. The kernel of this disc equals that of a
+/// vanishing CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
-/// A length in steps of `step_px`, rounded to the nearest integer.
+/// Length in steps of `step_px`, rounded to the nearest integer.
 std::int32_t steps(double px, double step_px) {
     const double exact = px / step_px;
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
 }
 
-/// The kernel of EllipseRows or OutlineRows.
+/// Builds a kernel from EllipseRows or OutlineRows.
 template <typename Rows>
 Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
     Kernel out;
@@ -43,7 +44,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row whose columns all lie outside the kernel's limits stays in the kernel, but has no pixels.
+        // A row whose columns all lie outside the kernel's limits remains in the kernel, but has no pixels.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -137,7 +138,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // Fields of 17 bits hold a sign and 16000 px in steps of 1/4 px. Cells range over 2^14 in each direction.
+    // Fields of 17 bits contain a sign and a length up to 16000 px in steps of 1/4 px. Cells range over 2^14
+    // in each direction.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more =
         (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
@@ -166,7 +168,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // After `build` the table of kernel numbers is only read, so no lock is needed.
+        // After `build`, threads only read the table of kernel numbers, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
     const std::lock_guard lock(mutex_);
@@ -178,7 +180,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // A size that is rounded to 0 becomes half a step, so that the ellipse has an area.
+    // A size that was rounded to 0 is set to half a step, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
@@ -244,7 +246,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Keys that became equal by coarsening share the kernel of the first of them.
+    // Keys that coarsening has made equal share the kernel of the first of them.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;
@@ -275,7 +277,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
-    // Fibonacci hashing; the top bits choose the entry.
+    // Fibonacci hashing: the top bits of the hash select the entry.
     Entry& entry = entries_[KernelKey::PackedHash()(packed) >> (64 - entry_bits)];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;

@@ -1,5 +1,5 @@
-// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table that builds each one
-// once.
+// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table in which each of them
+// is built once.
 #pragma once
 
 #include <atomic>
@@ -18,17 +18,17 @@
 
 namespace postlens {
 
-/// One row of a kernel; columns are relative to the splat's anchor. Pixels in [inner_begin, inner_end) have
-/// the kernel's `inner` value. The other pixels of [x_begin, x_end) have one value (tap) each, from left to
-/// right. If all pixels have a tap, inner_begin == inner_end == x_end.
+/// One row of a kernel. Columns are relative to the splat's anchor. All pixels in [inner_begin, inner_end)
+/// have the value Kernel::inner. Each other pixel of [x_begin, x_end) has its own value (tap); taps are
+/// stored from left to right. If all pixels have a tap, inner_begin == inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Largest distance of a splat's anchor from a pixel of the image, px. Kernels only have columns [-x, x) and
-/// rows [-y, y).
+/// Largest distance of a splat's anchor from a pixel of the image, px. Kernels are limited to columns [-x, x)
+/// and rows [-y, y).
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -44,10 +44,10 @@ struct Kernel {
     [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
 };
 
-/// The kernel of an ellipse whose centre is (phase_x, phase_y) px from the anchor, clipped to `reach`.
+/// Builds the kernel of an ellipse whose centre is (phase_x, phase_y) px from the anchor, clipped to `reach`.
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// The kernel of an outline, relative to the anchor and clipped to `reach`. A second overload makes the
-/// kernel of a grid of values, in which every pixel has its own value (tap).
+/// Builds the kernel of an outline that is relative to the anchor, clipped to `reach`. The second overload
+/// builds the kernel of a grid of values, in which every pixel has its own value (tap).
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -58,8 +58,9 @@ struct ResponseRequest;
 struct KernelKey {
     /// Subpixel positions are quantised to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Ellipses are quantised to a quarter pixel, so an outline has an error of at most an eighth along each
-    /// axis. Fine ellipses below `fine_below_px` are quantised to a sixteenth.
+    /// Step to which ellipses are quantised, px. The outline then has an error of at most an eighth of a
+    /// pixel along each axis. `fine` ellipses smaller than `fine_below_px` are quantised to a sixteenth of a
+    /// pixel.
     static constexpr double ellipse_step_px = 0.25, fine_step_px = 0.0625, fine_below_px = 8;
     /// Larger ellipses are scaled down to this size.
     static constexpr double largest_ellipse_px = 16000;
@@ -70,30 +71,30 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, unit 1/phase_steps px
 
-    // The following members are used only for apertures that are not round or that vary over the image.
-    bool is_map = false;  ///< half_height .. map_yy are then the columns of a 2x2 map, in steps
+    // The members from here on are only used for apertures that are not round or that vary over the image.
+    bool is_map = false;  ///< the key has a 2x2 map: half_height .. map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
     std::int32_t cell_x = 0, cell_y = 0;  ///< cell of the image, counted from its centre
     std::int32_t cell_log2 = 0;  ///< the cell's width is 2^cell_log2 px; 0: one cell for the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Key of an ellipse. `fine`: quantises it more finely, for highlights: there an error of a few percent
-    /// of the disc's radius is visible as an error of brightness.
+    /// Key of an ellipse. `fine` selects the finer quantisation, for highlights: their discs show an error of
+    /// a few percent of the radius as an error of brightness.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// The 2x2 maps from aperture to image are quantised to this many leading bits of their largest entry,
-    /// but not more finely than a step.
+    /// The 2x2 maps from aperture to image keep this many leading bits of their largest entry, but are not
+    /// quantised more finely than a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
     /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps (ellipse_bits -
-    /// times) leading bits of its largest number, or `times` fewer than it has. Its other numbers have the
-    /// same step, and its phase has half that step. A map keeps (map_bits - times) bits, and the width of its
-    /// cell is doubled `times` times. 0: unchanged.
+    /// times) leading bits of its largest number, or `times` bits fewer than it has. Its other numbers have
+    /// the same step, and its phase has half that step. A map keeps (map_bits - times) bits, and the width of
+    /// its cell is doubled `times` times. times = 0 changes nothing.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Number of bits of the key's largest size, which is counted in steps.
+    /// Number of bits of the key's largest size, in steps.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -110,28 +111,28 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels by number. Any thread may request the number of a key at any time; `build` then makes the kernels
-/// of all requested keys. The number of a key depends on the timing of threads; its kernel does not.
+/// Kernels by number. Any thread may request the number of a key at any time. `build` then builds the kernels
+/// of all requested keys. The number of a key depends on the timing of threads, but its kernel does not.
 class KernelTable {
   public:
-    /// `disc_radius_px`: the radius of each level. The disc of level i with phase (0, 0) has the number i.
-    /// `model` makes the impulse responses; it must outlive the table.
+    /// `disc_radius_px`: radius of each depth level. The disc of level i with phase (0, 0) has the number i.
+    /// `model` provides the impulse responses and must outlive the table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// The number of a key. After `build`, only keys that were requested before may be passed.
+    /// Returns the number of a key. After `build`, only keys that were requested before may be passed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the disc of a depth level at subpixel position (0, 0) as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Makes the kernels, in parallel. Call it once, after all keys are requested. If the kernels of ellipses
-    /// need more than `memory_limit_bytes`, ellipses are coarsened (KernelKey::coarsen), one octave of size
-    /// at a time, chosen by bytes saved per loss of accuracy. Throws Error(out_of_memory) if all kernels
-    /// exceed the memory.
+    /// Builds the kernels, in parallel. Call it once, after all keys have been requested. If the kernels of
+    /// ellipses need more than `memory_limit_bytes`, ellipses are coarsened (KernelKey::coarsen), one octave
+    /// of size at a time. The octave that saves most bytes per loss of accuracy comes first. Throws
+    /// Error(out_of_memory) if all kernels together exceed the memory.
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees the memory of the keys after `build`; number_of may not be called afterwards.
+    /// Frees the memory of the keys. Call it after `build`; number_of may not be called afterwards.
     void forget_keys() { number_of_key_ = {}; }
 
-    /// The kernel of a number for a channel, which is less than channels().
+    /// Returns the kernel of a number for a channel, which must be less than channels().
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
         return kernels_[channels_ * kernel_of_[number] + channel];
     }
@@ -140,14 +141,14 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Count of kernel numbers, after `build`. The numbers of discs that are not needed refer to the kernel
-    /// of another number.
+    /// Count of kernel numbers, after `build`. Numbers of unneeded discs refer to the kernel of another
+    /// number.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// Count of depth levels that have a kernel at any subpixel position, after `build`.
+    /// Count of depth levels whose disc has a kernel at any subpixel position, after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// The ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
-    /// The map from the aperture to px of a key, for other apertures.
+    /// The map of a key from the aperture to px, for apertures that are not round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
     /// Approximate memory of a key's kernel, bytes.
@@ -173,7 +174,7 @@ class KernelTable {
     int discs_used_ = 0;
 };
 
-/// A direct-mapped cache of recent keys, so that threads seldom access the shared table.
+/// A direct-mapped cache of recent keys, so that threads rarely access the shared table.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

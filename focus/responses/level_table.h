@@ -1,4 +1,4 @@
-// The levels around the focus: quantised CoC diameters.
+// Quantised CoC diameters, used as depth levels around the focus.
 #pragma once
 
 #include <array>
@@ -10,8 +10,8 @@
 namespace postlens {
 
 /// The quantised diameters of circles of confusion. The steps between them grow with the diameter: 1/8 px
-/// from 0.4 px on, then 1/50 of the diameter, then half a pixel; from `even_diameter_px` on 1/500 of the
-/// diameter. A CoC uses the nearest level. All lenses share the table.
+/// from 0.4 px on, then 1/50 of the diameter, then half a pixel, and 1/500 of the diameter from
+/// `even_diameter_px` on. A CoC uses the nearest diameter. All lenses share this table.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -22,16 +22,17 @@ class LevelTable {
 
     /// Diameter of a level, px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// The nearest level, computed by its definition, with logarithms. `diameter_px` must be finite; its sign
-    /// is ignored.
+    /// Computes the nearest level from its definition, with logarithms. `diameter_px` must be finite; its
+    /// sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// The nearest level, from the table if the diameter is below the table's end, else computed.
+    /// Returns the nearest level: from the table if the diameter is below the table's end, otherwise
+    /// computed.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
         return level_in(static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px)), wide_px);
     }
-    /// level_of the CoC of each inverse depth, 1/m.
+    /// Computes level_of for the CoC of each inverse depth, 1/m.
     void levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m, std::size_t count,
                    std::uint32_t* level) const;
 
@@ -41,10 +42,10 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Cells are narrow enough that at most one level begins in each.
+    /// Cells of the table are so narrow that at most one level begins in each.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// Per cell: the diameter at which a level begins, the level below it, and the increment to the new
-    /// level.
+    /// Per cell of the table: the diameter at which a level begins, the number of the previous level, and the
+    /// increment to the number of the new level.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

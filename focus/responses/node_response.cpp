@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// A CoC radius for which phases_of uses subpixel positions in steps of a quarter pixel.
+/// A CoC radius, px, for which phases_of uses subpixel positions in steps of a quarter pixel.
 constexpr double few_phases_from_px = 17;
-/// Ellipses that differ from a circle by less than this, px, are treated as circles.
+/// Ellipses that differ from a circle by less than this many px are treated as circles.
 constexpr double round_within_px = 0.05;
 
 }  // namespace
@@ -34,17 +34,17 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Completes the response of an aperture that is not round: its extent, and the part of the image (cell) in
-// which its kernel is used.
+// Completes the response of an aperture that is not round. Computes its extent, and the part of the image
+// (cell) in which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The depth of the level is used, not that of the node: the transmittance must match the kernel, which
-    // the second rim vignettes. With the node's depth, 0.4 % of all light would be lost at levels half a
-    // pixel apart.
+    // Uses the depth of the level instead of the node's depth. The transmittance must match the kernel, which
+    // is vignetted by the lens's second rim at the depth of the level. With the node's depth, 0.4 % of all
+    // light would be lost at levels half a pixel apart.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -60,8 +60,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // The node moves by gain (I/s - W) q for lens point q, with focus distance s; glm matrices are
-    // column-major.
+    // For lens point q and focus distance s, the image of a shading-tree node moves by gain (I/s - W) q,
+    // where W is the node's matrix of inverse depth. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

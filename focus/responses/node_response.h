@@ -27,7 +27,7 @@ struct RasterWindow {
     return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
             std::min(a.y_end, b.y_end)};
 }
-/// The smallest window that contains both.
+/// The smallest window that contains both windows.
 [[nodiscard]] inline RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
     return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
             std::max(a.y_end, b.y_end)};
@@ -39,12 +39,13 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// A node's impulse response: the key of its kernel without a subpixel position, and its size.
+/// The impulse response of a shading-tree node: the key of its kernel, without the subpixel position, and its
+/// size.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
-    /// Inverse depth of the node's level, 1/m. Only for apertures that vary over the image.
+    /// Inverse depth of the node's level, 1/m. Used only for apertures that vary over the image.
     double inverse_depth_per_m = 0;
 };
 
@@ -56,19 +57,19 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Response of a reflected or transmitted node, by the depth model.
+    /// Response of a reflected or transmitted node, according to the depth model.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Transmittance of the lens. 1 if one kernel is used for the whole image.
+    /// Transmittance of the lens for this response. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If not,
-    /// they are scattered with the kernel without vignetting (`whole`).
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If
+    /// false, the weights are scattered with the kernel without vignetting (`whole`).
     [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
         return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
     }
     /// The response without vignetting.
     [[nodiscard]] static NodeResponse whole(NodeResponse response);
-    /// Positions and weights at which a sample's response is placed.
+    /// Positions at which a sample's response is placed, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -11,22 +11,23 @@ namespace {
 
 /// CoC radius, px, from which a sample is scattered as a single disc at its own position, even if its weight
 /// differs between the pixels around it. For smaller radii, the part of the sample that belongs to a pixel is
-/// placed inside that pixel, so that the image for a CoC of 0 is the pinhole image.
+/// placed inside that pixel. The image for a CoC of 0 is therefore the pinhole image.
 constexpr double one_disc_from_px = 2;
 
-/// Number of subpixel positions per px for kernels of this radius. A sample between them is distributed over
-/// its neighbours. That keeps the centroid and adds a variance of at most 1/4 of a squared step, which
-/// changes a blurred edge by about (step / radius)^2 / 8 of its height: 1e-4 or less from 2 px on.
+/// Number of subpixel positions per px for kernels of this radius. A sample between these positions is
+/// distributed over its neighbours, which preserves the centroid and adds a variance of at most 1/4 of a
+/// squared step. A blurred edge changes by about (step / radius)^2 / 8 of its height, which is 1e-4 or less
+/// from 2 px on.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Displacement, px, of a corner sample between leaves of different sizes. The sum over corners is the
-/// trapezoidal rule. At each end of a run of leaves of size h it has an error of h^2 / 12 times the slope
-/// (Euler-Maclaurin), which would blur edges, along which leaves are divided, by a variance of up to h^2 / 6.
-/// Moving the corner, of weight h / 2, by h / 6 into the leaf compensates for it. Between leaves of equal
-/// size the displacement is 0.
+/// Displacement, px, of a corner sample between quadtree leaves of different sizes. The sum over corners is
+/// the trapezoidal rule. At each end of a run of leaves of size h, this rule has an error of h^2 / 12 times
+/// the slope (Euler-Maclaurin). The error would blur edges, along which leaves are divided, by a variance of
+/// up to h^2 / 6. Moving the corner, of weight h / 2, by h / 6 into the leaf compensates the error. Between
+/// leaves of equal size the displacement is 0.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -79,8 +80,8 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A corner sample stands for a quarter of each leaf; the centre of that part is a quarter of the
-        // leaf's edge away.
+        // A corner sample represents a quarter of each quadtree leaf around it. The centre of this quarter is
+        // a quarter of the leaf's edge away from the corner.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// A position relative to the integer coordinates at or before the sample, unit 1/KernelKey::phase_steps px,
-/// and the weight of the sample there.
+/// A subpixel position, and the weight of the sample at this position. The position is measured from the
+/// nearest integer coordinates at or before the sample, in units of 1/KernelKey::phase_steps px.
 struct Phase {
     std::int32_t x, y;
     float weight;
 };
 
-/// The subpixel positions over which a sample's impulse response is distributed: at most four.
+/// The subpixel positions at which a sample's impulse response is placed; at most four.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;
@@ -32,13 +32,14 @@ struct Phases {
     }
 };
 
-/// Positions and weights at which the response of a sample is placed; the weights add up to the sample's
-/// weight.
+/// Returns the positions at which the response of a sample is placed, with weights that add up to the
+/// sample's weight.
 ///
 /// A small disc is placed at the sample's position, quantised to 1/16 px. Larger discs would need too many
 /// kernels, so they are distributed over the nearest positions of a coarser grid, which preserves the
-/// centroid. Below a radius of 2 px, a sample on the border of pixels that has different weights in them is
-/// divided, and each part is placed inside its pixel, so that the image for a CoC of 0 is the pinhole image.
+/// centroid. A sample on the border of pixels may have different weights in them. If its radius is below 2
+/// px, such a sample is divided, and each part is placed inside its pixel. The image for a CoC of 0 is
+/// therefore the pinhole image.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

@@ -27,8 +27,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!aperture_.varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // How far the second rim (cats_eye) moves in the impulse response, px, if the scene point moves by 1
-        // px in the image.
+        // Movement, px, of the lens's second rim (cats_eye) in the impulse response, if the scene point moves
+        // by 1 px in the image.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -41,9 +41,9 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // The shape of a response below a pixel is not visible, so a disc is used. The four pixels around a
-        // sample on a pixel corner get a quarter of it each, so that the image for a CoC of 0 is the pinhole
-        // image.
+        // The shape of a response smaller than a pixel is not visible, so a disc is used. For a sample on a
+        // pixel corner, each of the four pixels around it gets a quarter of the disc, so the image for a CoC
+        // of 0 is the pinhole image.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
@@ -62,8 +62,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The linear map from lens to raster is gain R (I/s - W): aperture radius R, focus distance s,
-            // and W, the inverse depth (a 2x2 matrix) at which the node refocuses.
+            // The linear map from lens to raster is gain R (I/s - W). R is the aperture radius, s the focus
+            // distance, and W the node's 2x2 matrix of inverse depth.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -1,4 +1,4 @@
-// Interface: the impulse responses of a lens, as kernels.
+// Interface to the impulse responses of a lens, as kernels.
 #pragma once
 
 #include <array>
@@ -14,18 +14,18 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point: light through the aperture point q (lens radii) arrives
+/// Describes the impulse response of a scene point. Light through the aperture point q (lens radii) arrives
 /// at `map_px q`, plus the displacement by the model's aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
-    bool whole = true;       ///< without vignetting, for weights
+    bool whole = true;       ///< without vignetting; used for the weights that normalise the image
     glm::dvec2 phase_px{0};  ///< position of the response's centre relative to the anchor
     KernelReach reach;
 };
 
 /// Impulse responses of one lens setting. The default is a round aperture, whose kernels are discs and
-/// ellipses, which is fastest.
+/// ellipses. This default is the fastest model.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -36,15 +36,16 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Whether responses are uniform within an outline, so that they cost as much as the outline.
+    /// Whether responses are uniform within an outline. The cost of a response is then proportional to the
+    /// length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
-    /// Whether the map -M has the same response as M.
+    /// Whether the maps M and -M have the same response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
-    /// Width of the part of the image, px, in which one kernel can be used for this map: within it the
+    /// Width, px, of the part of the image in which one kernel can be used for this map. Within it the
     /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Whether the weights that normalise the image are scattered with the same kernel as the light. False:
-    /// they are scattered with the kernel without vignetting.
+    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If
+    /// false, the weights are scattered with the kernel without vignetting.
     [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
     /// Transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -53,33 +54,34 @@ class ResponseModel {
     }
     /// Radius outside which the response is 0, px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// The kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
+    /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// CoC radius, px, from which fewer subpixel positions are used, because the kernels of this model are
-    /// expensive to make.
+    /// CoC radius, px, from which fewer subpixel positions are used, because kernels of this model are
+    /// expensive to build.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
-    /// Whether red, green and blue have their own responses: then `channel_kernels` is called instead of
+    /// Whether red, green and blue have their own responses. If so, `channel_kernels` is called instead of
     /// `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Whether `map_px` may be anisotropic. If not, reflected and transmitted nodes get a mean radius.
+    /// Whether `map_px` may be anisotropic. If not, reflected and transmitted nodes are blurred with a mean
+    /// radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// The kernels of all requests, which have the same phase. Runs in parallel.
+    /// Builds the kernels of all requests, which must have the same phase. Runs in parallel.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
     }
 };
 
-/// The model of an aperture of a thin lens.
+/// Creates the model of a thin lens's aperture.
 [[nodiscard]] std::unique_ptr<ResponseModel> aperture_model(const Aperture& aperture,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// The model of an impulse response. `half_diagonal_px`: of the image, in px of `geometry`. Throws
-/// Error(wrong_arguments) and Error(invalid_input) as read_aperture does, and for real lenses, whose model
-/// lens_model (focus/lens_model.h) makes.
+/// Creates the model of an impulse response. `half_diagonal_px`: half the diagonal of the image, in px of
+/// `geometry`. Throws Error(wrong_arguments) and Error(invalid_input) as read_aperture does. Also throws for
+/// real lenses; use lens_model (focus/lens_model.h) for these.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -1,4 +1,4 @@
-// Sizes of the circles of confusion at the border of the records.
+// Radii of the circles of confusion at the border of the records.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace postlens {
 
-/// Largest CoC radius per corner of the outermost recorded rows and columns, px.
+/// Largest CoC radius at each corner of the outermost recorded rows and columns, px.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Takes the CoC of a sample in pixel row y of the source into account. Several threads may add different
-    /// rows at the same time.
+    /// Updates the radii with the CoC of a sample in pixel row y of the source. Several threads may add
+    /// different rows at the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Takes a CoC into account at all corners of the pixel (x, y).
+    /// Updates the radii with a CoC at all corners of the pixel (x, y).
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

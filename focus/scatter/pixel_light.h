@@ -1,4 +1,4 @@
-// The light of one sample of another program's image: the input of SplatTables and LayerSplats.
+// The light of one sample of another program's image, as input of SplatTables and LayerSplats.
 #pragma once
 
 #include <array>
@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Light at one depth in a pixel. It is placed at the pixel's centre: both a pixel's value and a kernel's
-/// value are means over the pixel.
+/// Light at one depth in a pixel. It is placed at the pixel's centre, because both a pixel's value and a
+/// kernel's value are means over the pixel.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing
     double spread_depth = 0;     ///< 1/m; for the circle of confusion
     std::array<float, 3> rgb{};  ///< multiplied by the weight
-    float weight = 1;            ///< share of the pixel that it fills
+    float weight = 1;            ///< share of the pixel that the light fills
     float covered = 0;           ///< LayerSplat::covered, for hidden light
     std::uint32_t surface = 0;   ///< number of its surface in `layers`
     bool hidden = false;         ///< behind another sample

@@ -1,5 +1,5 @@
-// Plain corners: samples at corners of undivided pixels, without reflections and refractions. They are stored
-// as arrays of depth, r, g and b. Most samples of a frame are plain corners.
+// Plain corners: samples at corners of undivided pixels, without reflections and refractions. Most samples of
+// a frame are plain corners, and are therefore stored compactly, as arrays of depth, r, g and b.
 #pragma once
 
 #include <array>
@@ -21,19 +21,20 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The plain corners of some rows, row by row of the band's width: corners of weight 1 with radiance in the
-/// primary node only. Corners on the border of the raster have less than the weight of four pixels, so they
-/// are never plain.
+/// The plain corners of some rows, row by row of the band's width. A plain corner has weight 1 and radiance
+/// only at the first surface. Corners on the border of the raster have less than the weight of four pixels,
+/// so they are never plain.
 struct PlainCorners {
     /// 1/z' of the corner at each column, 1/m; `not_plain` for other corners.
     std::vector<double> inverse_depth;
     std::vector<float> r, g, b;  ///< as inverse_depth; 0 for other corners
-    /// All other point samples as indices into PointSamples::samples, in order: row i has
-    /// [other_begin[i], other_begin[i + 1]).
+    /// All other point samples, as indices into PointSamples::samples, in order. Row i has the elements
+    /// [other_begin[i], other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
-    /// The range of depths of a row's plain corners, and whether they have negative colours.
+    /// The range of depths of a row's plain corners, and whether any of them has a negative colour.
     struct Row {
-        /// Smallest and largest 1/z' of corners at a finite depth, 1/m; least > greatest if there is none.
+        /// Smallest and largest 1/z' of corners at a finite depth, 1/m. If there are no such corners, least >
+        /// greatest.
         double least_inverse = std::numeric_limits<double>::infinity(), greatest_inverse = 0;
         bool negative = false;  ///< some colour is negative
     };
@@ -42,7 +43,7 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain corners of the rows of `band` that `samples` has. Reuses the memory of `out`.
+/// Finds the plain corners of those rows of `band` that `samples` has. Reuses the memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Scatters splats one by one, at a cost proportional to the length of the kernel's outline.
+// Scatters splats one by one. The cost is proportional to the length of the kernel's outline.
 #pragma once
 
 #include <cstddef>
@@ -9,30 +9,30 @@
 
 namespace postlens {
 
-/// Sums of colour times kernel (channels 0 to 2) and of weight times kernel (3) over a few pixel rows of a
-/// block.
+/// Sums over a few pixel rows of a block: colour times kernel (channels 0 to 2) and weight times kernel
+/// (channel 3).
 ///
-/// The pixels of a kernel's outline are added one by one. The uniform inside of a wide row is stored as
-/// differences: its value is added at its first pixel and subtracted after its last one; running sums along
-/// the row are taken later. All sums are in double, because in float every bright sample would leave a
+/// The pixels on a kernel's outline are added one by one. The uniform interior of a wide row is stored as
+/// differences: its value is added at its first pixel and subtracted after its last one. Running sums along
+/// the row are computed later. All sums use double, because in float every bright sample would leave a
 /// rounding error to its right.
 class PointScatter {
   public:
-    /// `channel`: the colour channel whose kernels are used, if the channels have their own kernels.
+    /// `channel`: colour channel whose kernels are used, if each channel has its own kernels.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
     /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that splats may reach; may be empty. Sums outside are zero and not stored.
+    /// The part of `rows` that splats may reach; it may be empty. Sums outside of it are zero and not stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
     /// The four sums of a pixel within reached(), followed by those of the next pixels of its row.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row that have similar reach (reach_classes) and may reach rows_.
+    /// The splats of one source row that have a similar reach (reach_classes) and may reach rows_.
     struct Pass {
         std::span<const Splat> splats;
         int y;
@@ -47,8 +47,7 @@ class PointScatter {
     std::size_t channel_;
     RasterWindow rows_, reached_;
     std::vector<Pass> passes_;
-    std::size_t stride_ =
-        0;  ///< pixels per row of buffers: one more than rows_ has, for differences at its end
+    std::size_t stride_ = 0;      ///< pixels per row of the buffers: rows_ plus one, for the last difference
     std::vector<double> sum_;     ///< sums of rows_; undefined outside reached_
     std::vector<double> change_;  ///< differences to the pixel on the left
 };

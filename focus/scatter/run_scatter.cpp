@@ -8,17 +8,17 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows whose light is summed in float before the sums are added to those in double, so that
-/// the rounding error stays below 1e-6 of a sum.
+/// Number of source rows that are summed in float before the sums are added to sums in double. The number is
+/// small enough to keep the rounding error below 1e-6 of a sum.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered together, strip by strip. The sums of one strip and channel then
-/// stay in the L1 cache for CoC radii up to 64 px.
+/// Number of source rows that are filtered together, strip by strip. With this number, the sums of one strip
+/// and channel stay in the L1 cache for CoC radii up to 64 px.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// A row of a strip is 8 vectors of 8 floats: few enough for the registers, and enough to make the overhead
-/// of the loop small.
+/// A row of a strip consists of 8 vectors of 8 floats. This is few enough for the registers, and enough to
+/// keep the loop's overhead small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -33,7 +33,7 @@ struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
     const float* line;      ///< source colour at the strip's first pixel
-    const double* running;  ///< sum of source colours before the strip's first pixel, times the inner share
+    const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
 /// The range [begin, end) of kernel rows dy whose target rows lie in the block of pixels.
@@ -41,7 +41,7 @@ struct RowRange {
     int begin, end;
 };
 
-/// Adds the source row, filtered by kernel row dy, to row `down` + dy and to row `up` - dy.
+/// Adds the source row, filtered by kernel row dy, to the rows `down` + dy and `up` - dy of the image.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -86,8 +86,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds a filtered source row whose values are 1 in the kernel's whole reach: the result is then the sum of
-/// the kernel row.
+/// Adds a filtered source row whose values are all 1 in the reach of the kernel. The result is the sum of
+/// each kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -130,8 +130,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the kernel's whole width around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// Per channel: the colours in the raster, if the run covers the line, else null; the index of a copy of
-    /// the colours in lines_; the index of their running sums in running_.
+    /// For each channel: the colours in the raster if the run covers the line, otherwise null. `line_at` is
+    /// the index of a copy of the colours in lines_, `running_at` the index of their running sums in
+    /// running_.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -152,7 +153,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows of the block that no run has reached yet are added as well, as zeros.
+    // Rows of the block that no run has reached so far are added as well; they contain zeros.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -200,7 +201,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Only kernel rows dy >= 0 are used; row -1 - dy is equal to row dy.
+    // Only kernel rows dy >= 0 are used, because row -1 - dy equals row dy.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -216,7 +217,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // A line covers all columns that filtering its strips may read.
+    // A line contains all columns that filtering of its strips may read.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -237,7 +238,8 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // Strips read the line in parts, in an order that the hardware prefetcher does not predict.
+        // Prefetches the line. Strips read it in parts, in an order that the hardware prefetcher does not
+        // predict.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;
@@ -271,7 +273,7 @@ void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
             source[c] =
                 tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
-    // Three independent chains of additions are interleaved, which hides the latency of each.
+    // Interleaves three independent chains of additions, which hides their latency.
     double r = 0, g = 0, b = 0;
     for (std::size_t i = 0; i < inside; ++i) {
         running[0][i] = r;

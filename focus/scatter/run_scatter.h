@@ -1,4 +1,4 @@
-// Scatters runs of adjacent corner samples that share a disc, with SIMD.
+// Scatters runs (adjacent corner samples that share a disc), with SIMD.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@ namespace postlens {
 
 /// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
-/// Discs are centred on integer coordinates, so kernels are symmetric: a filtered source row serves two rows
-/// of the image, and the single values of a kernel row (taps) come in pairs. The inside of a kernel row is a
-/// difference of running sums, in double, so that a bright sample leaves no rounding error where it does not
-/// reach. The other terms are positive; they are added in float for a few source rows, then in double. The
-/// order of every sum depends only on the tables, not on threads.
+/// Discs are centred on integer coordinates, so kernels are symmetric. A filtered source row is therefore
+/// used for two rows of the image, and the single values of a kernel row (taps) come in pairs. The interior
+/// of a kernel row is a difference of running sums, in double, so that a bright sample leaves no rounding
+/// error outside its reach. All other terms are positive; they are added in float for a few source rows, then
+/// in double. The order of every sum depends only on the tables, not on threads.
 class RunScatter {
   public:
-    /// Width of the strips that a block is divided into, px.
+    /// Width of the strips into which a block is divided, px.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);
@@ -27,11 +27,11 @@ class RunScatter {
     RunScatter& operator=(RunScatter&&) = delete;
 
     /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
-    /// tables.picture(). Returns false if no run reaches it; there are no sums then.
+    /// tables.picture(). Returns false, without sums, if no run reaches it.
     bool run(const RasterWindow& block);
 
-    /// The sums of `channel` (0 to 2: colour, 3: weight) of the strip_width pixels of a strip in row y;
-    /// undefined beyond the block.
+    /// The sums of `channel` (0 to 2: colour, 3: weight) for the strip_width pixels of a strip in row y. Sums
+    /// beyond the block are undefined.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }
@@ -56,7 +56,7 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// Sums of the last few source rows, stored strip by strip so that the rows of a strip are contiguous.
+    /// Sums of the last few source rows, stored strip by strip. The rows of a strip are contiguous.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

@@ -15,21 +15,21 @@
 namespace postlens {
 namespace {
 
-// Size of a block, px. The rows that a run adds to, twice its CoC radius with 16 B per pixel, fit the L2
-// cache. Taller blocks share more filtered rows, wider ones more running sums; smaller blocks keep more
-// threads busy. Measured with bench/scatter_bench.cpp.
+// Size of a block, px. The rows to which a run adds, twice its CoC radius with 16 B per pixel, fit into the
+// L2 cache. Taller blocks share more filtered rows, wider blocks share more running sums, and smaller blocks
+// keep more threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of rows per call of PointScatter, which needs 64 B per pixel and tests every splat once per call.
+/// Number of rows per call of PointScatter. A call needs 64 B per pixel and tests every splat once.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// Per channel, the sums of one row of a strip: strip_width values.
+/// For each channel, the sums of one row of a strip (strip_width values).
 using Sums = std::array<const double*, 4>;
 
-/// The divisor of a pixel: the weight that arrived, plus that of empty space, which fills the pixel up to 1
-/// but has at most `most_nothing`.
+/// The divisor of a pixel: the weight that arrived plus the weight of empty space. Empty space fills the
+/// pixel up to 1, but with at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -41,8 +41,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Sums of differences have rounding errors, which may make a value slightly negative. Unless the scene
-    // has negative colours, values are clamped to 0.
+    // Sums of differences have rounding errors, which may make a value slightly negative. Values are clamped
+    // to 0 unless the scene has negative colours.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -52,8 +52,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     }
 }
 
-/// Normalises and stores one colour channel, for models in which each channel has its own kernels. `points`
-/// has sums that were made with the channel's kernels; only the channel's colour and the weight are used.
+/// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
+/// in `points` must come from this channel's kernels. Only the channel's colour and the weight are used.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -72,8 +72,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds the sums of runs and of single splats in a few rows of a block, normalises and stores them. `runs` is
-/// null if no run reaches the block.
+/// Adds the sums of runs and of single splats in a few rows of a block, and normalises and stores the result.
+/// `runs` is null if no run reaches the block.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
@@ -162,7 +162,8 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Colour sums (0..2) and weights (3) of every pixel, with the kernels of one channel.
+/// Sums of colours (channels 0 to 2) and weights (channel 3) for every pixel, with the kernels of one
+/// channel.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

@@ -1,4 +1,4 @@
-// For images that are made strip by strip: which rows of the file must be read again for a strip.
+// Finds the rows of the file that must be read again for each strip of an image.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,9 @@
 
 namespace postlens {
 
-/// Decides which rows of the file are read again for each strip of the image. `Item`: an item of a row, for
-/// example a splat, that reaches several pixel rows. Most items reach only pixel rows close to their own. The
-/// few that reach far are kept in memory, so that for a strip only its own rows and those close to it must be
-/// read again.
+/// Finds the rows of the file that must be read again for each strip of the image. An `Item` belongs to a row
+/// and reaches several pixel rows, for example a splat. Most items only reach pixel rows close to their own.
+/// The few that reach far are kept in memory, so that only rows close to a strip must be read again.
 template <typename Item>
 class StripRows {
   public:
@@ -27,7 +26,7 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// `source`: the rows of the file. `picture`: the image, in blocks of `block_px` rows. A row that was
+    /// `source`: the rows of the file. `picture`: the image, in blocks of `block_px` rows. A row that is
     /// never added must be read for every strip.
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
@@ -36,8 +35,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of a row, before all its items are added again, in order. Like `add`, it is
-    /// thread-safe for different rows.
+    /// Removes the items of a row. Call it before all items of the row are added again, in order. Thread-safe
+    /// for different rows, like `add`.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -59,9 +58,8 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Keeps the memory of kept items within the limit: as long as they exceed it, doubles the smallest
-    /// distance that an item must reach to be kept, and drops the items that reach less far. Call it when
-    /// some rows are complete.
+    /// Limits the memory of the kept items. While it exceeds the limit, the smallest reach of a kept item is
+    /// doubled, and items that reach less far are dropped. Call it when some rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -83,9 +81,8 @@ class StripRows {
         }
     }
 
-    /// The rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end). Ranges
-    /// include short gaps of rows that need not be read, as reading these is faster than starting a new
-    /// range.
+    /// The rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end). The
+    /// ranges include short gaps of unneeded rows, because reading these is faster than starting a new range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -111,8 +108,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// The items of a row that are kept because they reach far, in order. A row that is not read again
-    /// provides only these.
+    /// Returns the kept items of a row (those that reach far), in order. A row that is not read again only
+    /// contributes these items.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
@@ -122,9 +119,9 @@ class StripRows {
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {
-        int first = 0, last = 0;  ///< pixel rows that the items reach that are not kept
+        int first = 0, last = 0;  ///< pixel rows that are reached by the items that are not kept
         std::vector<Far> far;
-        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that reach it first or last
+        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that reach it first, or last
         [[nodiscard]] bool known() const { return !begins.empty(); }
         void include(int begin, int end) {
             first = std::min(first, begin);

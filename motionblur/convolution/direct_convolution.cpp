@@ -10,15 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Columns whose sums are in registers at once: eight vectors, half of the sixteen that AVX2 has.
+/// Number of columns whose sums are in registers at the same time: eight vectors, half of the sixteen that
+/// AVX2 has.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// A float sum is added to a double sum after this many terms, so that rounding stays below 34 * 2^-24 of it.
+/// Number of terms after which a float sum is added to a double sum. The number keeps the rounding error
+/// below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// A run of equal weights costs about as much as this many cells. Shorter runs are handled cell by cell.
+/// A run of equal weights costs about as much as this many cells. Shorter runs are processed cell by cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. The limit is above 0 because weights are
+/// Relative difference up to which two weights count as equal. The limit is above 0, because weights are
 /// differences of accumulated light, which is rounded to 2^-53.
 constexpr double equal_weights = 1e-9;
 
@@ -29,14 +31,14 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Columns [begin, end) of a row of the path's raster that have the same weight.
+/// Columns [begin, end) in a row of the path's raster, which all have the same weight.
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// The path's raster as runs of equal weight, row by row. A run may be a single cell. The cost is in units of
-/// cells.
+/// The path's raster as runs of equal weight, row by row. A run may be a single cell. `cost` is in units of
+/// the cost of a cell.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -86,18 +88,20 @@ struct Orientation {
     bool is_transposed = false;
 };
 
-/// Runs lie along rows. If runs along columns are cheaper, the whole convolution is transposed.
+/// Chooses the direction of the runs. Runs lie along rows. If runs along columns would be cheaper, the whole
+/// convolution is transposed.
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Transposing the object's raster and the result takes about as long as adding 12 cells of the path.
+    // Cost of transposing the object's raster and the result, in the unit of runs.cost: about as much as
+    // adding 12 cells of the path.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
 
 /// Copies the window's cell (x, y) to cell (y, x) of `to`.
 void transpose(const Planes& from, const CellWindow& window, Planes& to) {
-    constexpr int block = 32;  // cells along a side; source and target block stay in the cache
+    constexpr int block = 32;  // cells along a side, so that both blocks stay in the cache
     const int bands = (window.height() + block - 1) / block;
     parallel_for(static_cast<std::size_t>(bands) * from.planes.size(), [&](std::size_t task) {
         const std::size_t plane = task / static_cast<std::size_t>(bands);
@@ -114,14 +118,14 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of the path's raster, and the offset of the values that it weights, relative to the tile's
-/// position.
+/// One cell of the path's raster: its weight, and the offset of the values to which the weight is applied.
+/// The offset is relative to the tile's position.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of path cells with equal weight. It weights the difference of two running sums, at the offsets
-/// `high` and `low`, which are relative to the tile's position.
+/// A run of path cells with equal weight. The weight multiplies the difference of two running sums, at the
+/// offsets `high` and `low`. Offsets are relative to the tile's position.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -130,7 +134,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, and the ranges of its terms.
+/// A row of the path's raster, and the ranges of its terms in the lists of cells and of runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -164,8 +168,8 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Direct convolution. It reads copies of the object's rows that are padded with zeros as far as any tile
-/// reads.
+/// Direct convolution. It reads copies of the object's rows that are padded with zeros, so that a tile may
+/// read beyond the ends of a row.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -183,8 +187,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Tiles are processed downwards in strips, so that the rows of i1 that a strip reads stay in the
-        // cache.
+        // Tiles are processed downwards in strips. The rows of i1 (the object's raster) that a strip reads
+        // then stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -227,8 +231,8 @@ class DirectConvolution {
     }
 
     /// Lists the terms of the convolution, row by row of the path's raster. A short run of equal weights
-    /// becomes one CellTerm for each cell, a long run becomes a single RunTerm. Offsets are relative to the
-    /// tile's position.
+    /// becomes one CellTerm for each cell; a long run becomes one RunTerm. Offsets are relative to the tile's
+    /// position.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -319,17 +323,17 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Each term reads the nonzero columns of i1 in whole tiles.
+    // Each term reads the nonzero columns of i1 (the object's raster) in whole tiles.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
-    // The number of additions is proportional to the wanted share of the full result.
+    // The number of additions is proportional to the share of the full result that is wanted.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The costs are measured with `one_object/direct` in convolution_bench. Paths of 8 px give the cost of
-    // copying the object's raster. The increase to 60 and 240 px at 45 degrees gives the cost of a cell, and
-    // paths along a row give that of running sums. A value of a large array costs more, since the system
-    // first has to provide memory.
+    // The costs were measured with `one_object/direct` in convolution_bench. Paths of 8 px yield the cost of
+    // copying the object's raster. The increase to paths of 60 and 240 px at 45 degrees yields the cost of a
+    // cell, and paths along a row yield that of running sums. A value of a large array costs more, because
+    // the system first has to provide memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -16,20 +16,19 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result, cut into `count` blocks of at most `length` cells; each takes transforms of
-/// `size`.
+/// One axis of the result, divided into `count` blocks of at most `length` cells. Each block needs transforms
+/// of `size` cells.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Ranges of cells along one axis: source [s0, s1), path [p0, p1), result [o0, o1).
+/// Ranges of cells along one axis: [s0, s1) of the source, [p0, p1) of the path, [o0, o1) of the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Smallest size of a transform that computes the cells [x0, x1) of the result without values that wrap
-/// around. The part of the source that contributes is [a, b); convolved with the path, it covers [a + p0, b +
-/// p1 - 1).
+/// Smallest size of a transform that computes the cells [x0, x1) of the result without wrap-around. Of the
+/// source, [a, b) contributes; convolved with the path, it covers [a + p0, b + p1 - 1).
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -45,7 +44,7 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // Real transforms of odd sizes take twice the time. Rows of whole vectors are the fastest.
+    // Real transforms of odd sizes take twice as long. Rows of whole vectors are fastest.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -57,8 +56,8 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time of a transform per step, measured with `one_object/fft` in convolution_bench for 300 cells and
-    // more.
+    // Time of a transform per step, s, measured with `one_object/fft` in convolution_bench for 300 and more
+    // cells.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -88,7 +87,8 @@ struct Free {
     void operator()(void* p) const { fftwf_free(p); }
 };
 
-/// Allocates an array with the alignment that FFTW's plans require: that of the array they were made for.
+/// Allocates an array with the alignment that FFTW's plans need, which is that of the arrays for which they
+/// were made.
 template <typename T>
 std::unique_ptr<T[], Free> allocate(std::size_t count) {
     auto* p = static_cast<T*>(fftwf_malloc(count * sizeof(T)));
@@ -106,9 +106,9 @@ fftwf_complex* raw(std::complex<float>* p) {
     return reinterpret_cast<fftwf_complex*>(p);
 }
 
-/// a *= b for complex numbers, stored as pairs of real and imaginary parts. The parts have a loop each: in
-/// one loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, with results that depend on the
-/// processor.
+/// Computes a *= b for complex numbers, stored as pairs of real and imaginary parts. Real and imaginary parts
+/// have separate loops. In a common loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
+/// results would depend on the processor.
 POSTLENS_MULTIVERSION
 void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {
     constexpr std::size_t block = 64;
@@ -126,7 +126,7 @@ void multiply(float* __restrict a, const float* __restrict b, std::size_t count)
     }
 }
 
-/// The least of the values, or 0 if all values are above 0.
+/// The smallest of the values, or 0 if all values are positive.
 POSTLENS_MULTIVERSION
 float least_of(const float* values, std::size_t count) {
     float least = 0;
@@ -150,7 +150,7 @@ class FftConvolution {
         {
             const std::lock_guard lock(planner());
             // FFTW's estimated plans are the same in every run. Measured plans may differ between runs, and
-            // so may the bits of their results.
+            // the bits of the results would then differ too.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
@@ -181,7 +181,7 @@ class FftConvolution {
     }
 
   private:
-    /// Locked while FFTW makes or destroys a plan, which only one thread may do at a time.
+    /// Lock for creating or destroying a plan of FFTW, which only one thread may do at a time.
     static std::mutex& planner() {
         static std::mutex mutex;
         return mutex;
@@ -210,8 +210,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Transforms the path. Its cell (i, j) is stored at (i, j) modulo the size; the weights include the
-    /// normalisation of the transforms.
+    /// Transforms the path. Path cell (i, j) is stored at (i, j) modulo the transform's size. The weights
+    /// include the normalisation of the transforms.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -224,7 +224,8 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Computes, per row of the result, the range of columns that nonzero cells of the object's raster reach.
+    /// Computes, for each row of the result, the range of columns that nonzero cells of the object's raster
+    /// reach.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
         for (int y = task_.path.y_begin; y < task_.path.y_end; ++y) {
@@ -268,7 +269,8 @@ class FftConvolution {
     }
 
     /// Copies the part of the object's raster that contributes to a block of the result. The block's first
-    /// cell is at 0, and positions are modulo the size. Returns true if no copied value is negative.
+    /// cell is at position 0; positions are modulo the transform's size. Returns true if no copied value is
+    /// negative.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

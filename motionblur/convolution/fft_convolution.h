@@ -5,7 +5,7 @@
 
 namespace postlens {
 
-/// Writes the result for `task.out` into `result`, whose planes are 0 elsewhere.
+/// Writes the result for `task.out` into `result`, whose planes are 0 everywhere else.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
 /// Predicted time of one thread, s.

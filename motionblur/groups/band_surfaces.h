@@ -1,4 +1,4 @@
-// Reads rows of a sample file, and finds the quadtree leaves and the surfaces of each pixel from the records.
+// Reads rows of a sample file. Finds the quadtree leaves and the surfaces of each pixel from the records.
 #pragma once
 
 #include <functional>
@@ -27,20 +27,20 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// Records of one instant in bands of `band_rows` rows of pixels. Each band also has the row below, which
-/// holds the records on its lower border. Only some bands are in memory, because objects move over a small
-/// part of a frame's rows.
+/// Records of one instant in bands of `band_rows` rows of pixels. Each band also contains the row below, with
+/// the records on its lower border. Only some bands are in memory, because objects move over a small part of
+/// a frame's rows.
 class RecordBands {
   public:
-    /// Keeps a reference to the file and reads nothing yet.
+    /// Keeps a reference to the file. Does not read any records.
     explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-    /// Reads all bands in turn and keeps in memory those for which `keep` returns true.
+    /// Reads all bands one after another. Keeps those in memory for which `keep` returns true.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
     /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// A band that is not in memory has its rows and columns but no records and offsets.
+    /// All bands. A band that is not in memory has rows and columns, but no records and offsets.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -51,16 +51,16 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Surfaces of the bands that contain rows [y_begin, y_end); these bands must be in memory. The elements of
-/// all other bands stay empty.
+/// Finds the surfaces of the bands that contain rows [y_begin, y_end). These bands must be in memory. The
+/// result has one element per band. Elements of all other bands are empty.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Finds the group of objects with a common path to which an id belongs.
+/// Finds the group to which an object id belongs. A group contains objects with a common path.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);
-    /// Index of the id's group; -1 for none.
+    /// Index of the id's group, or -1 if it belongs to none.
     [[nodiscard]] int operator()(std::uint32_t id) const {
         if (id < small_.size()) return small_[id];
         const auto found =

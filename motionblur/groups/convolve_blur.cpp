@@ -12,12 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Sums over the point samples of one pixel, for the static surfaces whose depth lies between two moving
-/// groups of objects that are neighbours in depth.
+/// Sums over the point samples of one pixel, for the static surfaces that lie between two moving groups which
+/// are neighbours in depth.
 struct Between {
     std::array<double, 3> colour{};
     /// `covered`: weight of the samples that show a surface in this interval of depth. `known`: weight of the
-    /// samples whose records reach as far as the interval.
+    /// samples whose records reach to this interval.
     double covered = 0, known = 0;
 };
 
@@ -63,7 +63,8 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Light from an unrecorded background gets the colours of the farthest static surfaces around the pixel.
+    // Fills in light from an unrecorded background, with the colours of the farthest static surfaces around
+    // the pixel.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -107,7 +108,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        std::size_t filled = between.size();  // interval of the last surface; between.size() for none
+        std::size_t filled = between.size();  // interval of the last surface; between.size() if there is none
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
             const LayerSurface& s = band.surfaces.surfaces[i];
@@ -117,13 +118,13 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of groups nearer than the surface; depths_ is in descending order.
+            // Number of groups that are nearer than the surface. depths_ is in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -
                 depths_.begin());
             known = std::max(known, rank);
-            if (rank == filled) continue;  // a nearer static surface of this interval hides it
+            if (rank == filled) continue;  // a nearer static surface of the same interval hides this one
             filled = rank;
             Between& to = between[rank];
             to.colour[0] += weight * static_cast<double>(s.r);

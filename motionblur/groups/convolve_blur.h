@@ -1,4 +1,4 @@
-// Motion blur by convolution [potmesil1983]: the raster of every moving group is convolved with the raster of
+// Motion blur by convolution [potmesil1983]. The raster of every moving group is convolved with the raster of
 // its path. The results and the static surfaces are composited in the order of depth.
 #pragma once
 
@@ -13,20 +13,20 @@
 namespace postlens {
 
 struct ConvolveBlur {
-    Image image;                        ///< equal to `still` in untouched pixels
-    std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded there
+    Image image;                        ///< equal to `still` in pixels over which nothing moves
+    std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded in it
     std::vector<float> unknown;         ///< share of a pixel's light whose background is not recorded
     int direct_groups = 0, fft_groups = 0;
 };
 
-/// Blurs groups of objects that share a path. `still`: pinhole image of the records. `groups`: nearest first.
-/// `across_per_px`: size of a pixel on the film (sample_surfaces.h). The raster of a group and that of its
-/// path have the same cells (cells_for). The quadtree's leaves are drawn into the group's raster without
-/// resampling.
+/// Blurs groups of objects. The objects of a group share a path. `still`: pinhole image of the records.
+/// `groups`: nearest first. `across_per_px`: size of a pixel on the film (sample_surfaces.h). The raster of a
+/// group and the raster of its path have cells of the same size (cells_for). Quadtree leaves are drawn into
+/// the group's raster without resampling.
 ///
 /// A pixel is composited front to back: the static surfaces in front of the nearest group, that group, the
 /// static surfaces behind it, and so on. The weight of a static surface is its coverage among the samples
-/// whose records reach that depth.
+/// whose records reach to that depth.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

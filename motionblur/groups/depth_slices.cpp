@@ -13,15 +13,17 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance between the ends of the paths of neighbouring depth slices, px. A surface between two
-/// slices gets the mean of both, which is in error by up to one half over this length at the end of its
-/// streak. With 4 px the PSNR is as high as with 1 px: 50.7 dB for the ball of samples/scenes/motion, whose
-/// paths are 122 to 139 px long. With 17 px it is 50.1 dB.
+/// Largest distance, px, between the ends of the paths of neighbouring depth slices. A surface between two
+/// slices is drawn as the mean of both. This mean has an error of up to one half over this length at the end
+/// of the surface's streak. With 4 px the PSNR is as high as with 1 px: 50.7 dB for the ball of
+/// samples/scenes/motion, whose paths are 122 to 139 px long. With 17 px it is 50.1 dB.
 constexpr double step_px = 4;
 
-/// Gradient of the inverse depth 1/z' across a leaf, 1/m per px, from the corners that show the moving group.
+/// Gradient of the inverse depth 1/z' across a quadtree leaf, 1/m per px, computed from the corners that show
+/// the moving group.
 dvec2 gradient_of(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-    // Mean slope of the leaf's two sides along an axis. A side with an unknown corner is left out.
+    // Mean of the slopes of the quadtree leaf's two sides along an axis. A side with an unknown corner is
+    // left out.
     const auto slope = [&](std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
         double sum = 0;
         int known = 0;
@@ -45,7 +47,8 @@ bool is_torn(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s, doub
     return low < high && !is_one_surface(low, high, static_cast<double>(leaf.size) * across_per_px, true);
 }
 
-/// Calls on_leaf(leaf, surfaces) for the leaves of a band that show the group in at least one corner.
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows the group in at least one
+/// corner.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& pixels,
                       const OnLeaf& on_leaf) {
@@ -129,9 +132,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // For v distributed uniformly between low and high, max(0, 1 + v) has the mean (1 + high)^2 / (2 (high -
-    // low)), and the line 1 + v / -low has the mean (1 + high / -low) / 2. `area` is the ratio of these
-    // means.
+    // Let v be distributed uniformly between low and high. Then max(0, 1 + v) has the mean (1 + high)^2 / (2
+    // (high - low)), and the line 1 + v / -low has the mean (1 + high / -low) / 2. `area` is the ratio of
+    // these means.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -147,7 +150,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four leaves, with one piece in each.
+    // A record is a corner of about four quadtree leaves and yields one piece in each of them.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
@@ -168,7 +171,8 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
     const int c = cells_per_px_;
-    // Reserves the largest possible number of pieces. The system provides only the memory that is written to.
+    // Reserves memory for the largest possible number of pieces. The system only provides the part that is
+    // written.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     const CellWindow pixels{window_.x_begin / c, window_.x_end / c, window_.y_begin / c, window_.y_end / c};
     for_each_leaf_of(

@@ -1,5 +1,4 @@
-// Cuts a moving group of objects with parallax into slices by depth. Each slice has its own raster and moves
-// on its own path.
+// Divides a moving group with parallax into slices by depth. Each slice has its own raster and its own path.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -10,63 +9,65 @@
 
 namespace postlens {
 
-/// Largest number of slices. With more parallax the slices lie farther apart.
+/// Largest number of depth slices. If the parallax needs more, the slices are farther apart.
 inline constexpr int most_slices = 64;
 /// Number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
-/// Parts of a group at different depths move differently: areas between them are uncovered, and the parts
-/// come to overlap. The result is the largest such area, as a share of the group's recorded area. Depth steps
-/// whose sides separate by less than 0.5 px do not count. DepthSlices treats all parts as one opaque surface,
-/// so it is in error over this area.
+/// Measures the error of treating a group as one opaque surface. Parts at different depths move differently,
+/// so areas between them are uncovered, and parts come to overlap. The result is the largest such area, as a
+/// fraction of the group's recorded area. Depth edges whose sides separate by less than 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction along which a moving group's path extends, with the range of the path along it: the least and
-/// the greatest scalar product of path and direction, px.
+/// A direction in which a moving group's path extends. `low_px` and `high_px` are the smallest and the
+/// largest scalar product of path and direction.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// The direction of the path's farthest point and, if the path leaves that line by more than 1 px, the
-/// direction perpendicular to it. Empty if the path does not move.
+/// Returns the direction to the path's farthest point. If the path leaves this line by more than 1 px, the
+/// perpendicular direction follows. Returns nothing if the path does not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
 /// Change of a surface's projected area along its path. A point at 1/z' moves by path(t) * (1/z') /
-/// path_inverse_z. At time t, a piece of surface on which 1/z' has the gradient G per px therefore has 1 +
-/// sum over the axes of rate * (path(t) . axis) times its recorded area, with rate = G . axis /
-/// path_inverse_z, 1/px. This is exact for a translation parallel to the film. If this area becomes negative,
-/// the piece has turned over and is no longer drawn. `area` and the rates then describe a linear function
-/// that falls to 0 at the end of the path and has the same integral as the positive part.
+/// path_inverse_z. Let G be the gradient of 1/z' per px on a piece of surface. At time t, the area of the
+/// piece is its recorded area times 1 + sum over the axes of rate * (path(t) . axis), with rate = G . axis /
+/// path_inverse_z, 1/px. This is exact for a translation parallel to the film.
+///
+/// If this area becomes negative, the piece has turned over and is no longer drawn. `area` and the rates then
+/// describe a linear function that falls to 0 at the end of the path and has the same integral as the
+/// positive part.
 struct Stretch {
     double area = 1;
     glm::dvec2 rate_per_px{0};
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// r, g, b and coverage of a depth slice, linear in its position along the axes of the path. At time t the
-/// slice is `flat` plus the sum over the axes a of stretched[a] * (path(t) . direction of a - low_px of a).
+/// Red, green, blue and coverage of a depth slice, as linear functions of the slice's position along the axes
+/// of the path. At time t the slice is `flat` plus the sum over the axes a of stretched[a] * (path(t) .
+/// direction of a - low_px of a).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
 };
 
-/// Slices at evenly spaced inverse depths, from the farthest to the nearest. A surface between two slices is
-/// drawn into both with linear weights, so that the slices add up to the group everywhere.
+/// Slices at uniformly spaced inverse depths, from the farthest to the nearest. A surface between two slices
+/// is drawn into both with linear weights, so that the sum of all slices is the group.
 class DepthSlices {
   public:
-    /// Slices of group g, which must have parallax. `across_per_px`: size of a pixel on the film
+    /// Builds the slices of group g, which must have parallax. `across_per_px`: size of a pixel on the film
     /// (sample_surfaces.h).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Factor by which the path of the whole group is multiplied to give the path of slice k.
+    /// Factor by which the path of the whole group is multiplied to obtain the path of slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// The window that all slices have: the cells that contain the group at the recorded instant.
+    /// The window of every slice: the cells that contain the group at the recorded instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

@@ -1,5 +1,5 @@
-// Motion blur of a moving group of objects: the convolution of the group's raster with the raster of its
-// path, for the whole group or for each of its depth slices.
+// Motion blur of a moving group of objects. The group's raster is convolved with the raster of its path,
+// either for the whole group or for each of its depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Coverage below this is rounding error of a Fourier transform.
+/// Smaller coverages are treated as rounding errors of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.
@@ -18,9 +18,9 @@ class GroupBlur {
     GroupBlur(int width, int height, int cells_per_px, const Exposure& exposure, const ShutterCurve& curve)
         : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
 
-    /// Moves the whole group on its path.
+    /// Moves the whole group along its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group);
-    /// Moves each depth slice of the group on its own path and adds up the slices, which are parts of one
+    /// Moves each depth slice of the group along its own path. Adds up the slices, which are parts of one
     /// opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group);
 

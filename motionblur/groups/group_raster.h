@@ -1,4 +1,4 @@
-// The raster (i1 of [potmesil1983]) of a moving group of objects, and conversion of its cells to pixels.
+// Draws the raster of a moving group of objects (i1 in [potmesil1983]), and converts its cells to pixels.
 #pragma once
 
 #include <optional>
@@ -20,16 +20,16 @@ struct GroupPicture {
     }
 };
 
-/// Cells per px for a group. Short paths, and paths that are parallel to neither axis, need finer cells.
+/// Cells per px for a group. Short paths need finer cells, and so do paths that are not parallel to an axis.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Window of the cells in which a moving group's records can lie, within the rows and columns of `bands`.
+/// Window of the cells that may contain a moving group's records, within the rows and columns of `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The cells [x, x + n) x [y, y + n) that a quarter of a leaf covers: the quarter at one of the leaf's
-/// corners. `share`: the share of each cell's area that it covers. Sizes of leaves and cells are powers of 2,
-/// so that a quarter covers whole cells or lies within one.
+/// The cells [x, x + n) x [y, y + n) that are covered by the quarter of a quadtree leaf at one of its
+/// corners. `share`: the fraction of each cell's area that the quarter covers. Sizes of leaves and cells are
+/// powers of 2, so a quarter covers whole cells or lies within one.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -37,16 +37,16 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// The nearest surface at a point sample that belongs to the moving group, or nullptr.
+/// The nearest surface at a point sample that belongs to moving group g, or nullptr.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
-/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Every cell shows the group's nearest
-/// recorded surface there, of any layer.
+/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Every cell shows the nearest recorded
+/// surface of the group in this cell, from any layer.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// Converts a raster of cells to pixels: the mean of the cells in each pixel that lies in the frame.
+/// Converts a raster of cells to pixels. Each pixel of the frame gets the mean of its cells.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

@@ -25,7 +25,7 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
 }
 
 /// Whether two ids have the same displacements within `alike_px`. `nearest`: inverse depth, 1/m, to which the
-/// displacements are scaled; 0: those of the centres are compared as they are.
+/// displacements are scaled. If it is 0, the displacements of the centres are compared without scaling.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -90,7 +90,7 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // A group with parallax may be flat at this instant and have depth at the other recorded ones.
+        // A group with parallax may be flat at this instant and have depth only at other recorded instants.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

@@ -41,7 +41,7 @@ void check(Points points, double tolerance_px) {
     }
 }
 
-/// A cubic Bezier curve over the time of points [first, last]; u runs from 0 to 1.
+/// A cubic Bezier curve over the time span of the points [first, last]. The parameter u runs from 0 to 1.
 struct Cubic {
     std::array<dvec2, 4> control{};
     [[nodiscard]] dvec2 at(double u) const {
@@ -51,15 +51,15 @@ struct Cubic {
     }
 };
 
-/// Least-squares cubic through points [first, last] that begins at `start`, if that is given. Empty if its
-/// error exceeds the tolerance at any point.
+/// Least-squares cubic through the points [first, last]. If `start` is given, the cubic begins there. Returns
+/// nothing if its error exceeds the tolerance at any point.
 std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t last,
                                const std::optional<dvec2>& start, double tolerance_px) {
-    constexpr std::size_t most_used = 512;  // ample for a cubic; the error is tested at all points
+    constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are the control points' differences from a straight line. Those that too few points
-    // determine become 0, as on the line.
+    // The unknowns are the differences of the control points from a straight line. A control point that too
+    // few points determine stays on the line.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -79,7 +79,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // A segment between two neighbouring points ends exactly at the second one.
+    // A segment between two neighbouring points ends exactly at the second point.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Lays segments one after the other, from the first point on. Each is as long as doubling and bisection find
-/// a cubic that follows its points. `joined`: each segment begins where the previous one ends. Stops at
-/// `most` segments, even if they do not reach the last point.
+/// Places segments one after another, beginning at the first point. Doubling and bisection find the largest
+/// length for which a cubic follows the points of a segment. `joined`: each segment begins where the previous
+/// one ends. Stops at `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -142,7 +142,7 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Knot times for `count` new segments: where the given segments are short, the new ones are short too.
+/// Knot times for `count` new segments. Where the given segments are short, the new segments are short too.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -155,8 +155,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Knot times at the ends of the segments. A short segment between two long ones means that the velocity
-/// jumps between two points. It gets one knot instead of two, as it needs no segment of its own.
+/// Knot times at the ends of the segments. A short segment between two long ones indicates that the velocity
+/// changes abruptly between two points. The short segment is replaced by one knot.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -165,8 +165,7 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // The knot at a jump of velocity lies between the first two points of the short segment, in the
-        // middle.
+        // A change of velocity gets its knot in the middle between the first two points of the short segment.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -184,7 +183,7 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// Path of one knot; empty if the points are farther from it than the tolerance.
+/// Path with one knot. Returns nothing if a point is farther from the knot than the tolerance.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {
@@ -213,10 +212,10 @@ PathFit fit_path(Points points, double tolerance_px) {
     PathFit best =
         segments.size() + 1 < points.size() ? fit_of(knots_of(points, segments)) : polyline_of(points);
     if (best.error_px > tolerance_px)
-        best = polyline_of(points);  // the rounding of a spline can exceed a very small tolerance
+        best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Lower limit of the number of segments: the number of cubics that need not join, at twice the tolerance.
-    // Hardly any path can be fitted with fewer segments.
+    // Lower limit of the number of segments: the number of cubics that the points need at twice the tolerance
+    // if the cubics need not join. Hardly any path can be fitted with fewer segments.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

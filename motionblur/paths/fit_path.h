@@ -1,4 +1,4 @@
-// Fits splines to paths of many points: option `--fit-paths PX`.
+// Fits splines to paths of many points, for the option `--fit-paths PX`.
 #pragma once
 
 #include <span>
@@ -9,21 +9,22 @@ namespace postlens {
 
 struct PathFit {
     ScreenPath path;
-    double error_px = 0;  ///< largest distance from the given points at their times
+    double error_px = 0;  ///< largest distance from the given points at their times, px
 };
 
-/// Finds a path with few knots that stays within `tolerance_px` of `points` at their times. Points that do
-/// not move give one knot. All others give Bezier curves in time, with separate handles on the two sides of a
-/// knot, so that a bounce needs only one knot. If no spline has fewer knots than the polyline of the points,
-/// that is returned. The path never has more knots than points.
+/// Finds a path with few knots that stays within `tolerance_px` of `points` at their times. If the points do
+/// not move, the path has one knot. Otherwise it consists of Bezier curves in time. The two sides of a knot
+/// have separate handles, so a bounce needs only one knot. If no spline has fewer knots than the polyline of
+/// the points, the polyline is returned. The path never has more knots than there are points.
 ///
-/// First, segments are laid one after the other, each as long as a least-squares cubic follows the points.
-/// Then bisection tries fewer knots, whose positions, handles and times Ceres optimises (`refine_path`). This
-/// second step is taken for up to `most_refined_segments` segments. Deterministic. Takes at most seconds for
-/// 100'000 points.
+/// First, segments are placed one after another, each as long as a least-squares cubic follows the points. If
+/// there are at most `most_refined_segments` segments, bisection then tries fewer knots, whose positions,
+/// handles and times are optimised with Ceres (`refine_path`). The result is deterministic. The time is at
+/// most a few seconds for 100'000 points.
 ///
-/// Throws Error(wrong_arguments) "--fit-paths: ..." unless 0 < tolerance_px < infinity, and for points that
-/// are not finite, whose times do not increase, or whose number is 0 or above `most_knots`.
+/// Throws Error(wrong_arguments) "--fit-paths: ..." unless 0 < tolerance_px < infinity. Also throws it for
+/// points that are not finite, for times that do not increase, and if the number of points is 0 or above
+/// `most_knots`.
 [[nodiscard]] PathFit fit_path(std::span<const PathPoint> points, double tolerance_px);
 
 inline constexpr std::size_t most_refined_segments = 128;

@@ -13,23 +13,24 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest coordinate, in cells. Up to here a double resolves a thousandth of a cell.
+/// Largest coordinate, in cells. Below this limit, a double resolves a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells, shifted by half a cell, so that cell i
-/// is [i, i + 1).
+/// A piece of a path with constant velocity. Positions are in units of cells, and shifted by half a cell, so
+/// that cell i is [i, i + 1).
 struct Piece {
-    double begin, end;  ///< times, as shares of the exposure
+    double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Value at a share of the piece. It is exactly 1 if both ends have the value 1.
+    /// Value at a fraction of the piece; exactly 1 if both ends have the value 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
 };
 
-/// Follows a piece along one axis: the current cell, and the position at which the next one begins.
+/// Follows a piece of the path along one axis. Stores the current cell and computes where the next cell
+/// begins.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -37,8 +38,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Share of the piece at which the next cell begins; infinite in the last cell. It is computed from the
-    /// position of the border, so that rounding errors do not accumulate.
+    /// Fraction of the piece at which the next cell begins; infinite in the last cell. The fraction is
+    /// computed from the position of the border, so rounding errors do not accumulate.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -49,7 +50,7 @@ class Crossings {
     double from_, way_, cell_, last_;
 };
 
-/// Range from the least to the greatest cell; empty at first.
+/// Range from the smallest to the largest cell; initially empty.
 struct Extent {
     double least = std::numeric_limits<double>::infinity();
     double greatest = -std::numeric_limits<double>::infinity();
@@ -60,8 +61,9 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips the piece to the window plus half a cell on every side. Returns false if nothing is left. The margin
-/// keeps rounding from losing a part within the window; parts outside are dropped when the piece is drawn.
+/// Clips the piece to the window plus half a cell on every side. Returns false if nothing remains. Because of
+/// the margin, rounding cannot remove a part within the window. Parts outside the window are ignored when the
+/// piece is drawn.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -85,8 +87,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If an end of the piece is far outside of the window, the rounding error of `mix` can exceed half a
-    // cell. Such ends are clamped to near the window.
+    // If an end of the piece is far outside the window, the rounding error of `mix` can exceed half a cell.
+    // Such ends are clamped to a position near the window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -110,7 +112,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // The exposure is a single instant. The path's first point at or after this instant is used.
+        // The exposure is a single instant. The first point of the path at or after this instant is used.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -120,7 +122,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const PathPoint &a = points[i], &b = points[i + 1];
         if (!(b.time_s > open_s && a.time_s < close_s && b.time_s > a.time_s)) continue;
-        // The parts of the piece before and after the exposure are cut off.
+        // Cuts off the parts of the piece before and after the exposure.
         const auto along = [&](double time_s) {
             return std::clamp((time_s - a.time_s) / (b.time_s - a.time_s), 0.0, 1.0);
         };
@@ -159,7 +161,7 @@ void check(std::span<const PathPoint> points, dvec2 origin_px, double open_s, do
     }
 }
 
-/// Refuses paths that would take too much memory or time.
+/// Rejects paths that would need too much memory or time.
 void require_reasonable(const Extent& x, const Extent& y, double crossings, int cells_per_px) {
     const double longest = std::max(x.length(), y.length());
     const double farthest = std::max({-x.least, x.greatest, -y.least, y.greatest});
@@ -220,8 +222,8 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // Rounding may put a crossing slightly before the previous one. A cell takes the value at the
-            // middle of its time, which is exact for constant transmission.
+            // Rounding may place a crossing slightly before the previous one. A cell gets the value at the
+            // middle of its time span, which is exact for constant transmission.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

@@ -1,5 +1,5 @@
-// i2 of [potmesil1983]: raster of a path over the exposure. Each cell holds the light that arrives while the
-// path is in it.
+// Raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the light that arrives while
+// the path is in this cell.
 #pragma once
 
 #include <optional>
@@ -30,28 +30,29 @@ struct PathRaster {
     }
 };
 
-/// Largest side, in cells, of the raster that a motion path is drawn into, and largest number of cell borders
-/// that the path may cross.
+/// Largest side, in cells, of the raster into which a motion path is drawn, and largest number of cell
+/// borders that the path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 
-/// Draws the raster of a path. Cell (i, j) holds the share of the shutter's light that arrives while the
-/// displacement (path minus `origin_px`, times cells_per_px >= 1) lies in [i - 1/2, i + 1/2) x [j - 1/2, j +
-/// 1/2). This is exact for pieces of constant velocity: each is cut at the cells' borders, and the weight of
-/// a part is a difference of the shutter's accumulated light. The weights sum to 1. With open_s == close_s
-/// there is one cell of weight 1. The path stands still before its first and after its last point.
+/// Draws the raster of a path. Cell (i, j) contains the share of the shutter's light that arrives while the
+/// displacement lies in [i - 1/2, i + 1/2) x [j - 1/2, j + 1/2). The displacement is (path - `origin_px`) *
+/// cells_per_px, with cells_per_px >= 1. The result is exact for pieces of constant velocity: each piece is
+/// cut at the cells' borders, and the weight of a part is a difference of the shutter's accumulated light.
+/// The weights sum to 1. If open_s == close_s, there is one cell of weight 1. Before its first and after its
+/// last point the path does not move.
 ///
 /// `keep`: only these cells are computed, and the weights sum to the share of the light in them. The raster
-/// is empty if no light arrives in these cells. The time is bounded by the number of points times the width
-/// and height of the window, however long the path is.
+/// is empty if no light arrives in these cells. The time is bounded by the number of points times the sum of
+/// width and height of the window, for paths of any length.
 ///
-/// `values`: one value per point, linear in time between the points. If given, a cell holds the integral of
-/// the value over the cell's light, instead of the light.
+/// `values`: one value per point, linear in time between the points. If present, each cell contains the
+/// integral of the value over the cell's light, instead of the light.
 ///
-/// Throws Error(wrong_arguments) for times out of order, for no points, for positions that are not finite or
-/// more than 1e13 cells away, for a raster longer than `most_path_cells` and for a path with more crossings
-/// than `most_path_crossings` (both after `keep` has clipped it). Throws Error(out_of_memory) for a raster
-/// that does not fit.
+/// Throws Error(wrong_arguments) for times out of order, for no points, and for positions that are not finite
+/// or more than 1e13 cells away. Also throws it if, after clipping to `keep`, the raster is longer than
+/// `most_path_cells` or the path has more crossings than `most_path_crossings`. Throws Error(out_of_memory)
+/// if the raster does not fit into memory.
 [[nodiscard]] PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s,
                                    double close_s, const ShutterCurve& curve, int cells_per_px,
                                    const std::optional<CellWindow>& keep = std::nullopt,

@@ -99,7 +99,7 @@ ObjectPath read_path(const TomlTable& table) {
 
 std::vector<ObjectPath> read_paths(const std::filesystem::path& path) {
     const std::string file = path.string();
-    // Parsed numbers take about 50 times the memory of their text.
+    // Parsed numbers need about 50 times the memory of their text.
     require_memory(50 * std::min(check_regular_file(path), largest_paths_bytes), file + ": reading it");
     const toml::table document = parse_toml(read_text_file(path, largest_paths_bytes), file);
     const TomlTable root(file, document, "paths file");

@@ -11,12 +11,13 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first least-squares problem. Each round adds the points with the
-/// largest error.
+/// Number of points per segment in the first least-squares problem. Each later round adds the point with the
+/// largest error in each segment.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// Residual: difference of a segment from a point, in units of the tolerance.
+/// Residual of the least-squares problem: the difference between a segment and a point, in units of the
+/// tolerance.
 struct Distance {
     double time_s;
     dvec2 at_px;
@@ -36,7 +37,7 @@ struct Distance {
     }
 };
 
-/// Loss function: square of a residual up to the tolerance, fourth power beyond.
+/// Loss function: the square of a residual up to the tolerance, the fourth power above it.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,
@@ -92,7 +93,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
     ceres::Solve(options, &problem, &summary);
 }
 
-/// Position at an instant, interpolated between the points.
+/// Position at an instant, interpolated linearly between the points.
 dvec2 place_at(std::span<const PathPoint> points, double time_s) {
     const auto after = std::upper_bound(points.begin() + 1, points.end() - 1, time_s,
                                         [](double t, const PathPoint& p) { return t < p.time_s; });
@@ -122,7 +123,7 @@ double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> poin
 
 std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::vector<double>& times_s,
                                   double tolerance_px) {
-    // Times are scaled to 0..1, so that the solver's steps have one scale.
+    // Times are scaled to 0..1, so that all of the solver's steps have the same scale.
     const double begin_s = points.front().time_s, span_s = points.back().time_s - begin_s;
     std::vector<PathPoint> scaled;
     scaled.reserve(points.size());
@@ -147,7 +148,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // The worst point of each segment is added to the least-squares problem.
+        // Adds the point with the largest error in each segment to the least-squares problem.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {
@@ -164,7 +165,8 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // The rounds end if the tolerance is reached or out of reach, or if the error no longer falls.
+        // The rounds end if the tolerance is reached, if it is out of reach, or if the error no longer
+        // decreases.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {
             for (std::size_t s = 0; s < worst.size(); ++s)

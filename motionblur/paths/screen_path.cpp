@@ -44,8 +44,8 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
     }
 }
 
-// Computes the handles of the equal Bezier curve: the knot's velocity times a third of the time to the
-// neighbour.
+// Computes the handles of the equivalent Bezier curve. A handle is the knot's velocity times a third of the
+// time to the neighbouring knot.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -78,11 +78,11 @@ void require_order(double open_s, double close_s, double tolerance_px) {
     }
 }
 
-// Instants of a piece, as shares of its time, at which it is tested. No two are symmetric about the middle,
-// so that a function that turns or returns symmetrically within a piece is still detected.
+// Instants at which a piece is tested, as fractions of its duration. No two of them are symmetric about the
+// middle. A function that turns or returns symmetrically within a piece is therefore detected too.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Share of the tolerance that the tests allow: the error at a kink between two test instants is up to 1 /
-// 0.79 times the error found there.
+// Fraction of the tolerance that the tests allow. The fraction is below 1, because at a kink between two test
+// instants the error can be 1 / 0.79 times the largest error that the tests find.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -114,8 +114,8 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // The error of a chord over a step h of the parameter is at most c h^2 / 8, with the curve's largest
-    // acceleration c (per square of the parameter). The acceleration of a cubic is linear, so that it is
+    // The error of a chord over a step h of the parameter is at most c h^2 / 8, where c is the curve's
+    // largest acceleration (per square of the parameter). The acceleration of a cubic is linear, so it is
     // largest at an end of the segment.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
@@ -140,7 +140,7 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
         const auto pieces = static_cast<int>(std::max(1.0, std::floor(thinning * pieces_of(i))));
         for (int p = 1; p <= pieces; ++p) {
             const double time_s = p == pieces ? end_s : begin_s + (end_s - begin_s) * p / pieces;
-            // Instants that are equal after rounding become a single point.
+            // Instants that rounding makes equal become a single point.
             if (time_s > out.back().time_s) out.push_back({time_s, at(time_s)});
         }
     }
@@ -183,7 +183,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
         });
     };
     // All pieces are halved once before any piece is halved again, so that the limit on the number of points
-    // affects all pieces alike.
+    // affects all pieces equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;
         next.reserve(2 * pieces.size());

@@ -1,4 +1,5 @@
-// Position of a moving object on the raster over time, and its approximation by pieces of constant velocity.
+// Position of a moving object on the raster as a function of time, and its approximation by pieces of
+// constant velocity.
 #pragma once
 
 #include <cstddef>
@@ -12,20 +13,21 @@ namespace postlens {
 
 /// Largest number of knots of a path.
 inline constexpr std::size_t most_knots = 100'000;
-/// Largest absolute values of the coordinates of knots and handles, px, and of times, s.
+/// Largest absolute value of the coordinates of knots and handles, px, and of times, s.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the number of points from `flatten`. If it is too small, the tolerance is exceeded.
+/// Approximate limit of the number of points that `flatten` returns. If more would be needed, the tolerance
+/// is exceeded.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// Motion between two knots:
 /// - polyline: constant velocity;
 /// - catmull_rom: a cubic in time. Its velocity at a knot is that of the parabola through the knot and its
-///   neighbours, at the first and last knot that of the straight line to the neighbour. Knots may have any
-///   times;
-/// - bezier: the cubic Bezier curve of the points at, at + out, next at + in and next at, whose parameter is
-///   linear in time. Handles of a third of the distance give constant velocity. Longer ones give higher
-///   velocities at the knots.
+///   two neighbours. At the first and last knot it is that of the straight line to the only neighbour. Knots
+///   may have any times;
+/// - bezier: the cubic Bezier curve with the control points at, at + out, next at + in, and next at, whose
+///   parameter is linear in time. Handles of a third of the distance result in constant velocity. Longer
+///   handles result in higher velocities at the knots.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {
@@ -39,25 +41,25 @@ struct PathPoint {
     glm::dvec2 at_px{0};
 };
 
-/// r'(t) of [potmesil1983]: a position on the raster, px, for every instant. It is constant before the first
-/// and after the last knot.
+/// A position on the raster, px, for every instant: r'(t) in [potmesil1983]. The position is constant before
+/// the first and after the last knot.
 class ScreenPath {
   public:
     /// A path that stays at (0, 0).
     ScreenPath();
-    /// Throws Error(invalid_input), with a message that begins with `source`, for no knots or more than
-    /// `most_knots`, for times that do not increase, and for numbers that are not finite or too large.
+    /// Throws Error(invalid_input), with a message that begins with `source`, if there are no knots or more
+    /// than `most_knots`, if times do not increase, or if numbers are not finite or too large.
     ScreenPath(PathKind kind, std::vector<PathKnot> knots, const std::string& source);
 
     [[nodiscard]] glm::dvec2 at(double time_s) const;
-    /// Points between which the position is linear in time within `tolerance_px` (above 0), so that both the
-    /// shape and the speed of the path are kept. The first point is at open_s, the last at close_s; there is
-    /// one point if these are equal.
+    /// Returns points such that linear interpolation in time between them has an error of at most
+    /// `tolerance_px` (above 0). Both the shape and the speed of the path are thus preserved. The first point
+    /// is at open_s, the last at close_s. There is one point if these are equal.
     [[nodiscard]] std::vector<PathPoint> flatten(double open_s, double close_s,
                                                  double tolerance_px = 0.01) const;
     [[nodiscard]] std::size_t knots() const { return knots_.size(); }
-    /// The given knots. The handles of catmull_rom are those of the equal Bezier curve; those of a polyline
-    /// are 0.
+    /// The given knots. For catmull_rom, the handles are those of the equivalent Bezier curve; for a polyline
+    /// they are 0.
     [[nodiscard]] std::span<const PathKnot> knot_list() const { return knots_; }
     [[nodiscard]] PathKind kind() const { return kind_; }
 
@@ -66,10 +68,11 @@ class ScreenPath {
     std::vector<PathKnot> knots_;
 };
 
-/// Approximates any function of time, e.g. the projection of a rigid motion, by pieces of constant velocity.
-/// `breaks_s`: instants, in increasing order, at which its velocity may jump. There are at least 16 pieces,
-/// and at least two between neighbouring breaks. Pieces are halved, at most 20 times, until they agree with
-/// the function at five unevenly spaced instants. `at` must return finite positions. Deterministic.
+/// Approximates any function of time, for example the projection of a rigid motion, by pieces of constant
+/// velocity. `breaks_s`: instants, in increasing order, at which the velocity may change abruptly. There are
+/// at least 16 pieces, and at least two between neighbouring breaks. A piece is halved, at most 20 times,
+/// until it agrees with the function at five unevenly spaced instants. `at` must return finite positions. The
+/// result is deterministic.
 [[nodiscard]] std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at,
                                              std::span<const double> breaks_s, double open_s, double close_s,
                                              double tolerance_px = 0.01);

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of static pixels in an image with which they serve as the background of moving pixels.
+/// Smallest share of static pixels in an image for which they are used as the background of moving pixels.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -29,9 +29,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Tolerance of the positions of patches, the planar parts of the image that are reprojected, and their
-/// overlap. The overlap is smaller than the distance of the views' sample positions from the sides of a
-/// pixel.
+/// Largest error of a reprojected position, and overlap of neighbouring patches, px. A patch is a planar part
+/// of the image that is reprojected as a whole. The overlap is smaller than the distance of the views' sample
+/// positions from the sides of a pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -55,7 +55,8 @@ PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const Ve
     return field;
 }
 
-/// Per pixel, 1 where the image stands still, else 0. Empty if too little of the image stands still.
+/// Per pixel, 1 where the image does not move, otherwise 0. Empty if too small a share of the image is
+/// static.
 std::vector<float> what_stands_still(const VectorFrame& frame) {
     std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                               1);
@@ -74,9 +75,9 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// An image of the background, which replaces the light that no view determines. Moving pixels (`weight` 0)
-/// get colours from the static pixels around them (`weight` 1). If `weight` is empty, the background is the
-/// image of the views; pixels that no view determines get colours from the pixels around them.
+/// Computes an image of the background, which replaces light that no view determines. Moving pixels (`weight`
+/// 0) get colours from the static pixels around them (`weight` 1). If `weight` is empty, the background is
+/// the image of the views; pixels that no view determines get colours from the pixels around them.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -113,8 +114,7 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
         // Without static pixels, the background that moving pixels uncover is interpolated from the views.
-        // With a crop, the views of the whole image are drawn for it, so that a crop does not change the
-        // result.
+        // The views of the whole image are then needed, so that a crop does not change the result.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Names of channels and scale of the vectors that a program writes.
+/// Channel names and scale of the vectors that a program writes.
 struct Convention {
     std::string_view word;  ///< name of the pass; empty: any pass, only in a separate file
     const char *u, *v;
@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
-                                // Position in this frame minus that in the next one; W points upwards.
+                                // Position in this frame minus position in the next frame; W points upwards.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -42,8 +42,7 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // The part of the file with the colours is preferred, then a part of the same stereo view, then any
-        // part.
+        // The file part with the colours is preferred, then a part of the same stereo view, then any part.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

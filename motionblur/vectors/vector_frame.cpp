@@ -18,7 +18,8 @@ namespace fs = std::filesystem;
 
 constexpr float background_z = 1e9F;    ///< renderers write 1e9, 1e10 or infinity where a ray hits nothing
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Limit of the pixels of both windows: each has four vertices, which are counted in 32 bits.
+/// Largest number of pixels in both windows together. Each pixel has four vertices, whose number must fit
+/// into 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -59,7 +60,7 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Pixels that another part does not store stand still and are infinitely far.
+        // Pixels that are missing in one of the file's parts do not move and are infinitely far.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -88,13 +89,14 @@ class Reader {
              file_.name());
     }
 
-    /// Finds colours and their vectors: the requested colours, or else the first, or those that have vectors.
+    /// Finds colours and their vectors. If no colours are requested, the first colours in the file are used
+    /// or, if these have no vectors, the colours that have vectors.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no vectors; `other` is the group of channels that has vectors.
+            // The first colours have no vectors. `other` is the group of channels with vectors.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -126,7 +128,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Name by which --layer selects the colours of a group.
+    /// Name with which the option --layer selects the colours of a group.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
@@ -141,7 +143,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns of vectors that may be encoded as colours, of which 0.5 means no motion.
+    /// Warns of vectors that may be encoded as colours. In such an encoding, 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;
@@ -186,7 +188,7 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
         } else {
-            // Without depth, faster pixels count as nearer; any increasing function of the speed serves.
+            // Without depth, faster pixels count as nearer. Any increasing function of the speed would do.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

@@ -1,4 +1,4 @@
-// A flat OpenEXR image of another program with depth and forward motion vectors.
+// A flat OpenEXR image of another program, with forward motion vectors and possibly depth.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ struct VectorPixel {
 
 struct VectorFrame {
     int width = 0, height = 0;  ///< size of the display window, px, which is the raster
-    /// Stored pixels: [x_begin, x_end) x [y_begin, y_end) on the raster. They may extend beyond it on any
-    /// side.
+    /// Stored pixels: [x_begin, x_end) x [y_begin, y_end) on the raster. They may extend beyond the raster on
+    /// any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<VectorPixel> pixels;  ///< row-major
     bool has_z = false, has_alpha = false;
@@ -42,17 +42,19 @@ struct VectorFrame {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// The image in the display window; black where the file stores no pixel.
+    /// The image in the display window. Pixels that the file does not store are black.
     [[nodiscard]] Image picture() const;
 };
 
-/// Reads the part that has the colours (pictures/foreign/foreign_channels.h, `choice` as there; of a stereo
-/// file, the hero view), and vectors, alpha, depth and ids from any part. Depth increases with distance.
-/// Pixels whose depth is 0 or at least 1e9, or whose alpha is 0, are the background, infinitely far. Without
-/// depth, pixels that move faster on the raster count as nearer. Ids come from the first rank of a
-/// Cryptomatte or from an id channel. Throws Error(invalid_input) for other files, for windows out of bounds
-/// (sides of 65536 px, 65536 px between the windows) and, with the position, for colours and vectors that are
-/// not finite, vectors longer than 1e6 px and negative depths. Throws Error(out_of_memory) before memory is
+/// Reads an image with motion vectors. Colours come from the part that `choice` selects
+/// (pictures/foreign/foreign_channels.h); of a stereo file, the hero view is used. Vectors, alpha, depth and
+/// ids may come from any part. Depth increases with distance. Pixels whose depth is 0 or at least 1e9, or
+/// whose alpha is 0, are background, infinitely far. Without depth, pixels that move faster on the raster
+/// count as nearer. Ids come from the first rank of a Cryptomatte or from an id channel.
+///
+/// Throws Error(invalid_input) for other kinds of files and for windows out of bounds (sides of 65536 px,
+/// 65536 px between the windows). Also throws it, with the pixel's position, for colours and vectors that are
+/// not finite, vectors longer than 1e6 px, and negative depths. Throws Error(out_of_memory) before memory is
 /// allocated.
 [[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& vectors,
                                             const ForeignChoice& choice = {});

@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory of the cells of sheets and of patches, doubled since the arrays grow, and of the sheets of
-        // squares without stored pixels.
+        // Memory per stored pixel: cells of sheets and of patches. The total is doubled because arrays grow;
+        // squares without stored pixels add their sheets.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,7 +59,7 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of a black square, which all squares without stored pixels share.
+    /// Adds the cells of a black square. All squares without stored pixels share them.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -112,8 +112,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is a connected set of pixels that all move or all stand still and whose depths are close to
-        // that of its first pixel.
+        // A sheet is a connected set of pixels of one kind, either moving or static. Their depths are close
+        // to the depth of the first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -177,8 +177,8 @@ class SheetMaker {
         }
     }
 
-    /// Velocity of a corner of a pixel: the mean over those of the four pixels around it that are one surface
-    /// with this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
+    /// Velocity of a corner of a pixel: the mean over those of the four pixels around it that belong to the
+    /// same surface as this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -187,8 +187,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The sum always begins with the upper left pixel, so that all pixels at the corner get the same
-        // bits.
+        // The sum begins with the upper left pixel for all pixels at the corner, so that they all get the
+        // same bits.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;
@@ -212,7 +212,7 @@ class SheetMaker {
                    cells = static_cast<std::uint32_t>(mesh_.fine.size()),
                    texels = static_cast<std::uint32_t>(mesh_.texels.size());
         for (Sheet s : square.sheets) {
-            if (!square.cells.empty()) s.first_cell += cells;  // else the shared black cells, from 0 on
+            if (!square.cells.empty()) s.first_cell += cells;  // otherwise the black cells that all share
             mesh_.sheets.push_back(s);
         }
         for (const std::uint32_t c : square.cells)

@@ -1,4 +1,4 @@
-// The error that follows from knowing edges only by the corners of quadtree cells.
+// The error that arises because edges are known only from the corners of quadtree cells.
 #pragma once
 
 #include <array>
@@ -10,42 +10,43 @@
 
 namespace postlens {
 
-/// A straight edge divides a square. The share of the square's corners on one side of the edge estimates the
-/// share of the area on that side. This is the mean squared error of the estimate, over 200,000 random edges
-/// that separate corners.
+/// Mean squared error of an estimated area. A straight edge divides a square; the share of the square's
+/// corners on one side of the edge estimates the share of its area on that side. The mean is over 200,000
+/// random edges that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
-/// The mean squared error of that estimate for an edge parallel to a side of the square, at a uniformly
-/// distributed position.
+/// Mean squared error of the estimate of an area by the corners of a square, for an edge that is parallel to
+/// a side of the square and has a uniformly distributed position.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
 struct CellCorner {
     std::array<float, 3> encoded{}, linear{};
-    std::uint32_t id = 0;  ///< of the primary node
-    double inverse_z = 0;  ///< of the primary node, 1/m
+    std::uint32_t id = 0;  ///< id of the primary node
+    double inverse_z = 0;  ///< inverse depth of the primary node, 1/m
 };
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// Which corners of the cell the edge separates. none: no edge, the cell is nearly uniform. upright,
-    /// level: two adjacent corners from the other two, so the edge may be parallel to a side. slanted: one
-    /// corner from three, or two opposite corners from the other two.
+    /// Which corners of the cell are separated by the edge. none: there is no edge, and the cell is nearly
+    /// uniform. upright, level: two adjacent corners from the other two, so the edge may be parallel to a
+    /// side. slanted: one corner from three, or two opposite corners from the other two.
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
-    double curvature_square = 0;  ///< squared mixed difference of the corners, mean over channels
-    /// Largest and smallest scene-linear value of the channel with the brightest corner.
+    double curvature_square = 0;  ///< square of the corners' mixed second difference, mean over channels
+    /// Largest and smallest scene-linear value of the channel that has the brightest corner.
     double high = 0, low = 0;
 };
 
-/// The radiance above 1 of some cells, and the error that it causes in the pixels over which their circle of
-/// confusion spreads it. sRGB encoding clips this radiance within the cells, but not in those pixels.
+/// The radiance above 1 of some cells, and the error that it causes in the pixels over which the circle of
+/// confusion spreads it. sRGB encoding clips this radiance in the cells themselves, but not in the pixels
+/// over which it is spread.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Squared error that arises because the cells' edges are known only by their corners: sRGB values,
+    /// Squared error that arises because the cells' edges are known only at their corners, in sRGB values,
     /// summed over pixels. The variance of the radiance is multiplied by `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
@@ -54,15 +55,16 @@ class SpreadLight {
     double light_ = 0;     ///< radiance times px^2, brightest channel
     double variance_ = 0;  ///< variance of light_
     double ground_ = 1;    ///< radiance beside the cells
-    double coc_px_ = 0;    ///< diameter for the brightest corner
+    double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// The difference of colour between the corners of a cell: up-left, up-right, down-left, down-right.
+/// The difference of colour between the corners of a cell. Order of corners: up-left, up-right, down-left,
+/// down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Expected squared error of a pixel, from the differences between the corners of its cells. If an edge is
-/// parallel to the cells' sides, all cells have the same error, which adds up. If it is slanted, their errors
-/// are nearly independent.
+/// Expected squared error of a pixel, from the differences between the corners of its cells. For an edge that
+/// is parallel to the cells' sides, all cells have the same error, and the errors add up. For a slanted edge,
+/// the errors of the cells are nearly independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

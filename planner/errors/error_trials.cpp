@@ -12,7 +12,7 @@ namespace {
 constexpr int finest_levels = 6;
 constexpr int deepest_trees = NodePath::max_bounces + 1;
 
-/// Settings with which the file was traced, as far as its header contains them.
+/// The settings with which the file was traced, as far as its header contains them.
 TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     TraceSettings s;
     s.camera = camera.camera;
@@ -33,12 +33,11 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Sets the lens and the shutter of the image in the trace's settings, so that the trace records what they
-/// need.
+/// Sets the image's lens and shutter in the settings of the trace, so that the trace records what they need.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // The f-number of a trace refers to the film distance instead of the focal length. The conversion
-        // keeps the diameter of the aperture.
+        // The f-number of a trace is relative to the film distance instead of the focal length. The
+        // conversion preserves the diameter of the aperture.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;
     }

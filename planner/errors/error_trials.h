@@ -1,5 +1,5 @@
-// Images from new traces of the scene. Each trace removes one limit of the recorded data, such as hidden
-// surfaces.
+// Images from new traces of the scene. Each trace removes one limit of the recorded data, for example that
+// hidden surfaces are missing.
 #pragma once
 
 #include <vector>
@@ -11,18 +11,20 @@
 namespace postlens {
 
 struct ErrorTrial {
-    ErrorCause cause;  ///< cause that the trial removes
-    Image image;       ///< light field of the new records, in the window of the file
-    /// If this trial corrects a pixel, later trials, which remove more limits, are not used for the pixel.
+    ErrorCause cause;  ///< cause of error that the trial removes
+    Image image;       ///< light field of the new records, with the same pixels as the file
+    /// If this trial corrects a pixel, later trials are not used for this pixel, because they remove more
+    /// limits.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene again, in several trials; each removes the limit that is one cause of error.
-/// frame_edge: enough overscan for lens and shutter. hidden_surface: all hidden surfaces and, with a shutter,
-/// as many instants as the motion needs. record_density: one more level of subdivision, full shading trees
-/// and a search for narrow objects. The file must have been traced from `scene`. Throws what tracing and
-/// field_focus throw.
+/// Traces the file's scene again, in several trials. Each trial removes the limit that is one cause of error:
+/// - frame_edge: enough overscan for lens and shutter.
+/// - hidden_surface: all hidden surfaces and, with a shutter, as many instants as the motion needs.
+/// - record_density: one more level of subdivision, full shading trees, and a search for narrow objects.
+///
+/// The file must have been traced from `scene`. Throws the errors of tracing and of field_focus.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,
                                                    const HybridSettings& view,
                                                    const FieldFocusSettings& by_field);

@@ -1,4 +1,4 @@
-// The error of a pixel whose colour is estimated from its neighbourhood.
+// The error of a pixel whose colour is estimated from its surroundings.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace postlens {
 
-/// Per pixel, the variance (sRGB values, mean over channels) of the image within a square of 2 radius_px + 1
-/// px. The result is bit-identical for any number of threads.
+/// For each pixel, the variance of the image (sRGB values, mean over channels) within a square of 2 radius_px
+/// + 1 px. The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
 
 /// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by light of its
-/// neighbourhood, whose values have the given variance.
+/// surroundings. `variance` is the variance of the surroundings' values.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }

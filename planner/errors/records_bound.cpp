@@ -15,11 +15,11 @@
 namespace postlens {
 namespace {
 
-/// Number of views that give a pixel's share of view samples that the records do not determine to a few
-/// hundredths.
+/// Number of views that are drawn to measure, for each pixel, the share of samples that the records do not
+/// determine. With 16 views this share is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// Replaces the ray tracer but traces nothing, because only the share of view samples that rays would replace
+/// Takes the place of the ray tracer, but traces nothing. Only the share of samples that rays would replace
 /// is needed.
 class NoRays final : public SightRays {
   public:
@@ -30,7 +30,8 @@ class NoRays final : public SightRays {
     [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
 };
 
-/// Smallest and largest value per channel around each square of 8 x 8 px of an image, within `radius_px`.
+/// For each square of 8 x 8 px of an image, the smallest and largest value of each channel within `radius_px`
+/// around the square.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)
@@ -44,11 +45,11 @@ class Ranges {
                 for (std::size_t c = 0; c < 3; ++c) to[c].add(image.pixel(x, y)[c]);
             }
         }
-        // The squares' ranges are widened along rows, then along columns.
+        // The ranges of the squares are extended along rows first, then along columns.
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }
-    /// Difference of the largest and the smallest value of a channel around a pixel.
+    /// Difference between the largest and the smallest value of a channel around a pixel.
     [[nodiscard]] float span(int x, int y, std::size_t channel) const {
         const Bounds& b = ranges_[at(x / square, y / square)][channel];
         return b.high - b.low;

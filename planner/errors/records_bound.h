@@ -1,5 +1,5 @@
-// An upper bound of the error that arises if no rays replace the view samples that the records do not
-// determine.
+// Upper bound of the error that arises if the records do not determine some samples of views and no rays
+// replace them.
 #pragma once
 
 #include <cmath>
@@ -10,12 +10,12 @@
 
 namespace postlens {
 
-/// Largest mean squared error of the sum of two errors (Minkowski's inequality).
+/// Largest possible mean squared error of the sum of two errors (Minkowski's inequality).
 [[nodiscard]] inline double together_mse(double a, double b) {
     return a + b + 2 * std::sqrt(a * b);
 }
 
-/// One value per pixel of the whole image; with a crop, only its pixels are valid.
+/// One value per pixel of the whole image. With a crop, only the values of its pixels are valid.
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
@@ -24,15 +24,15 @@ struct RecordsBound {
     [[nodiscard]] double mean_mse(int width, const std::optional<Crop>& crop) const;
 };
 
-/// Bounds the error that unsure view samples cause, those that the records do not determine
-/// (docs/light_field.md). A few views are drawn to find the share of unsure samples in each pixel. The
-/// radiance of an unsure sample is assumed to lie between the darkest and the brightest value of the pinhole
-/// image within the pixel's largest circle of confusion, and all unsure samples of a pixel are assumed to err
-/// in the same direction.
+/// Bounds the error that unsure view samples cause. These are the samples that the records do not determine
+/// (docs/light_field.md). A few views are drawn to measure the share of unsure samples in each pixel. The
+/// bound assumes that the radiance of an unsure sample lies between the darkest and the brightest value of
+/// the pinhole image within the pixel's largest circle of confusion. It also assumes that all unsure samples
+/// of a pixel err in the same direction.
 ///
-/// The bound is mostly far above the error. The error can exceed the bound where the image shows radiance
-/// that the pinhole image does not contain. `image`: scene-linear. `lens.scene` and the number of views are
-/// ignored. Throws what hybrid_picture throws.
+/// The bound is usually much larger than the error. The error can exceed the bound where the image contains
+/// radiance that the pinhole image does not. `image`: scene-linear. `lens.scene` and the number of views are
+/// ignored. Throws the errors of hybrid_picture.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

@@ -13,13 +13,13 @@
 namespace postlens {
 namespace {
 
-/// Number of scrambled sets of lens points that the image's square pieces use in turn, and the step from one
-/// row of pieces to the next. Moving scenes use fewer sets, since the objects must be placed for every view.
-/// All three numbers are prime, so that a set repeats along a row, a column or a diagonal only after as many
-/// pieces as there are sets.
+/// Numbers of scrambled sets of lens points, for static and for moving scenes, and step of the set's number
+/// from one row of pieces to the next. The square pieces of the image use the sets in turn. Moving scenes use
+/// fewer sets, because the objects must be placed for every view. All numbers are prime, so a set repeats
+/// along a row, a column or a diagonal only after as many pieces as there are sets.
 constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
 
-/// Linear interpolation of a pixel's values from `to` towards `from`, by `share`.
+/// Interpolates a pixel's values linearly from `to` towards `from`, by the fraction `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;
@@ -62,7 +62,7 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        std::set<std::pair<int, int>> spans;  // ranges [first, end) of the half's missing views
+        std::set<std::pair<int, int>> spans;  // ranges [first, end) of the views that this half lacks
         for (std::size_t t = 0; t < views.size(); ++t) {
             const std::pair span{of_half(views_[t], half), of_half(views[t], half)};
             if (span.first < span.second) spans.insert(span);

@@ -1,4 +1,5 @@
-// An image as the mean of two independent halves of its views; their difference measures its noise.
+// An image as the mean of two independent halves of its views. The difference of the halves measures the
+// noise.
 #pragma once
 
 #include <array>
@@ -15,19 +16,20 @@
 
 namespace postlens {
 
-/// Draws views of an image in steps, with a number of views for each tile. With a scene, rays replace the
-/// view samples that the records do not determine.
+/// Draws views of an image in steps, with a number of views for each tile. If a scene is given, rays replace
+/// the samples of views that the records do not determine.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` are ignored. `first_set` numbers the first set of lens points; images
-    /// whose numbers differ by at least 128 share no set. Throws what hybrid_picture throws.
+    /// `focus.views` and `focus.method` are ignored. `first_set` is the number of the first set of lens
+    /// points. Images whose values of `first_set` differ by at least 128 share no set. Throws the errors of
+    /// hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` of them. If that number is odd, half
-    /// 0 has one view more than half 1. The result is bit-identical for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` views. If this number is odd, half 0
+    /// has one more view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Redraws the tiles whose entry in `tiles` is not 0: rays replace all their view samples, also in later
-    /// views.
+    /// Redraws the tiles whose entry in `tiles` is not 0. In these tiles, rays replace all samples, including
+    /// those of views drawn later.
     void leave_to_rays(const std::vector<std::uint8_t>& tiles);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -38,7 +40,7 @@ class HalvedViews {
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Mean of all drawn views. Its comparisons with check rays are the sums over both halves.
+    /// Mean of all views drawn so far. The sums of comparisons with check rays include both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -59,8 +61,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// The image as the mean of all views, with its statistics: shares of pixels within `crop` and counts of
-/// rays. `stated` stays empty.
+/// Returns the image as the mean of all views, with its statistics: shares of pixels within `crop`, and
+/// numbers of rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

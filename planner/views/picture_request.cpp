@@ -16,7 +16,7 @@ CameraOverrides overrides_of(const SampleHeader& h) {
     return {h.width, h.height, h.film_distance_mm, h.pixel_pitch_mm * h.width};
 }
 
-/// Name of the scene's camera through which the file was traced.
+/// Returns the name of the scene's camera through which the file was traced.
 std::string camera_of(const SampleHeader& h, const Scene& scene) {
     for (const Camera& c : scene.cameras) {
         if ((c.projection == Camera::Projection::perspective) != (h.projection == Projection::perspective))

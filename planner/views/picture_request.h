@@ -11,19 +11,19 @@
 
 namespace postlens {
 
-/// The name of the camera in `scene` through which the file was traced. Throws Error(invalid_input) if the
-/// file was traced from another scene, or if the scene has no such camera.
+/// Returns the name of the camera in `scene` through which the file was traced. Throws Error(invalid_input)
+/// if the file was traced from another scene, or if the scene has no such camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) if the framing is not the trace's, if the impulse response has no lens
-/// points, if the crop exceeds the image, or if the scene's exposure differs from the file's. The message
-/// names `method`.
+/// Throws Error(wrong_arguments) if the framing differs from that of the trace, if the impulse response has
+/// no lens points, if the crop exceeds the image, or if the scene's exposure differs from the file's. The
+/// message contains the name `method`.
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
 /// Settings of the light field: lens, shutter and crop, without rays.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// Settings with which `render` makes the same image. Throws what checked_camera throws.
+/// Returns settings with which `render` makes the same image. Throws the errors of checked_camera.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 

@@ -121,14 +121,14 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
         for (std::ptrdiff_t i = first; i <= last; ++i) {
-            // Beyond the corners of the raster, the border is assumed to continue as at its first or last
-            // cell.
+            // Beyond the corners of the raster, the border is assumed to continue with the depth of its first
+            // or last cell.
             const auto k = static_cast<std::size_t>(std::clamp(static_cast<double>(i), 0.0, cells - 1));
             const Seen s = see(side, k, view, use);
             if (!s.any) continue;
             const double along = s.along + static_cast<double>(i - static_cast<std::ptrdiff_t>(k));
-            // The range gets one pixel more at either end, since the surface may continue at an angle to the
-            // border.
+            // The range is extended by one pixel at both ends, since the surface may continue obliquely to
+            // the border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));

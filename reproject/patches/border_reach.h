@@ -1,4 +1,4 @@
-// Surfaces beyond the border of the records, which other lens points may see.
+// Finds where other lens points may see surfaces from beyond the border of the recorded pixels.
 #pragma once
 
 #include <array>
@@ -13,13 +13,14 @@
 
 namespace postlens {
 
-/// Where views may see surfaces beyond the border of the recorded pixels. A surface at the border is assumed
-/// to continue beyond it, at the nearest depth that is recorded there.
+/// Finds the pixels in which views may see surfaces from beyond the border of the recorded pixels. A surface
+/// at the border is assumed to continue beyond it, at the nearest depth that is recorded at this point of the
+/// border.
 class BorderReach {
   public:
-    /// `instant`: index of the field's instant whose patches of primary nodes are `primary`.
+    /// `instant`: index of the recorded instant whose directly visible patches are `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Sets SeenTile::maybe_inverse_z in the pixels where a view may see a surface from beyond the border.
+    /// Sets SeenTile::maybe_inverse_z in the pixels where the view may see a surface from beyond the border.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -28,7 +29,7 @@ class BorderReach {
         std::size_t motion_class = 0;
         bool any = false;
     };
-    /// Upper bound of the shift by the lens over all views.
+    /// Upper bound of the lens's shift in all views.
     struct LensReach {
         glm::dvec2 lens_px{0}, offset_px{0};
         double nearest_focus_per_m = 0, farthest_focus_per_m = std::numeric_limits<double>::infinity();
@@ -42,14 +43,17 @@ class BorderReach {
         int first = 0;        ///< raster px of the first cell, along the side
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of a cell in any view: into the raster, and along the side.
+        /// Largest displacement of a border cell in any view, px: into the raster (`deepest_px`) and along
+        /// the side (`sideways_px`).
         double deepest_px = 0, sideways_px = 0;
-        /// Extends the bounds by a border cell whose displacement is `moved_px`, uncertain by `around_px`.
+        /// Enlarges the bounds to include a border cell that is displaced by `moved_px`, with an uncertainty
+        /// of `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Extends the bounds by the moving border cells, in all views of a time span.
+        /// Enlarges the bounds to include the moving border cells in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
     };
-    /// Where a view shows the middle of border cell `i`: raster px along and across the side of the raster.
+    /// Where the centre of border cell `i` appears in a view: raster px along and across the side of the
+    /// raster.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

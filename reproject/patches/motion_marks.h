@@ -1,4 +1,4 @@
-// Marks pixels where moving objects are recorded or seen.
+// Marks pixels in which a moving object is recorded or in which a view sees one.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// The bits of PatchField::class_marks, per instant and primary sheet.
+/// The bits of PatchField::class_marks for each instant and each directly visible sheet (surface within a
+/// square of the raster).
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -26,13 +27,15 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Whether one of the primary patches has a mark that the field wants. `patches`: their numbers.
+    /// Whether one of the directly visible patches has a wanted mark (PatchField::wanted_marks). `patches`:
+    /// numbers of the patches.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks pixels where an instant's records show a moving object: their colour differs from that of the
-    /// views. `mesh`: the instant's primary patches in the tile.
+    /// Marks the pixels in which the records of an instant show a moving object. The views show a different
+    /// colour there. `mesh`: the instant's directly visible patches in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks pixels where a view sees a moving object or nothing. `seen`: per use of the view.
+    /// Marks pixels where a view sees a moving object or no recorded surface. `seen` has one tile for each
+    /// recorded instant of the view.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

@@ -1,4 +1,5 @@
-// Bounds of how motion distorts a patch: they limit the patch's size and the error of its depth plane.
+// Bounds of the distortion of a patch (nearly planar part of a surface) by motion. The bounds limit the
+// patch's size and the error of its depth plane.
 #pragma once
 
 #include <cstddef>
@@ -10,10 +11,11 @@
 
 namespace postlens {
 
-/// Function object for PatchLens::motion: how much the motions of all views distort a part of a surface.
+/// Function object for PatchLens::motion. It computes bounds of the distortion of a part of a surface by the
+/// motions in all views.
 struct StrainOfMotions {
-    /// Per view, the motion of each class of objects that move alike (PatchView::Use::motions).
-    /// `strain_views` views, spread evenly over the shutter, are enough.
+    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions).
+    /// `strain_views` views, spread uniformly over the shutter, are enough.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

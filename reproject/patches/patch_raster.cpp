@@ -10,18 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Smallest determinant of a patch's map to the view. Below it the patch is seen edge-on and covers no
-/// sample.
+/// Smallest determinant of the affine map of a patch into a view. With a smaller one, the patch is seen
+/// edge-on and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of a row that are processed together: few_lanes if the patch covers at most that many
-/// samples of each row, else most_lanes.
+/// Number of samples of a row that are processed together: few_lanes if the patch covers at most few_lanes
+/// samples in every row, otherwise most_lanes.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// Samples (i, j) of a tile that a patch may cover, and the data that they read. Sample i of a row lies at
-/// `first(j) + i * by` in the patch's own coordinates, so that rounding does not depend on how a row is
-/// divided.
+/// Samples (i, j) of a tile that a patch (nearly planar part of a surface) may cover, and the data needed to
+/// draw them. Sample i of row j lies at `first(j) + i * by` in the patch's coordinates. Positions are
+/// computed from i rather than step by step, so that dividing a row differently does not change rounding.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -59,16 +59,17 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Element n is 1 << n: a table, as not every instruction set can shift each lane by its own number of bits.
+/// Element n is 1 << n. This is a table because some instruction sets cannot shift each lane by a different
+/// number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
 
-// The following functions are inlined into functions that are compiled for several instruction sets.
+// These functions are inlined into functions that are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes the samples [begin, begin + lanes) of a row that begins at `first`. Returns the bits of those
-/// that lie in the patch and are nearer than `there`, the inverse depths drawn so far.
+/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit for
+/// each sample that lies in the patch and is nearer than `there`, the inverse depth drawn so far.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -108,7 +109,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends a quadtree from `node` to the leaf that contains the position (x, y), 0 to 1 within the cell.
+/// Descends a quadtree from `node` to the leaf (undivided cell) that contains the position (x, y), 0 to 1
+/// within the cell.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -121,8 +123,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples with a bit in `found` whose leaf of the patch's quadtree is not empty. The loop is
-/// scalar: a SIMD gather of sixteen samples is no faster, since about half of the bits are 0.
+/// Draws the samples whose bit is set in `found` and whose leaf in the patch's quadtree is not empty. The
+/// loop is scalar: about half of the bits are 0, and a SIMD gather of sixteen samples is not faster.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -196,7 +198,7 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// The samples of a tile's part that a patch may cover; none if there are no such samples.
+/// The samples of a part of a tile that a patch may cover. Returns nothing if the patch covers no sample.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -262,7 +264,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears whole rows, because draw_patch_in also tests samples to the left of the part.
+        // Clears the whole row, because draw_patch_in also tests samples to the left of the part.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);
@@ -291,7 +293,8 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // Begins at the tile's left border and not at x_begin, because rounding depends on where a run begins.
+    // The run begins at the tile's left border rather than at x_begin, because rounding depends on where a
+    // run begins.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -1,4 +1,5 @@
-// Rasterises patches into a tile with a depth test, one sample per pixel.
+// Rasterises patches (nearly planar parts of surfaces) into a tile of the image with a depth test, one sample
+// per pixel.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +19,17 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel`, for reflected and transmitted nodes: drawn by a patch with nonlinear W (Patch::bent).
+    /// Bit of `texel`, for nodes seen by reflection or transmission. It is set if a patch with nonlinear W,
+    /// an inaccurate reprojection (Patch::bent), drew the node.
     static constexpr std::uint32_t bent = 0x80000000U;
 
-    /// SIMD kernels read 16 values at a time, also beyond the end of the last row.
+    /// SIMD kernels read 16 values at a time, and may therefore read beyond the end of the last row.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may cover the pixel (SheetNode::maybe), if it is in front of
-    /// everything drawn before it.
+    /// Inverse depth of the nearest surface that may or may not cover the pixel (SheetNode::maybe). Only set
+    /// if this surface is nearer than all surfaces drawn before.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -37,7 +39,7 @@ struct SeenTile {
     }
     /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether a surface whose edge is not resolved may hide the visible one.
+    /// Whether the visible surface may be hidden by a surface whose edge the records do not resolve.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
@@ -50,7 +52,7 @@ struct TilePlace {
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets the values of the pixels in use; `values` has rows of SeenTile::edge.
+/// Sets `values` in the pixels in use. A row of `values` has SeenTile::edge elements.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -72,7 +74,7 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Whether any block that overlaps [x0, x1] x [y0, y1], px from the tile's corner, is not empty.
+    /// Whether any non-empty block overlaps the rectangle [x0, x1] x [y0, y1], in px from the tile's corner.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -93,41 +95,44 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch at `place`. In each pixel the nearest surface stays; of equally near ones, the first drawn.
-/// A patch that shows its back is not drawn, because its back is not recorded.
+/// Draws a patch at `place`. In each pixel the nearest surface is kept; among equally near surfaces, the
+/// first one drawn. A patch that shows its back is not drawn, because its back is not recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels that need a reflected or transmitted node, and the objects that show it.
+/// The pixels in which a reflected or transmitted surface is needed, and the objects that reflect or transmit
+/// it.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
-        in{};       ///< per pixel that needs a node, id of the object that shows it
+        in{};       ///< for each pixel that needs a node, id of the object that reflects or transmits it
     TilePart part;  ///< bounding box of these pixels; empty: no pixel needs a node
     PixelBlocks blocks;
-    /// Whether pixels need a node whose parent is missing. There `in` is in_gap of the id of the nearest
-    /// ancestor that is seen.
+    /// Whether some pixels need a shading-tree node whose parent node is missing. There, `in` contains
+    /// in_gap(id), where id belongs to the nearest ancestor of the node that the view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Finds the pixels of `part` in which a node of `in`, with texels of `in_mesh`, has a child node for the
-/// bounces `bounce` (child_bit) that is drawn for itself, and writes them to `wanted`. `part` must contain
-/// all pixels with such child nodes. Clears `out` in these pixels. The other pixels in the rows of `part` get
-/// an infinite inverse depth, so that nothing is drawn there.
+/// Finds the pixels of `part` in which a node of `in` has a separately drawn child node for the bounces
+/// `bounce` (child_bit), and writes them to `wanted`. The texels of `in` belong to `in_mesh`. `part` must
+/// contain all pixels that have such child nodes. The pixels found are cleared in `out`. All other pixels in
+/// the rows of `part` get an infinite inverse depth, so that nothing is drawn there.
 ///
-/// Where `in` needs a node but misses it, the view may still see that node's child. `around` returns the id
-/// of the missing node's nearest ancestor that the view sees. Without `around`, such pixels are left out.
+/// Where `in` needs a node but misses it, the view may still see that node's child. For these pixels `around`
+/// returns the id of the missing node's nearest ancestor that the view sees. Without `around`, these pixels
+/// are left out.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Bounding box of the pixels of a tile whose surface has child nodes that are drawn for themselves.
+/// Bounding box of those pixels of a tile whose surface has reflected or transmitted child nodes that are
+/// drawn separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch of reflected or transmitted nodes with a depth test, only in pixels that need a node shown
-/// by the object that reflects or transmits the patch. A patch may be mirrored, as seen in a mirror. It is
-/// not drawn if the view stretches a raster px to more than `largest_torn_px`. A patch with nonlinear W
-/// (Patch::bent) is not drawn in pixels where the parent node is missing (WantedPixels::any_gaps). `out`: as
-/// find_wanted leaves it.
+/// Draws a patch of reflected or transmitted nodes with a depth test. Only pixels are drawn that need a node
+/// of the object that reflects or transmits the patch. The patch may be mirror-inverted. A patch is not drawn
+/// if the view stretches a raster px to more than `largest_torn_px`. A patch with nonlinear W (Patch::bent)
+/// is not drawn in pixels where the parent node is missing (WantedPixels::any_gaps). `out` must come from
+/// find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

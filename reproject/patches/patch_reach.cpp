@@ -15,7 +15,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Largest deviation from the value at the patch's centre: |slope| times half the extent, along each axis.
+    // Largest deviation of an entry of the matrix W from its value at the patch's centre: |slope| times half
+    // the extent, summed over both axes.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };
@@ -26,7 +27,7 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // A margin for the overlap of neighbouring patches, and for the rounding error of float.
+    // A margin, px, for the overlap of neighbouring patches and for the rounding error of float.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

@@ -1,4 +1,4 @@
-// A cheap test that excludes patches outside a tile before their map is computed.
+// A fast test that excludes patches (planar parts of surfaces) outside a tile before their maps are computed.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Bounds, in any view, of a patch that does not move: its centre, which is an affine function of the lens
-/// point, and half of its largest extent over all lens points.
+/// Bounds of the position of an unmoving patch in any view: the patch's centre, which is an affine function
+/// of the lens point, and half of the patch's largest extent over all lens points.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -21,8 +21,8 @@ struct PatchReach {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Bounding rectangle of the patch for one view. `lens`: LensShift::lens_px; `shift`: the shift of a node
-    /// at infinity (W = 0), px.
+    /// Bounding rectangle of the patch in one view. `lens` is LensShift::lens_px. `shift` is the shift of a
+    /// surface at infinity (W = 0), px.
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -30,8 +30,8 @@ struct PatchReach {
     }
 };
 
-/// `farthest_px`: largest |x| and |y| of all views' LensShift::lens_px; `shift_px`: largest shift of a node
-/// at infinity.
+/// Computes the bounds of a patch. `farthest_px`: largest |x| and |y| of LensShift::lens_px over all views.
+/// `shift_px`: largest shift of a surface at infinity, px.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

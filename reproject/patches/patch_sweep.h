@@ -10,21 +10,22 @@
 
 namespace postlens {
 
-/// Class of objects that move alike, for a patch. A patch of reflected or transmitted nodes has the class of
-/// the object that reflects or transmits it.
+/// Motion class of a patch; objects of one class move alike. A patch of reflected or transmitted nodes has
+/// the class of the object that reflects or transmits it.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Rectangles that contain a patch in all views of a field, and for all lens points within `lens_reach_px`.
+/// Computes rectangles that contain a patch (planar part of a surface) in all views of a field and for all
+/// lens points within `lens_reach_px`.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`; uses its sets' views, motion_class and lens_reach_px.
+    /// Keeps a reference to `field`. Uses its `motion_class` and `lens_reach_px`, and the views of its sets.
     explicit PatchSweep(const PatchField& field);
     /// Rectangle of a patch, raster px; empty if no view uses the instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Bounding box of the shifts by the lens (LensShift) in all views. The position of a patch that does not
-    /// move is an affine function of the shift, so its positions at the box's corners bound all others.
+    /// Bounding box of the lens's shifts (LensShift) in all views. The position of an unmoving patch is an
+    /// affine function of the shift, so its positions at the corners of this box bound all its positions.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves

@@ -10,18 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Largest error of a cell's reprojected position, for a lens point at the lens's rim, as a share of the CoC
-/// radius.
+/// Largest error of a cell's reprojected position, seen from the lens's rim, as a fraction of the CoC radius.
 constexpr double exact_share = 0.02;
-/// Largest amount by which depth tests move a patch of a hidden surface back (Patch::back_per_m), as a share
-/// of its inverse depth 1/z'.
+/// Limit for the distance by which depth tests move a patch of a hidden surface back (Patch::back_per_m), as
+/// a fraction of its inverse depth 1/z'.
 constexpr double most_back = 0.02;
-/// Smaller semi-axis of the circle of confusion, px, from which each pixel of a surface is drawn as a uniform
-/// square (SheetMesh::coarse). The square adds only 1/12 px^2 to the blur's variance of 9 px^2.
+/// If the smaller semi-axis of the circle of confusion exceeds this, px, each pixel of a surface is drawn as
+/// a uniform square (SheetMesh::coarse). The square adds only 1/12 px^2 to the blur's variance of 9 px^2.
 constexpr double coarse_from_px = 6;
 
-/// Least-squares planes over the cells of a patch, with origin at the patch's corner. Each cell counts at
-/// four positions.
+/// Fits planes to the cells of a patch by least squares. The origin of the planes is the corner of the patch.
+/// Each cell contributes its values at four points.
 template <std::size_t values>
 class Fit {
   public:
@@ -50,7 +49,7 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// The largest difference between the fitted planes and the planes of the single pixel (x, y).
+    /// The largest difference between the fitted planes and the exact planes of the pixel (x, y).
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
@@ -69,7 +68,7 @@ class Fit {
 
   private:
     static constexpr std::size_t first_moving =
-        values == 1 ? 0 : 1;  ///< first value that affects positions: with W stored, 1/z' does not
+        values == 1 ? 0 : 1;  ///< first value that affects positions; if W is stored, 1/z' has no effect
     template <typename Visit>
     void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
         for (const double oy : {-0.25, 0.25}) {
@@ -157,8 +156,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // A reflected or transmitted surface moves with the object that shows it, so its own depth has no
-        // effect on its position.
+        // A reflected or transmitted surface moves with the object that reflects or transmits it, so its own
+        // depth does not affect its position.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -180,7 +179,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // An infinite error counts as nonlinear for every lens, also if bend_px_m2 is 0.
+                // The negated comparison also marks an infinite error as nonlinear, even if bend_px_m2 is 0
+                // and the product is NaN.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -189,8 +189,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // The value is limited to a share of the patch's 1/z', since `within` is unbounded for a very
-            // small aperture.
+            // `within` is unbounded for a very small aperture, so the value is limited to a fraction of the
+            // patch's 1/z'.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -218,7 +218,7 @@ double PatchLens::least_blur_px(const Mat2& w) const {
     // The smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    // Not std::hypot, which is slower: nothing overflows here, and this is computed for every cell.
+    // Not std::hypot, which is slower. Nothing overflows here, and this runs for every cell.
     const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
                  difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
@@ -315,8 +315,9 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// Pixel p has the lens point q = L (p - at). A surface point at raster position x and inverse depth w is seen
-// at p = x + (s - w) q. So x - at = C (p - at) with C = I - (s - w) L, where w depends on x.
+// Pixel p is reached through the lens point q = L (p - at). A surface point with raster position x and
+// inverse depth w appears at p = x + (s - w) q, where s is the inverse focus distance. It follows that x - at
+// = C (p - at) with C = I - (s - w) L, where w depends on x.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

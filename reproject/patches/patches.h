@@ -1,5 +1,5 @@
-// Divides the recorded surfaces into patches that are nearly planar, so that an affine map reprojects each
-// patch to a view.
+// Divides the recorded surfaces into patches. A patch is nearly planar, so an affine map can reproject it to
+// a view.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds of how several motions distort a part of a surface.
+/// Upper bounds of the distortion of a part of a surface by several motions.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -24,33 +24,36 @@ struct MotionStrain {
 
 /// The lens that patches are made for.
 struct PatchLens {
-    double radius_px_m = 0;  ///< px of CoC radius per 1/m of defocus
+    double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
-    double bend_px_m2 = 0;  ///< px of reprojection error at the lens's rim per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted node is drawn as part of its parent node, not for itself, if their
-    /// positions seen from the lens's rim differ by at most this, px. Negative: never; all_follow: always.
+    double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
+    /// A reflected or transmitted node is drawn as part of its parent node if the two positions, seen from
+    /// the lens's rim, differ by at most this, px. Otherwise it is drawn separately. If negative, it is
+    /// always drawn separately; with all_follow, never.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    double exact_px = 0.1;  ///< largest error of a cell's position in a view, px; larger where it is blurred
-    /// Distance, px, by which a patch is drawn beyond its sides, so that neighbours with different planes
-    /// leave no crack.
+    double exact_px = 0.1;  ///< largest error of a cell's position in a view, px; blurred cells may have more
+    /// Distance, px, by which a patch is drawn beyond its sides. The overlap prevents cracks between
+    /// neighbours with different planes.
     double overlap_px = 0.02;
-    /// Upper bounds of how the motion in any view distorts a part of a surface; none: nothing moves.
-    /// `middle`, `slope` and `reach` are the arguments of RasterMap::tangent.
+    /// Returns upper bounds of the distortion of a part of a surface by the motion in any view. `middle`,
+    /// `slope` and `reach` are the arguments of RasterMap::tangent. If empty, nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Smaller semi-axis of the CoC ellipse of a node with this W, px.
+    /// Smaller semi-axis, px, of the CoC ellipse of a shading-tree node whose 2x2 matrix of inverse depth is
+    /// `w`.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest error of a reprojection by W, px, for which the records determine a node. Patches with a larger
-/// error are marked as nonlinear (Patch::bent).
+/// Largest error of a reprojection by a nonlinear W, px, at which the records still count as determining the
+/// sample of a view. Patches with a larger error are marked as nonlinear (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
-/// Part of a sheet (one surface within a square of the raster): its pixels [x, x + width) x [y, y + height).
+/// Part of a sheet (one surface within a square of the raster): the pixels [x, x + width) x [y, y + height)
+/// of the sheet.
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
@@ -58,11 +61,11 @@ struct Patch {
     bool bent = false;              ///< nonlinear W: its error exceeds most_bend_px somewhere
     std::uint8_t depth = 0;         ///< levels of its quadtrees that are used
     std::uint32_t first_plane = 0;  ///< index into PatchMesh::planes
-    float back_per_m = 0;           ///< depth tests move the patch farther away by this, in 1/z'
+    float back_per_m = 0;           ///< amount, 1/m, by which depth tests reduce the patch's 1/z'
 };
 
-/// The affine map of a patch into a view: (x, y) px from the patch's corner move to raster px `from + move *
-/// (x, y)`.
+/// The affine map of a patch into a view. The point (x, y), in px from the patch's corner, moves to the
+/// raster position `from + move * (x, y)`.
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
@@ -73,26 +76,28 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// Per patch `sheets->values` planes with origin at the patch's corner: 1/z', xx, xy, yx, yy.
+    /// For each patch, `sheets->values` planes with origin at the patch's corner: 1/z' and, if W is stored,
+    /// the entries xx, xy, yx and yy of W.
     std::vector<CellPlane> planes;
-    /// Per sheet, the bits (child_bit) of the reflected or transmitted child nodes that are drawn as part of
-    /// the sheet, not for themselves (PatchLens::follow_px).
+    /// For each sheet, the bits (child_bit) of those reflected or transmitted child nodes that are drawn as
+    /// part of the sheet. All others are drawn separately (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Bits (child_bit) of the reflected and transmitted child nodes of a texel (recorded colour of a
-    /// quadtree leaf) that are drawn for themselves.
+    /// Bits (child_bit) of a texel's reflected and transmitted child nodes that are drawn separately. A texel
+    /// is the recorded colour of one quadtree leaf.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Whether an edge cuts the texel's quadtree leaf, in its own node or in a child node that is drawn as
-    /// part of it: the leaf's corners then do not determine its colour.
+    /// Whether an edge crosses the texel's quadtree leaf, in the texel's own node or in a child node that is
+    /// drawn as part of it. The colours at the leaf's corners then do not determine the leaf's colour.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Radiance of those reflected and transmitted child nodes of a texel that are drawn as part of it.
+    /// Radiance of the reflected and transmitted child nodes that are drawn as part of the texel (recorded
+    /// colour of a quadtree leaf).
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -104,13 +109,14 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Radiance of a texel, including the reflected and transmitted child nodes that are drawn as part of it.
+    /// Radiance of a texel (recorded colour of a quadtree leaf), including the reflected and transmitted
+    /// child nodes that are drawn as part of it.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
         return {t.r + more[0], t.g + more[1], t.b + more[2]};
     }
-    /// Id of the object that a texel (recorded colour of a quadtree leaf) belongs to.
+    /// Id of the object to which a texel (recorded colour of a quadtree leaf) belongs.
     [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {
         return sheets->sheets[sheets->texels[texel].sheet()].key.id;
     }
@@ -119,30 +125,33 @@ struct PatchMesh {
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
 };
 
-/// Divides sheets, surfaces within squares of the raster, into patches that are as large as possible. In
-/// every view, the position error of a patch's pixels is at most PatchLens::exact_px or 1/50 of the CoC
-/// radius, whichever is more. A patch has at least one pixel of the raster. Deterministic.
+/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible. The
+/// position error of a patch's pixels in any view is at most PatchLens::exact_px or 1/50 of the CoC radius,
+/// whichever is larger. A patch has at least one raster pixel. The result is deterministic.
 ///
-/// A surface closely behind another one (SheetKey::hidden), such as the cap in the end of an open cylinder,
-/// must not show through it. Its patches are moved back by Patch::back_per_m, the largest depth error of two
-/// planes together.
+/// A surface closely behind another one (SheetKey::hidden), such as the cap of an open cylinder, must not
+/// show through it. Depth tests therefore move its patches back by Patch::back_per_m, the sum of the largest
+/// depth errors of two planes.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
-/// Computes the map of a patch into a view: `motion`, to first order around the patch's centre, then the
-/// shift of the lens. Returns false if the patch comes to lie behind the camera.
+/// Computes the affine map of a patch (planar part of a surface) into a view. `motion`, linearised at the
+/// patch's centre, is applied first, and then the shift by the lens. Returns false if the patch would lie
+/// behind the camera.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
                                const LensShift& lens, PatchPlace& out);
 
-/// The rays from one scene point to all pixels of its CoC. Each pixel is reached through another lens point.
+/// The rays from one scene point to all pixels of its CoC. Each of these rays passes through a different lens
+/// point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to pixel `at + d` passes through LensShift::lens_px = lens_px_per_px * d.
+    /// The ray to the pixel at the raster position `at + d` passes through LensShift::lens_px =
+    /// lens_px_per_px * d.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Computes the map of a primary patch to the pixels whose `rays` from the scene point it blocks: if the
-/// patch is nearer than the scene point, it hides the point from the pixels that the mapped patch covers. The
+/// Maps a directly visible patch to the pixels whose `rays` from the scene point the patch blocks. If the
+/// patch is nearer than the scene point, it hides the point from all pixels that the mapped patch covers. The
 /// map is linearised at the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
@@ -150,10 +159,10 @@ struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the maps of those parts of a patch whose inverse depth 1/z' is above `nearest_per_m`.
-/// `light_per_m`, at most `nearest_per_m`, is the scene point's 1/z'. The map is singular at the scene
-/// point's depth, so parts near that depth are small: within a part of several pixels, the difference of 1/z'
-/// from `light_per_m` varies by at most a factor of two.
+/// Appends the maps of those parts of a patch whose inverse depth 1/z' exceeds `nearest_per_m`. `light_per_m`
+/// is the scene point's 1/z' and at most `nearest_per_m`. The map is singular at the scene point's depth, so
+/// the patch is divided more finely near it: within a part of several pixels, 1/z' - `light_per_m` varies by
+/// at most a factor of two.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

@@ -9,7 +9,8 @@
 
 namespace postlens {
 
-/// Per pixel of a tile, the sum over views of r, g, b times the view's weight, and of the weights.
+/// For each pixel of a tile, two weighted sums over views: radiance (r, g, b) times the view's weight, and
+/// the weight itself.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -19,8 +20,9 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours of the texels, recorded squares of surfaces, that a view sees in the tile's first `width`
-/// x `height` pixels. `with_children` gets the pixels whose texel has reflected or transmitted child nodes.
+/// Adds the colours of the texels (recorded squares of surfaces) that a view sees in the first `width` x
+/// `height` pixels of the tile. `with_children` receives the pixels whose texel has reflected or transmitted
+/// child nodes.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

@@ -46,8 +46,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving object is also assigned to the tiles where it was recorded, as pixels there get
-            // its mark (mark_recorded).
+            // A moving object is also assigned to the tiles in which it was recorded, because mark_recorded
+            // marks its pixels there.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -1,4 +1,4 @@
-// The patches that views may show, by tile of the image.
+// Finds, for each tile of the image, the patches (planar parts of surfaces) that views may show there.
 #pragma once
 
 #include <cstddef>
@@ -41,7 +41,7 @@ class PatchBins {
     [[nodiscard]] int rows() const { return rows_; }
     /// Whether an instant has patches of reflected and transmitted nodes.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Numbers of the primary patches of an instant that some view may show in a tile.
+    /// Numbers of the directly visible patches of an instant that some view may show in a tile.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile];
     }
@@ -51,12 +51,12 @@ class PatchBins {
   private:
     using Bins =
         std::vector<std::vector<std::uint32_t>>;  ///< per tile, patches that some view may show there
-    /// Per tile, the patches that reach it in some view, sorted by path, so that parents come first, and then
-    /// nearest first, so that hidden pixels fail the depth test early.
+    /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
+    /// first. Within a path the nearest come first, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks) const;
-    /// Collects all paths that may occur in the tile, so that views without them count as unknown.
+    /// Collects all paths that may occur in the tile. Views that lack a path then count as unknown.
     void gather_chains(std::size_t tile, GatheredTile& out) const;
-    /// Copies a tile's patches to contiguous memory, as every view reads all patches of the tile.
+    /// Copies a tile's patches to contiguous memory, because every view reads all patches of the tile.
     void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const;
 
     const PatchField& field_;

@@ -1,4 +1,4 @@
-// Bounds of a set of views in time, to find quickly where moving surfaces may be seen.
+// Groups views by time, so that the positions of moving surfaces in many views can be bounded quickly.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within a time span, 1/64 of the exposure; equal if there is only one. In
-/// all other views of the span, a moving surface lies between its positions in these two views. The curvature
-/// of its path moves it off that line by less than the distance of the two positions.
+/// The earliest and the latest view within a time span of 1/64 of the exposure. Both are the same if the span
+/// has one view. In the other views of the span, a moving surface lies near the line between its positions in
+/// these two views. A curved path leaves this line by less than the distance of the two positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,8 +19,8 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// The spans of all views that use the records of `instant` and have motions. Views of sets without rays have
-/// no known instant, so each is a span of its own. The result has pointers into `field`.
+/// Returns the spans of all views that use the records of `instant` and have motions. Views of sets without
+/// rays do not store their instant, so each is a span of its own. The result points into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// A reflected or transmitted node that some views lack gets the mean radiance of the views that show it, if
-/// these are at least this share of the views that need it. With a smaller share, the radiance seen from the
-/// pinhole is blended in.
+/// Smallest fraction of the views that need a reflected or transmitted node and have it, at which their mean
+/// radiance replaces the node in the other views. With a smaller fraction, the radiance seen from the pinhole
+/// is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -77,8 +77,8 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A reflected or transmitted surface knows the id of the object that shows it. It is not drawn where
-        // the missing parent node would lie on another object.
+        // A recorded reflected or transmitted surface has the id of the object that reflects or transmits it.
+        // The surface is not drawn where the missing parent node would lie on another object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -196,7 +196,7 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
 void TreeSums::end_views() {
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // No view has a node of this path, so there is no bound for its radiance.
+        // No view has a shading-tree node of this path, so its radiance has no upper bound.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -208,8 +208,8 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // For a view that misses the parent node, the other views' mean also replaces this child node, unless
-        // the view has the child node nevertheless.
+        // For views that miss the parent node in the shading tree, the mean of the other views also replaces
+        // this child node, unless the view has the child node nevertheless.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

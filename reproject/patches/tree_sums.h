@@ -1,4 +1,5 @@
-// Radiance that views see by reflection and transmission: sums per pixel of a tile and per path.
+// Sums the radiance that views see by reflection and transmission, for each pixel of a tile and each sequence
+// of reflections and transmissions.
 #pragma once
 
 #include <array>
@@ -10,45 +11,48 @@
 
 namespace postlens {
 
-/// Order of calls. For each view of a tile: begin_use; begin_chain and drawing, path by path; add for each
-/// pixel. After all views: end_views, then sum_up for each pixel.
+/// Call order for each view of a tile: begin_use; then, for each path, begin_chain and drawing; then `add`
+/// for each pixel. After all views: end_views, then sum_up for each pixel.
 ///
-/// If a view needs a node that was not recorded, the mean of the other views replaces it. If hardly any view
+/// If a node that a view needs was not recorded, the mean of the other views replaces it. If hardly any view
 /// has the node, the radiance seen from the pinhole replaces it.
 ///
-/// A view may lack a node but have its child nodes. For example, W does not describe the far side of a glass
-/// ball, which is seen through a caustic, but it describes the scene behind the ball. Nodes inside one object
+/// A view may lack a node although it has the node's children. For example, the far side of a glass ball is
+/// seen through a caustic and has no valid W, but the scene behind the ball has one. Inside one object, nodes
 /// are therefore also drawn where their parent node is needed but missing.
 class TreeSums {
   public:
-    /// `paths`: all paths that may occur, in any order, with repetitions. `at`: the pixels in use.
+    /// `paths`: all paths that may occur, in any order; repetitions are allowed. `at`: the pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Starts a view, or one of its two recorded instants. `primary`: the primary surfaces that the view
-    /// sees; it must stay valid until all pixels are added.
+    /// Starts a view, or one of its two recorded instants. `primary` contains the directly visible surfaces
+    /// of the view and must stay valid until all pixels are added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// The cleared tile into which the nodes of `path` are drawn, after the nodes of the parent path.
-    /// `wanted` gets the pixels that need a node of `path`. Null if no pixel needs one, or if `begin` did not
-    /// get the path.
+    /// Returns the cleared tile into which the shading-tree nodes of `path` are drawn. Draw the nodes of the
+    /// parent path first. `wanted` receives the pixels that need a node of `path`. Returns null if no pixel
+    /// needs one, or if `path` was not passed to `begin`.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Whether the records determine the reflected and transmitted light of pixel k. That is so if every node
-    /// that is drawn for itself is seen, no edge cuts the node's leaf, and the node's W is linear
-    /// (Patch::bent is false).
+    /// Whether the records determine the reflected and transmitted light of pixel k. This requires, for every
+    /// separately drawn node, that the view sees the node, that no edge crosses its leaf, and that its W is
+    /// linear (Patch::bent is false).
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Radiance of the nodes that are drawn for themselves in pixel k. Requires sure(k).
+    /// Radiance of the shading-tree nodes of pixel k that are drawn separately from their parents. Requires
+    /// sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
-    /// Adds the nodes that are drawn for themselves in pixel k to the sums.
+    /// Adds to the sums the shading-tree nodes of pixel k that are drawn separately from their parents.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Weight of the nodes that are not recorded, reduced for nodes that are dim in the whole tile.
-    /// `guessed`: the part that is not replaced by the mean of other views, as too few of them have the node.
+    /// Weight of shading-tree nodes that are not recorded. Nodes that are dim in the whole tile count less.
+    /// `guessed` is the part for which too few other views have the node, so that their mean cannot replace
+    /// it.
     struct Unknown {
         double all = 0, guessed = 0;
     };
-    /// Adds the nodes of all views to `sum`, a pixel's radiance times `weight`. If views lack child nodes,
-    /// nodes whose patches have nonlinear W (Patch::bent) count as unknown as well.
+    /// Adds the shading-tree nodes of all views to `sum`, which is a pixel's radiance times `weight`. If
+    /// views lack child nodes, nodes that were drawn with a nonlinear W (Patch::bent) count as unknown as
+    /// well.
     Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
@@ -69,12 +73,12 @@ class TreeSums {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
         std::uint8_t bounce = 0;
-        TilePart part;  ///< part of `seen` in which nodes may be drawn; empty: `seen` is not valid
+        TilePart part;  ///< part of `seen` in which nodes may be drawn; if empty, `seen` is not valid
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
         std::vector<Sums> sums;
-        /// Largest radiance of a node of this path in the tile. After end_views it includes the radiance of
-        /// the node's descendants.
+        /// Largest radiance of a shading-tree node of this path in the tile. From end_views on, it also
+        /// includes the radiance of the node's descendants.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -84,11 +88,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the descendants of a node that is missing in pixel k. Returns whether the node has descendants
-    /// there.
+    /// Adds the recorded descendants of a shading-tree node that is itself missing in pixel k. Returns
+    /// whether the node has any descendants there.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Id of the object that should show the node of a path in pixel k: the object of the node's nearest
-    /// ancestor that the view sees.
+    /// Id of the object that should reflect or transmit the node of a path in pixel k. This is the object of
+    /// the nearest ancestor of the node that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
 
@@ -98,8 +102,7 @@ class TreeSums {
     const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
     TilePlace at_;
-    TilePart
-        primary_part_;  ///< bounding box of the pixels whose primary surface has nodes drawn for themselves
+    TilePart primary_part_;  ///< bounding box of the pixels with separately drawn child nodes
 };
 
 }  // namespace postlens

@@ -3,8 +3,8 @@
 namespace postlens {
 namespace {
 
-/// Whether the records determine the primary surface that use `u` of a view (a recorded instant
-/// reprojected to it) shows in a pixel.
+/// Whether the records determine the directly visible surface in pixel `k`, as shown by use `u` of a view. A
+/// use is one recorded instant that is reprojected to the view.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);
@@ -94,7 +94,7 @@ void CheckedSamples::note(const ShownView& shown, std::size_t number, std::size_
     const PatchMesh& mesh = shown.mesh(u);
     for (const std::uint16_t k : pixels_[number]) {
         const std::uint32_t texel = shown.seen[u].texel[k];
-        // If both recorded instants show the same surface, only the first is compared with a ray.
+        // If both recorded instants show the same surface, only the first one is compared with a ray.
         if (texel == SeenTile::no_texel || (rays.uses[k] >> u & 1U) != 0) continue;
         if (shown.view.uses.size() == 2 && (u == 1 || shown.share(u, k) == 0)) continue;
         const int x = k % SeenTile::edge, y = k / SeenTile::edge;

@@ -1,4 +1,5 @@
-// View samples that are rays: where the records do not determine them, or to compare the records with rays.
+// The samples of views that are traced as rays. Rays replace samples that the records do not determine, and
+// check others.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +17,8 @@
 
 namespace postlens {
 
-/// What the uses of a view (recorded instants reprojected to it) show in the pixels of a tile.
+/// The surfaces that a view shows in the pixels of a tile. Each use of the view has its own SeenTile; a use
+/// is one recorded instant that is reprojected to the view.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -30,8 +32,8 @@ struct ShownView {
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
-    /// Weight of use `u` in pixel `k`. If both uses show the same surface, their colours are blended;
-    /// otherwise only the nearer surface counts.
+    /// Weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the same surface,
+    /// their colours are blended. Otherwise only the nearer surface counts.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -44,16 +46,17 @@ struct ShownView {
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
-    /// Line of sight of the view in the pixel (x, y) of the tile.
+    /// The ray of the view through the pixel (x, y) of the tile.
     [[nodiscard]] SightLine line(int x, int y) const {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
 
-    /// Largest relative difference of 1/z' at which two instants with equal ids show the same surface.
+    /// Two instants show the same surface if the ids are equal and 1/z' differs by at most this relative
+    /// amount.
     static constexpr float same_depth = 0.02F;
 };
 
-/// Number of lines of sight that are traced together: enough for efficient batches, few enough for the
+/// Number of rays that are traced together: large enough for efficient batches, and small enough for the
 /// caches.
 inline constexpr std::size_t lines_together = 4096;
 
@@ -64,18 +67,18 @@ class RaySamples {
     LightSums sum{};                                    ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
-    /// Replaces view samples by rays if the records do not determine their primary surface. `recorded`: sums
-    /// of the view samples that are not rays.
+    /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the
+    /// sample. `recorded` receives the sums of all other samples.
     void set_aside(const ShownView& shown, LightSums& recorded);
-    /// Replaces view samples of use `u` by rays if the records do not determine their reflected or
-    /// transmitted nodes.
+    /// If the records do not determine the reflected or transmitted light of a view's sample, a ray replaces
+    /// the sample. `u`: number of the view's recorded instant.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
     /// Traces the rays and adds them to `sum`.
     void trace(const PatchViews& set);
 
   private:
-    /// Replaces the share `weight` of a view sample by a ray.
+    /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
 
     std::vector<SightLine> lines_;
@@ -84,14 +87,15 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// View samples of a tile that are compared with a ray.
+/// Samples of views in a tile that are compared with a ray.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the radiance of the records for checked view samples, unless they are rays. `number`: of the
-    /// view in its set. `trees`: null if no reflected or transmitted node is drawn.
+    /// Stores the radiance of the records for those samples of a view that are checked, unless rays replace
+    /// them. `number`: number of the view in its set. `trees`: null if no reflected or transmitted node is
+    /// drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }

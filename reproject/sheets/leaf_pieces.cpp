@@ -63,8 +63,8 @@ void LeafPieces::add_leaf(const Leaf& leaf, int cell) {
         add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
         return;
     }
-    // Groups the n-th node of a surface (SheetKey) at each corner of the leaf with its n-th nodes at the
-    // other corners.
+    // A surface (SheetKey) may have several shading-tree nodes at one corner of the quadtree leaf. The n-th
+    // nearest nodes at the four corners form a group.
     groups_.clear();
     for (std::size_t k = 0; k < 4; ++k) {
         for (std::uint32_t i = begin[k]; i < trees_.offsets[leaf.corner[k] + 1]; ++i) {
@@ -136,7 +136,7 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
 
 LeafPieces::Beside LeafPieces::beside(std::uint32_t corner, const TreeSurface& of, float size) const {
     Beside out;
-    // The nodes at a corner of the leaf are sorted, nearest first.
+    // The shading-tree nodes at a corner of the quadtree leaf are sorted, nearest first.
     for (std::uint32_t i = trees_.offsets[corner]; i < trees_.offsets[corner + 1]; ++i) {
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;

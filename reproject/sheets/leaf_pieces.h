@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// The pixels of a square of the raster: the first `rows` rows of the leaves' band, columns [first_pixel,
-/// last_pixel).
+/// The pixels of a square of the raster: the columns [first_pixel, last_pixel) in the first `rows` rows of
+/// the band from which the quadtree leaves were found.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
@@ -27,14 +27,15 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    int corners = 4;  ///< 4: the leaf's corners; 1: a quarter, only node[0], at (at_x, at_y) px in the cell
+    int corners = 4;  ///< 4: node[] are the leaf's corners; 1: only node[0], at (at_x, at_y) px in the cell
     float at_x = 0, at_y = 0;
     bool cut_before = false;  ///< Highlight::cut_before
     bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
 };
 
-/// If all four corners of a leaf see one surface, the leaf is one piece. If a corner sees another surface, or
-/// the depth jumps, each corner gets the adjacent quarter of the leaf.
+/// Divides quadtree leaves into pieces. If all four corners of a leaf see one surface, the leaf is one piece.
+/// If a corner sees another surface, or the depth is discontinuous, each corner gets the adjacent quarter of
+/// the leaf.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
@@ -42,8 +43,8 @@ class LeafPieces {
                const SampleHeader& header);
     /// Replaces the pieces by those of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface of the square, by ascending key, with its pieces in the order
-    /// of the leaves. Must be called once after each `collect`.
+    /// Calls take(key, pieces) for each surface of the square, by ascending key. The surface's pieces have
+    /// the same order as their quadtree leaves. Must be called once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -54,13 +55,14 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Whether depths from `low` to `high`, 1/m, within `size` px may belong to one surface.
+    /// Whether depths between `low` and `high`, 1/m, within a square of `size` px may belong to one surface.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// The n-th node, counted from the nearest, that a surface (SheetKey) has at each corner of a leaf.
+    /// A surface (SheetKey) may have several shading-tree nodes at a corner of a quadtree leaf. The n-th
+    /// group of a surface contains the n-th nearest node at each corner.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -69,8 +71,9 @@ class LeafPieces {
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// Which other surfaces the corners of a leaf show beside a given one. `before`: a corner shows a nearer
-    /// one. `behind`: a corner shows a farther one, and not the given one.
+    /// The other surfaces that the corners of a quadtree leaf show next to a given surface. `before`: a
+    /// corner shows a nearer surface. `behind`: a corner shows a farther surface and does not show the given
+    /// one.
     struct Beside {
         bool before = false, behind = false;
     };
@@ -88,8 +91,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// Per key, that is per surface: the number of its pieces, later their end in sorted_; and its first
-    /// Group at the current leaf. Reset to 0 and `none` after use.
+    /// For each surface: `key_pieces_` contains the number of its pieces, and later the end of its pieces in
+    /// sorted_; `key_group_` contains its first Group at the current quadtree leaf. After use, both are reset
+    /// to 0 and to `none`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

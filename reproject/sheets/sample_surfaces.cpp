@@ -6,11 +6,12 @@
 namespace postlens {
 namespace {
 
-/// Largest slope of a surface against the film, as a tangent. Samples with a larger slope between them lie on
-/// two surfaces, one behind the other.
+/// Largest slope of a surface relative to the film, as a tangent. If the slope between two samples is larger,
+/// the samples belong to two surfaces, one behind the other.
 constexpr double steepest_slope = 40;
 
-/// Combines the nodes of one sample and layer into a surface. Returns false if there is no primary node.
+/// Combines the shading-tree nodes of one sample and layer into a surface. Returns false if no node is seen
+/// directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -31,8 +32,8 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // Slope of the surface: depth difference dz over width, at the nearer end. dz / z is the relative
-    // difference of 1/z, and the width is z times the tangent.
+    // The surface's slope is the depth difference dz divided by the width, both at the nearer end. dz / z is
+    // the relative difference of 1/z, and the width is z times the tangent `across`.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;
@@ -45,9 +46,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Calls take(visible, first, last) for each run of records that share a sample and a layer, and done() after
-/// each sample. `visible` is the sample's first record of layer 0, the surfaces visible from the pinhole. A
-/// sample's layers come in ascending order. Records at positions without a sample of layer 0 are skipped.
+/// Calls take(visible, first, last) for each run of records with the same sample and layer, in ascending
+/// order of layers, and done() after each sample. `visible` is the sample's first record of layer 0 (surfaces
+/// visible from the pinhole). Skips records at positions without a sample of layer 0.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -61,8 +62,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // The records of layer 0 are followed by those of the deeper layers. Within a layer, they are sorted
-        // by (y, x).
+        // A pixel's records of layer 0 come first, then those of the deeper layers. Within a layer, records
+        // are sorted by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -92,7 +93,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// The record with the given path (reflections and transmissions from the eye) among [first, last), or null.
+/// Returns the record with the given path (reflections and transmissions from the eye) among [first, last),
+/// or null.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -115,8 +117,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// Finds for each node in [first, last) the index of its parent node. A node whose parent is not among them
-/// gets its own index.
+/// Finds for each shading-tree node in [first, last) the index of its parent node. A node whose parent is
+/// missing from this range gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -127,18 +129,19 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// W of a node. A primary node has W = I / z'.
+/// Matrix W of a shading-tree node. A node that is seen directly has W = I / z'.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
 
-/// The greater singular value of a - b: how far the matrices a and b differ.
+/// Difference between the matrices a and b: the greater singular value of a - b.
 float departure(const Mat2& a, const Mat2& b) {
     const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds each node's radiance and W to all its ancestors: to TreeSurface::below and TreeSurface::strays.
+/// Adds the radiance of each shading-tree node to TreeSurface::below of all its ancestors. Updates
+/// TreeSurface::strays of the ancestors with the node's difference in the matrix W.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

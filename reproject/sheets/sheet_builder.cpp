@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 constexpr int edge = SheetMesh::square_px;
-/// Contrast threshold for files that state none, because `trace` did not divide pixels.
+/// Contrast threshold for files that do not state one, because `trace` did not divide their pixels.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -57,14 +57,15 @@ bool SheetBuilder::has_contrast_below(const LeafPiece& piece) const {
     return false;
 }
 
-// The contrast of [mitchell1987], by which `trace` divides pixels.
+// The contrast of [mitchell1987]. `trace` uses it to decide which pixels to divide.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // The parts of a pixel whose depths differ too much for one surface, each with its range of 1/z'.
+    // The parts of a pixel that belong to different surfaces, because their depths differ too much. Each part
+    // has its range of 1/z'.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
@@ -149,7 +150,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
         children |= s.children;
         for (std::size_t n = 0; n < 2; ++n) strays[n] = std::max(strays[n], s.strays[n]);
         if (excess == std::array<float, 3>{}) continue;
-        // Each corner stands for the quarter of the leaf next to it.
+        // Each corner represents the adjacent quarter of the leaf.
         const float area = share * piece.size * piece.size;
         const float x = piece.x + piece.size * (whole ? ((k & 1) != 0 ? 0.75F : 0.25F) : 0.5F),
                     y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
@@ -238,7 +239,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // A piece that is recorded at this place takes precedence over a surface that only may extend to it.
+        // A recorded piece takes precedence over a piece that only marks where the surface may extend to
+        // (LeafPiece::maybe).
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
     }
@@ -252,8 +254,9 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // Leaves of one surface are in quadtree order already: those of a subtree are consecutive. Only where
-        // two surfaces lie one behind the other do their leaves alternate and need this partition.
+        // Quadtree leaves of one surface are already in quadtree order, so the leaves of a subtree are
+        // consecutive. The partition is only needed where two surfaces lie one behind the other, because
+        // their leaves alternate.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
@@ -266,8 +269,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
-    // Least-squares planes around the cell's centre. The ridge term keeps slopes small that the samples
-    // barely determine.
+    // Fits planes around the cell's centre by least squares. A regularisation (ridge) term limits slopes that
+    // the samples barely determine.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

@@ -1,4 +1,5 @@
-// Builds the sheets of one square of the raster, one per surface seen there, from the quadtree leaves.
+// Builds the sheets of one square of the raster from quadtree leaves. A sheet is one of the surfaces in the
+// square.
 #pragma once
 
 #include <array>
@@ -15,9 +16,9 @@
 namespace postlens {
 
 /// Builds sheets from the samples at the corners of quadtree leaves. If all four corners of a leaf see one
-/// surface, the leaf gets their mean. If a corner sees another surface, or the depth jumps, each corner gets
-/// the adjacent quarter of the leaf. Parts of one object whose depths differ too much for one surface become
-/// different sheets.
+/// surface, the leaf gets the mean of their colours. If a corner sees another surface, or the depth is
+/// discontinuous, each corner gets the adjacent quarter of the leaf. Parts of one object whose depths differ
+/// too much for one surface become different sheets.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -26,10 +27,11 @@ class SheetBuilder {
     void build(const SheetSquare& square);
 
   private:
-    /// Whether the colours at the leaf's corners differ so much that an edge of a shadow or a texture crosses
-    /// it.
+    /// Whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or texture
+    /// must cross the leaf.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Whether the records at all corners have a mark, for example for fine texture (RecordMark).
+    /// Whether the records at all corners are marked, for example because their texture is finer than the
+    /// samples (RecordMark).
     [[nodiscard]] bool is_marked(const LeafPiece& piece) const;
     [[nodiscard]] bool has_contrast_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
@@ -40,13 +42,13 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from index `first_light` on to the texel that was added last; `area`: its area,
-    /// px^2.
+    /// Assigns the highlights from index `first_light` on to the texel (colour of a leaf) that was added
+    /// last. `area` is the area of this texel, px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet under construction. Its pixels are in the order of the square's pixels.
+    /// A sheet under construction. Its pixels have the same order as the pixels of the square.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

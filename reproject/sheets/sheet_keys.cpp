@@ -8,9 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest relative difference of 1/z' at which a surface counts as closely behind another. At a larger
-/// difference, the planes fitted to the two surfaces keep their order, as their errors are about 1 % of the
-/// depth.
+/// Largest relative difference of 1/z' at which a surface counts as closely behind another. The planes fitted
+/// to the surfaces have depth errors of about 1 %, so surfaces that are farther apart keep their order.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {
@@ -28,7 +27,7 @@ void find_sheet_keys(const SampleTrees& trees, SheetKeys& out) {
     out.keys.clear();
     out.of_node.resize(trees.nodes.size());
     std::unordered_map<SheetKey, std::uint32_t, KeyHash> numbers;
-    // A cache of recent keys by hash: neighbouring samples mostly have the same keys.
+    // A cache of recent keys, indexed by hash. Neighbouring samples usually have the same keys.
     struct Recent {
         SheetKey key;
         std::uint32_t number = 0;

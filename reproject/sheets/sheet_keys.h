@@ -1,4 +1,5 @@
-// Numbers the distinct sheet keys of nodes; a key says to which surface a node belongs.
+// Assigns numbers to the distinct sheet keys of shading-tree nodes. A key identifies the surface to which a
+// node belongs.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,8 @@ struct SheetKeys {
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// Finds for each node of `trees` the key of its surface: object, path and reflecting object.
+/// Finds the key of the surface to which each node of `trees` belongs: its object, path, and reflecting or
+/// transmitting object.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

@@ -17,17 +17,17 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// Per list of the joined mesh, the number of elements that precede those of one task.
+/// For each list of the joined mesh, the number of elements that come before those of one task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Size of a list, bytes, from which its memory is returned to the system once it is copied to the joined
-/// list. Returning smaller lists as well would take as long as the rest of the join.
+/// Size of a list, in bytes, from which its memory is returned to the system as soon as it has been copied to
+/// the joined list. Returning the memory of smaller lists as well would take as long as the rest of the join.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the meshes of all tasks, list by list. Renumbers their elements, which each task counts from 0, and
-/// frees their lists. `made(t)` is the mesh of task t.
+/// Joins the meshes of all tasks, list by list. Each task counts its elements from 0, so they are renumbered.
+/// The lists of the tasks are freed.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -115,8 +115,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Number of strips, of `edge` raster rows each, that are read together from row y on: enough work for
-/// several threads, but few enough records to stay in a cache.
+/// Number of strips (of `edge` raster rows each) that are read together, beginning at row y. The number is
+/// large enough to occupy several threads, and small enough for the records to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t least = 4, most = 64;
@@ -164,7 +164,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The strip's last row only provides the lower corners of the pixels above it.
+        // The last row of a strip is only read for the lower corners of the pixels above it.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -194,8 +194,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `choice.squares` gets a copy of `made`, because it may let this thread run other tasks, which
-            // overwrite `made`.
+            // `choice.squares` gets a copy of `made`, because during the call this thread may run other
+            // tasks, which overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -1,5 +1,5 @@
-// The records of one instant as sheets, from which views are drawn. A sheet is one surface within a square of
-// the raster: per pixel a quadtree of uniform colours, and a plane of depths.
+// Groups the records of one instant into sheets, from which views are drawn. A sheet is one surface within a
+// square of the raster. For each pixel it stores a quadtree of uniform colours and a plane of depths.
 #pragma once
 
 #include <array>
@@ -12,11 +12,12 @@
 
 namespace postlens {
 
-/// Nodes of one key form a surface: same object, same path, same reflecting or transmitting object before it.
+/// Key of a surface. Nodes have the same key if they have the same object and the same path, and if the same
+/// object reflects or transmits them.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
-        0;  ///< id of the object whose reflection or refraction shows it; 0 for primary nodes
+        0;  ///< id of the object that reflects or transmits this surface; 0 for primary nodes
     std::uint32_t id = 0;
     bool hidden = false;  ///< primary nodes recorded closely behind another surface
     friend bool operator==(const SheetKey&, const SheetKey&) = default;
@@ -27,8 +28,8 @@ struct SheetKey {
     }
 };
 
-/// A linear function of raster position: `value + x * dx + y * dy`, where dx and dy are px from the origin of
-/// the pixel or patch that has the function.
+/// A linear function of raster position: `value + x * dx + y * dy`. dx and dy are distances in px from the
+/// function's origin, which is given where the function is stored.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -44,19 +45,21 @@ struct Texel {
     }
     static constexpr std::uint32_t sheet_shift = 4, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
-    /// Bits (child_bit) of the bounces that have a child node there.
+    /// Bits (child_bit) for the presence of a reflected and of a transmitted child node.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
-    /// Whether an edge of the surface, of a shadow or of a texture cuts the leaf, so that its corners do not
-    /// determine its colour.
+    /// Whether an edge crosses the quadtree leaf: the outline of the surface, or the edge of a shadow or
+    /// texture. The colours at the leaf's corners then do not determine the colour of the leaf.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
-    /// Whether such an edge cuts the leaf in the radiance of the reflected and transmitted child nodes.
+    /// Whether the edge of a shadow or a texture crosses the quadtree leaf, in light that reaches its surface
+    /// by reflection or transmission.
     [[nodiscard]] bool unsure_below() const { return (info & unsure_below_bit) != 0; }
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A quadtree node: `none`, `maybe`, a leaf (the number of its texel), or the index of its first child
-/// (up-left, then up-right, down-left, down-right). `maybe`: the surface's edge cuts the leaf and this corner
-/// shows a farther surface, so how far the surface reaches into this quarter is not known.
+/// A quadtree node is one of `none`, `maybe`, a leaf (number of its texel, plus the bit `leaf`), or the index
+/// of its first child. The children follow each other: up-left, up-right, down-left, down-right. `maybe`
+/// means that the surface's edge crosses the leaf and this corner shows a farther surface, so the surface may
+/// or may not cover this quarter.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -73,7 +76,8 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Radiance above a limit that is taken out of the sheets and spread by its impulse response.
+/// Radiance above a limit that is removed from the sheets (recorded surfaces) and spread over the image by
+/// its impulse response.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -81,11 +85,12 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     std::uint32_t sheet = 0;
-    /// Whether a nearer surface cuts the leaf that the highlight was found in, and may hide more of it.
+    /// Whether a nearer surface covers a part of the quadtree leaf in which the highlight was found, and may
+    /// hide more of it.
     bool cut_before = false;
 };
 
-/// A texel, the colour of one quadtree leaf, with radiance above the highlights' limit.
+/// A texel (colour of one quadtree leaf) whose radiance exceeds the limit for highlights.
 struct BrightTexel {
     std::uint32_t texel = 0;
     std::uint32_t first_light = 0, lights = 0;  ///< its elements of SheetMesh::bright
@@ -98,21 +103,21 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// Per cell (raster pixel of a sheet), the root of its quadtree. `coarse` is for surfaces that are
-    /// blurred over several pixels: there, a cell that the sheet fills is a single leaf.
+    /// For each cell (raster pixel of a sheet), the root of its quadtree. `coarse` is used for surfaces that
+    /// are blurred over several pixels; in it, a cell that the sheet fills is a single undivided leaf.
     std::vector<std::uint32_t> fine, coarse;
-    /// Per cell, `values` linear functions with origin at the cell's centre, 1/m: 1/z' and, for reflected and
-    /// transmitted nodes, the entries xx, xy, yx, yy of the matrix W.
+    /// For each cell, `values` linear functions with origin at the cell's centre, in 1/m. The first is 1/z'.
+    /// Reflected and transmitted nodes also have the entries xx, xy, yx and yy of the matrix W.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< per cell, with W: its largest Record::w_bend
     std::vector<std::uint32_t> nodes;
     std::vector<Texel> texels;
-    /// Per texel, the radiance of its reflected and transmitted subtrees (TreeSurface::below). Empty if there
-    /// are no child nodes.
+    /// For each texel, the radiance of its reflected subtree and of its transmitted subtree
+    /// (TreeSurface::below). Empty if there are no child nodes.
     std::vector<std::array<std::array<float, 3>, 2>> below;
-    /// All radiance above the highlights' limit, and the texels of `fine` and `coarse` that have such
-    /// radiance.
+    /// `bright` contains all radiance above the limit for highlights. `bright_texels` lists the texels of
+    /// `fine` and `coarse` that have such radiance.
     std::vector<Highlight> bright;
     std::vector<BrightTexel> bright_texels;
     std::vector<Highlight> highlights;  ///< the elements of `bright` that are taken out of the texels
@@ -120,48 +125,49 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// Sheets (surfaces within squares of the raster) of the primary nodes, and of reflected and transmitted
-/// nodes.
+/// The sheets of one instant: those of surfaces seen directly, and those of surfaces seen by reflection or
+/// transmission. A sheet is one surface within a square of the raster.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< with W; empty without such nodes
 };
 
-/// Decides which radiance is spread as a highlight: per channel, the part above `above`, if `takes` returns
-/// true.
+/// Decides which radiance is spread as a highlight. If `takes` returns true, it is the part of each channel
+/// that exceeds `above`.
 struct HighlightRule {
     float above = 1;
-    /// `key`: key of the highlight's sheet. `area_px2`: area of all radiance above the limit in that sheet.
-    /// None: nothing is a highlight.
+    /// Returns whether `light` becomes a highlight. `key` is the key of its sheet. `area_px2` is the area of
+    /// all radiance above the limit in that sheet. If empty, nothing is a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, float area_px2)> takes;
 };
 /// Per sheet, the area of its radiance above the limit, px^2.
 [[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
 
-/// Selects which sheets of an instant are made. A selected sheet is bit-identical to the one made without a
-/// selection, but its number differs.
+/// Selects which sheets of an instant are built. A selected sheet is bit-identical to the one built without a
+/// selection; only its number differs.
 struct SheetChoice {
-    /// Whether the row of squares that begins at raster row y is read; none: all rows are.
+    /// Returns whether the row of squares that begins at raster row y is read. If empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes the sheets that are not needed from `some`, which holds the sheets of `squares_per_part`
+    /// Removes the sheets that are not needed from `some`. `some` contains the sheets of `squares_per_part`
     /// neighbouring squares of the raster: part number `part` from the left, in the row of squares at raster
-    /// row y. Called from several threads, before highlights are taken out. None: all sheets are needed.
+    /// row y. Several threads call it, before highlights are taken out. If empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read, at raster row y. Appends the sheets of this row that
+    /// Called for each row of squares that is not read, at raster row y. Appends those sheets of the row that
     /// are needed nevertheless, from left to right.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets of an instant from the file. `also` is called for the rows that are read. Throws
-/// Error(out_of_memory) before it exceeds the memory, and what the reader and `also` throw.
+/// Reads the sheets of an instant from the file. Calls `also` for the rows that are read. Throws
+/// Error(out_of_memory) if the sheets would not fit into memory, and passes on what the reader and `also`
+/// throw.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Takes highlights out of existing sheets by another rule with the same limit. The result is bit-identical
-/// to that of `tree_sheets` with this rule.
+/// Takes highlights out of existing sheets (recorded surfaces) by another rule with the same limit. The
+/// result is bit-identical to that of `tree_sheets` called with this rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

@@ -30,7 +30,8 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Call it after the last add. `number`: per sheet of the source, its new number, or SheetNode::none.
+    /// Call it after the last add. `number` contains, for each sheet of the source, its new number, or
+    /// SheetNode::none.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {
