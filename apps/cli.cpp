@@ -16,7 +16,8 @@
 namespace postlens {
 namespace {
 
-// Reports an unknown option or subcommand by name. CLI11 only says that a subcommand is required.
+// Reports an unknown option or subcommand by its name, because CLI11's own message would only be that a
+// subcommand is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
     if (arguments[0].starts_with('-')) {
@@ -101,7 +102,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     if (state->common.dry_run && in_process.pictures_stay)
         fail(ExitCode::wrong_arguments, "--dry-run: for the program only (expected a command line)");
     ParsedCommand out = state->common;
-    // The call owns a reference to the state, because its options are stored there.
+    // The call owns a reference to the parser's state, because the options that it reads are stored there.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -16,19 +16,20 @@ struct ParsedCommand {
     int threads = 0;  ///< 0: one per core
     bool quiet = false;
     bool json = false;
-    Join join = Join::no;   ///< for `merge`: the command only joins what its shares have made
-    bool dry_run = false;   ///< predicts files, memory and time instead of running the command
-    int requeue_code = 75;  ///< exit code if a batch system's signal ends the command (core/signals.h)
+    Join join = Join::no;  ///< for `merge`: only join the results of the command's shares (parts of its work)
+    bool dry_run = false;  ///< predict files, memory and time instead of running the command
+    int requeue_code = 75;  ///< exit code if a signal of the batch system ends the command (core/signals.h)
 };
 
 /// Settings for a caller in the same process, such as the viewer.
 struct InProcess {
     bool pictures_stay = false;       ///< makes --output optional; without it the image is returned
-    std::shared_ptr<KeptFrame> kept;  ///< the command's sample file, if it is open already
+    std::shared_ptr<KeptFrame> kept;  ///< sample file of the command, if it is open already
     Join join = Join::no;             ///< ParsedCommand::join
 };
 
-/// `arguments` excludes the name of the program. Throws Error(wrong_arguments) with a one-line text.
+/// `arguments` does not contain the name of the program. Throws Error(wrong_arguments) with a message of one
+/// line.
 [[nodiscard]] ParsedCommand parse_command_line(std::vector<std::string> arguments,
                                                const InProcess& in_process = {});
 

@@ -1,4 +1,4 @@
-// Options and results of the subcommands, and helpers that several of them share.
+// Options and results of the subcommands, and helpers that several subcommands use.
 #pragma once
 
 #include <functional>
@@ -24,7 +24,8 @@
 
 namespace postlens {
 
-/// A warning, as `--json` lists it. `share` is the share of affected pixels, 0 to 1, if that is known.
+/// A warning, as `--json` lists it. `share` is the fraction of pixels that it concerns, 0 to 1, if that is
+/// known.
 struct Warning {
     std::string code;
     std::string text;
@@ -42,10 +43,11 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// Without an output file: the image, cut to the crop; with `render --halves` also the two halves.
+    /// The image, cut to the crop, if the command writes no output file. `render --halves` adds the two
+    /// halves of the samples as images.
     std::vector<Image> pictures;
-    /// Without an output file, from `focus` and `shoot` with a scene: per pixel, the share of its view
-    /// samples that rays replaced, 0 to 1.
+    /// For `focus` and `shoot` with a scene and without an output file: the fraction of each pixel, 0 to 1,
+    /// that was computed by traced rays instead of the sample file's records.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -53,14 +55,15 @@ struct CommandResult {
 class KeptFrame;
 struct OpenFrame;
 
-/// `--exposure`: a number of stops or `auto`. Absent: that of the sample file, or 0 stops for a scene.
+/// The option `--exposure`: a number of stops, or `auto`. Without the option, a sample file is read at its
+/// own exposure and a scene at 0 stops.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
 };
 
-/// A share of an image: the rows or samples that one call computes. Every share is written to its own file;
-/// `merge` joins these files (apps/share.h).
+/// A share of the work on an image: the rows or samples that one machine computes. Each share is written to
+/// its own file, and `merge` joins these files (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
@@ -70,7 +73,7 @@ struct SharedWork {
 struct TraceOptions {
     std::optional<SharedWork> shared;
     std::string scene, output;
-    std::string made_by;  ///< Image::made_by of the output file; also in the structs below
+    std::string made_by;  ///< Image::made_by of the output file; the same in the structs below
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
@@ -79,7 +82,7 @@ struct TraceOptions {
     bool force = false;  ///< trace even if the file will probably not fit on its disk
 };
 
-/// Lens options of `focus`, `records` and others. An absent value is taken from the sample file.
+/// Lens options of `focus`, `records` and others. An absent value is read from the sample file.
 struct LensOptions {
     std::optional<double> focal_length_mm, f_number, focus_m;
     std::optional<std::pair<double, double>> focus_at;
@@ -98,13 +101,13 @@ struct ForeignOptions {
     ForeignChoice choice;
     ForeignCameraChoice camera;
     std::vector<std::string> behind;  ///< images of the same camera that lie behind this one, nearest first
-    std::string behind_layer;         ///< layer of the images in `behind`; empty: `choice.layer`
+    std::string behind_layer;         ///< layer of the images in `behind`; if empty, `choice.layer`
     ObjectEffects objects;
-    std::optional<ObjectChoice> matte;  ///< object that the lens blurs; none: the whole image
+    std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Names of files that change from frame to frame with the image: images behind it, and masks of objects.
+    /// Names of the files that change from frame to frame: the images of `behind`, and the masks of objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Whether a pixel may hold several samples, which are composited even for a pinhole.
+    /// True if a pixel may have several samples. They are composited even if the lens is a pinhole.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -126,7 +129,7 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     int views = default_lens_views;
-    /// PSNR that `auto` aims at, dB. Without this, a scene or `explain`, `auto` takes the usual method.
+    /// PSNR, dB, that `auto` must reach. Without it, a scene or `explain`, `auto` uses the default method.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -136,7 +139,7 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// True for `auto` without target, scene and explanation.
+    /// True for the method `auto` if there is no target PSNR, no scene and no explanation image.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -146,7 +149,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command so that it only joins what its shares have made (core/share.h).
+    /// Runs a command that only joins the results of its shares, the parts that several machines have
+    /// computed (core/share.h).
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -160,16 +164,17 @@ struct ImageOptions {
 };
 
 struct ShootOptions {
-    FocusOptions focus;               ///< only methods lightfield, hybrid and auto
-    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
-    std::string curve = "box";        ///< box, triangle or a file
+    FocusOptions focus;  ///< only methods lightfield, hybrid and auto
+    /// if absent, the exposure in the file, which begins at the instant of the frame
+    std::optional<TimeSpan> shutter;
+    std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
     bool shutter_from_frame = false;  ///< `shutter` is relative to the frame's instant
 };
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    bool share_by_samples = false;  ///< true: a share is some samples of every pixel; false: some rows
+    bool share_by_samples = false;  ///< true: a share computes some samples of every pixel; false: some rows
     std::string scene, output, made_by;
     SceneReadOptions units;
     ExposureOption exposure;
@@ -183,11 +188,13 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    std::optional<TimeSpan> shutter;  ///< absent: the file's exposure, which begins at the frame's instant
-    std::string curve = "box";        ///< box, triangle or a file
+    /// if absent, the exposure in the file, which begins at the instant of the frame
+    std::optional<TimeSpan> shutter;
+    std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    RetraceOptions retrace;           ///< for sample files: rays where the views are unsure, as with `shoot`
-    std::optional<double> target_db;  ///< with a scene: PSNR that `auto` aims at, dB
+    /// for sample files: scene in which rays replace samples that the records do not determine
+    RetraceOptions retrace;
+    std::optional<double> target_db;  ///< with a scene: PSNR, dB, that `auto` must reach
     VectorChoice vectors;             ///< for images of other programs
     ForeignChoice foreign;            ///< for images of other programs
     MotionBlurSettings settings;
@@ -201,7 +208,7 @@ struct MotionBlurOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
-    int key = 0;  ///< index of the instant; 0 is the frame's own
+    int key = 0;  ///< index of the recorded instant; 0 is the frame's own
     LensOptions lens;
     bool salvage = false;
 };
@@ -217,12 +224,14 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    std::optional<std::string> map_causes, frame;  ///< image to write, and the sample file needed for it
-    std::optional<std::string> scene;  ///< scene of the sample file, to test whether rays remove an error
+    /// image of error causes to write, and the sample file that it requires
+    std::optional<std::string> map_causes, frame;
+    /// scene of the sample file, in which rays test whether they remove an error
+    std::optional<std::string> scene;
     double metres_per_unit = 1;
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
     ExposureOption exposure;                ///< absent: the reference's
-    LensOptions lens;                       ///< lens of the image, for the map of causes
+    LensOptions lens;  ///< lens with which the image was made, for the map of error causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
     std::optional<int> depths;
@@ -239,70 +248,72 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
-/// True for an OpenEXR file that is not a sample file: an image of another program.
+/// True for an OpenEXR file from another program, that is, one that is not a sample file.
 [[nodiscard]] bool is_foreign(const std::string& input);
-/// `focus`, `image` and `info` for an image of another program.
+/// Runs `focus`, `image` or `info` for an image of another program.
 [[nodiscard]] CommandResult focus_foreign(const FocusOptions& options);
 [[nodiscard]] CommandResult foreign_image(const ImageOptions& options);
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
 /// Throws Error(wrong_arguments) for options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options);
 
-/// Handling of damage in a sample file that --salvage selects.
+/// Returns how the reader handles a damaged sample file: with --salvage it reads the undamaged rows.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// The open sample file of a command. It is taken from `kept` if that is set. Its colours are read at the
-/// given exposure.
+/// Returns the open sample file of a command: `kept` if that is set, otherwise `input` is opened. The colours
+/// are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// Adds a warning `salvaged` that lists the lost rows of a damaged file, if there are any.
+/// Adds a warning `salvaged` with the lost rows, if the file is damaged.
 void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
-/// The value of `option`, else the value stored in the file. Throws Error(wrong_arguments) if both are
-/// absent; `file` names the kind of file in the message.
+/// Returns the value of an option, or the value in the file if the option is absent. Throws
+/// Error(wrong_arguments) if both are absent; `file` names the kind of file in the message.
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// Settings of the lens: each value from the options, else from the sample file. resolve_lens throws
-/// Error(wrong_arguments) if both lack a value.
+/// Settings of the lens. Each value comes from the options, or from the sample file if the option is absent.
+/// resolve_lens throws Error(wrong_arguments) if a value is in neither.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// Calls read_prescription and adds a warning `lens` for each of its notes.
+/// Reads a lens prescription, and adds each of its notes as a warning `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// Sets the focal length of a lens prescription, and its f-number if `lens` has none. Throws
-/// Error(wrong_arguments) if `lens` has a focal length already.
+/// Copies the focal length of a lens prescription to `lens`, and its f-number if `lens` has none. Throws
+/// Error(wrong_arguments) if `lens` already has a focal length.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// The exposure: the given shutter (relative to the frame's instant if `from_frame`), else the file's
-/// exposure. Throws Error(wrong_arguments) if both are absent.
+/// Returns the given shutter interval, relative to the frame's instant if `from_frame` is set. If no shutter
+/// is given, returns the exposure in the file. Throws Error(wrong_arguments) if both are absent.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the trace was made for a smaller aperture, focus range or shutter than the given one.
+/// Adds a warning if the sample file was traced for a smaller aperture, focus range or shutter interval than
+/// is now used.
 void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Runs hybrid with the scene of `retrace`, adds the scene's warnings and writes the explanation image if
-/// `retrace` names one. `picture` is the output file; an error is thrown if the scene refers to it.
+/// Runs the method hybrid with the scene of `retrace` and adds the scene's warnings. Writes the explanation
+/// image if `retrace` names one. Throws an error if the scene refers to the output file `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// The figures that `focus` and `shoot` report for a hybrid image.
+/// The numbers that `focus` and `shoot` report for an image of the method hybrid.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
-/// The shutter curve "box" or "triangle", or that of a file. Throws Error(invalid_input).
+/// Returns the shutter curve "box" or "triangle", or reads the curve from the file with this name. Throws
+/// Error(invalid_input).
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
 /// The numbers of rays traced, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
 
-/// A number for JSON; null if it is not finite, because JSON has no infinity.
+/// Returns a number for JSON, or null if it is not finite, because JSON has no infinity.
 [[nodiscard]] nlohmann::ordered_json json_number(double value);
 
 }  // namespace postlens

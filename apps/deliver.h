@@ -9,10 +9,10 @@
 
 namespace postlens {
 
-/// Refuses an output file that write_image cannot write. Commands call this before their work.
+/// Throws an error if write_image cannot write a file of this name. Commands call it before their work.
 void check_output(const std::string& output);
 
-/// Where an image goes, and what its file says of it.
+/// The destination of an image, and the metadata that its file states.
 struct Delivery {
     std::string output;  ///< empty: into the result
     std::optional<Crop> crop;
@@ -20,11 +20,11 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image, or returns it in the result. Also calls report_picture.
+/// Writes the image to its file, or returns it in the result if there is none. Also calls report_picture.
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
-/// Adds crop and exposure to the result, and warns if the image is too bright or too dark for a
-/// PNG, TIFF or JPEG.
+/// Adds crop and exposure to the result. Warns if the image is too bright or too dark for a PNG, TIFF or
+/// JPEG.
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,
                     CommandResult& out);
 

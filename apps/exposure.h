@@ -10,17 +10,18 @@
 
 namespace postlens {
 
-/// Exposure, stops, at which to read a sample file; empty: the file's own. `auto` gives the automatic
-/// exposure stored in the file, or auto_exposure_of its pinhole image if the file has none.
+/// Returns the exposure, stops, at which to read a sample file; empty for the file's own. For `auto` it is
+/// the automatic exposure stored in the file. If the file has none, it is auto_exposure_of the pinhole image.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 
-/// Exposure, stops, of a scene: the option's; for `auto`, auto_exposure_stops of the scene; else 0.
+/// Returns the exposure, stops, of a scene. It is the number in the option, or auto_exposure_stops of the
+/// scene for `auto`. Without the option it is 0.
 [[nodiscard]] double exposure_of_scene(const ExposureOption& asked, const Scene& scene,
                                        const std::string& camera_name, const CameraOverrides& camera);
 
-/// Exposure, stops, of another program's image: the option's; for `auto`, auto_exposure_of the image;
-/// otherwise 0.
+/// Returns the exposure, stops, of an image of another program. It is the number in the option, or
+/// auto_exposure_of the image for `auto`. Without the option it is 0.
 template <typename Picture>
 [[nodiscard]] double exposure_of_picture(const ExposureOption& asked, const Picture& picture) {
     return asked.automatic ? auto_exposure_of(picture()) : asked.stops.value_or(0);

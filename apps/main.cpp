@@ -27,7 +27,7 @@ void report(const CommandResult& result, const ParsedCommand& command) {
     } else if (!command.quiet) {
         say(stdout, result.text);
     }
-    // With --json the warnings are part of the JSON, so that standard error has only errors.
+    // With --json the warnings are part of the JSON, so standard error contains only errors.
     if (!command.json && !command.quiet) {
         for (const auto& w : result.warnings) say(stderr, "postlens: warning: " + w.text);
     }
@@ -46,7 +46,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     const postlens::JobScope scope(job);
     const CommandResult result = postlens::run_timed(command);
     report(result, command);
-    // Reports an error if standard output could not be written, e.g. to a full disk or a closed pipe.
+    // Reports an error if writing to standard output failed, for example because the disk is full or the pipe
+    // is closed.
     if (std::fflush(stdout) != 0) postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
     return static_cast<int>(result.exit_code);
 }
@@ -54,9 +55,9 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    static postlens::Job process;  // static, because signals may come until the process ends
+    static postlens::Job process;  // static, because a signal may arrive until the process ends
     postlens::cancel_on_signals(process);
-    // These two signals are ignored, so that writing beyond a size limit or into a closed pipe gives an error
+    // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error
     // message instead of ending the program silently.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);

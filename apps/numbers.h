@@ -1,4 +1,5 @@
-// Parses numbers from the command line by the same rules for every option, independently of the locale.
+// Parses numbers from the command line. The rules are the same for every option and do not depend on the
+// locale.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +15,7 @@
 
 namespace postlens {
 
-/// Range of values that an option accepts, with its text for help and messages.
+/// Range of values that an option accepts, with a text for the help and for error messages.
 struct OptionRange {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool includes_low = true;
@@ -28,12 +29,12 @@ inline constexpr OptionRange any_value{}, above_0{.low = 0, .includes_low = fals
 inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .high = 80},
                              wave_lengths_nm{.low = 100, .high = 1e5}, units_m{.low = 1e-9, .high = 1e9};
 
-/// Throws Error(wrong_arguments), which names the option, if `value` is out of range. `text` is
-/// the value as typed.
+/// Throws Error(wrong_arguments), with the name of the option, if `value` is out of range. `text` is the
+/// value as typed.
 void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds);
 
-/// Parses a finite number, or "inf" if `infinite` is set. This and the following functions throw
-/// Error(wrong_arguments), which names the option.
+/// Parses a finite number, or "inf" if `infinite` is set. This function and the following ones throw
+/// Error(wrong_arguments) with the name of the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text);
 /// Parses a size, px, such as "960x540".
@@ -45,10 +46,10 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a raster position, px, such as "12.5,34".
 [[nodiscard]] std::pair<double, double> parse_position(std::string_view option, std::string_view text);
 
-/// Parses two finite numbers such as "2.5,-2.5", or one for both, such as "2.5".
+/// Parses two finite numbers such as "2.5,-2.5". A single number such as "2.5" is used for both.
 [[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
-/// Parses "distance", "inverse" or "normalized:NEAR,FAR", where NEAR and FAR are different distances
-/// of 0 or more.
+/// Parses a depth encoding: "distance", "inverse" or "normalized:NEAR,FAR". NEAR and FAR are different
+/// distances of 0 or more.
 [[nodiscard]] DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text);
 /// Parses two nonempty names such as "forward.u,forward.v".
 [[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
@@ -58,14 +59,14 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 
 /// A number with its noun, e.g. "1 depth" or "2 depths".
 [[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
-/// Formats a length in px to a tenth of a px, or with three digits from 1e7 px on.
+/// Formats a length in px, rounded to a tenth of a px. From 1e7 px on, it has three significant digits.
 [[nodiscard]] std::string px_text(double px);
 
-/// Parses a crop X,Y,W,H in px such as "10,20,64,48". X and Y are below 2^31, W and H at least 1.
+/// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, W and H at least 1.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
-/// Returns `value` if it is above `low`, or equal to it with
-/// `including_low`. Else throws Error(wrong_arguments).
+/// Returns `value` if it is above `low`; `including_low` also allows `low` itself. Otherwise throws
+/// Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// An open sample file, for one image or kept open for many.
+// An open sample file, which is used for one image or kept open for many.
 #pragma once
 
 #include <memory>
@@ -11,22 +11,23 @@
 
 namespace postlens {
 
-/// The reader of a sample file, and its frame.
+/// The reader of a sample file, and the frame that it reads.
 struct OpenFrame {
-    /// `many`: keeps the records in memory for further images (FocusFrame).
+    /// `many`: keep the records in memory for further images (FocusFrame).
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;
     FocusFrame frame;
 };
 
-/// Keeps a sample file and its records open between images. Only one image is made at a time.
+/// Keeps a sample file and its records open between images. Only one image can be made at a time.
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
     /// A caller must hold this lock while it uses the result of `at`.
     [[nodiscard]] std::unique_lock<std::mutex> lock() { return std::unique_lock(mutex_); }
-    /// The file, read at the given exposure. It is opened again if the exposure differs from the last one.
+    /// Returns the file, read at the given exposure. Opens the file again if the last call had another
+    /// exposure.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

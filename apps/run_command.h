@@ -1,4 +1,4 @@
-// Runs commands inside the process, for the program, the C++ interface and the Python module.
+// Runs commands within the process, for the program, the C++ interface and the Python module.
 #pragma once
 
 #include <memory>
@@ -14,13 +14,14 @@ namespace postlens {
 /// Calls `command.run` in the calling thread, for the current job, and adds `seconds` to the JSON.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses and runs a command as run_timed does. `words` are those after the name of the program. Images are
-/// returned unless the words name an output. `kept`: the command's sample file, if it is open already. The
-/// call waits until no other call uses this file.
+/// Parses and runs a command as run_timed does. `words` are the arguments after the name of the program.
+/// Images are returned unless the words name an output. `kept`: the sample file of the command, if it is open
+/// already. The call waits until no other call uses this file.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words,
                                         const std::shared_ptr<KeptFrame>& kept = nullptr);
 
-/// The JSON that `--json` prints: that of the result, the peak memory of the process, and the warnings.
+/// Returns the JSON that `--json` prints: the JSON of the result, the peak memory of the process, and the
+/// warnings.
 [[nodiscard]] nlohmann::ordered_json report_json(const CommandResult& result);
 
 }  // namespace postlens

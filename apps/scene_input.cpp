@@ -18,8 +18,8 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, double metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Sample files without this value come from versions that took the intensities of light sources without
-    // conversion, which corresponds to 1 lm/W.
+    // A sample file without this value was written by an old version, which did not convert the intensities
+    // of light sources. That corresponds to 1 lm/W.
     const double lumens = lumens_per_watt.value_or(file.header().lumens_per_watt.value_or(1));
     Scene scene = read_scene_of_command(path, {.metres_per_unit = metres_per_unit, .lumens_per_watt = lumens},
                                         written, out);

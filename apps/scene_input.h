@@ -10,13 +10,13 @@
 namespace postlens {
 
 /// Reads a scene and adds a warning for each assumption or omission of its reader. Throws
-/// Error(wrong_arguments) if the scene refers to one of the files in `written`, and the errors of read_scene.
+/// Error(wrong_arguments) if the scene refers to a file in `written`. Also throws the errors of read_scene.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which a sample file was traced, at the exposure of `file`, with the checks and
-/// warnings of read_scene_of_command. An absent `lumens_per_watt` is that of the sample file.
+/// Reads the scene from which a sample file was traced, at the exposure of `file`. Checks and warns as
+/// read_scene_of_command does. If `lumens_per_watt` is absent, the value in the sample file is used.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, double metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

@@ -41,7 +41,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The files whose SHA-256 is known, and what they were then; frames of a film often share a scene.
+/// Caches the SHA-256 of files with their modification times, because the frames of a film often share a
+/// scene.
 class Digests {
   public:
     [[nodiscard]] std::optional<std::string> of(const std::string& path) {
@@ -61,7 +62,8 @@ class Digests {
         for (const fs::path& file : files) {
             std::error_code none;
             now.files.emplace_back(file, fs::last_write_time(file, none));
-            // A file that was written just now may change again within the resolution of its time.
+            // A file that was written less than two seconds ago is not cached: a change within the resolution
+            // of its time stamp would not be noticed.
             constexpr std::chrono::seconds long_enough(2);
             if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
         }
@@ -83,7 +85,7 @@ Digests& digests() {
     return all;
 }
 
-/// SHA-256 of a file; of a scene, with the files that it refers to.
+/// Returns the SHA-256 of a file. For a scene, it includes the files that the scene refers to.
 std::string digest_of(const std::string& path, bool scene) {
     if (fs::is_directory(path)) return "a folder";
     if (const auto known = digests().of(path)) return *known;

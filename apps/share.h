@@ -1,5 +1,5 @@
-// Divides a command's work into shares for several machines: selects the share of each machine, and marks its
-// result so that `merge` recognises it.
+// Divides the work of a command into shares for several machines. Selects the share of each machine, and
+// stores a description (mark) in its result by which `merge` recognises it.
 #pragma once
 
 #include <functional>
@@ -16,12 +16,12 @@ namespace postlens {
 
 inline constexpr int most_shares = 100000;
 
-/// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) that
-/// names the option.
+/// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) with the
+/// name of the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// The rows of a picture, or of a crop of it, that are a share; shares differ by at most one row. Throws
-/// Error(wrong_arguments) if there are more shares than rows.
+/// Returns the rows of an image, or of a crop of it, that form a share. The shares differ by at most one row.
+/// Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
 /// The options and input files on which the result of a command depends.
@@ -33,14 +33,14 @@ struct AskedFor {
         std::string before, after;  ///< the option's text before and after the path
         std::string path;
         bool numbered =
-            false;  ///< with --frames, `path` may hold a placeholder for the frame number (FrameName)
+            false;  ///< with --frames, `path` may contain a placeholder for the frame number (FrameName)
         bool hashes = false;  ///< `#` in `path` is a placeholder as well
-        bool scene = false;   ///< `path` is a scene; files that it refers to are inputs as well
+        bool scene = false;   ///< `path` is a scene; the files that it refers to are inputs as well
     };
     std::vector<Input> inputs;
-    /// JSON with the version of postlens, the options, and the SHA-256 of the input files. The paths of the
-    /// files are not part of it. `file_of` returns the path of an input. Throws Error(invalid_input) for a
-    /// file that cannot be read.
+    /// Returns JSON with the version of postlens, the options, and the SHA-256 of the input files without
+    /// their paths. `file_of` returns the path of an input. Throws Error(invalid_input) for a file that
+    /// cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
@@ -49,21 +49,22 @@ struct AskedFor {
 /// scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// The mark by which `merge` recognises the file of a share (a part of the result): JSON with the share, the
-/// crop of the whole image, and the fingerprint of the command.
+/// Returns the description that is stored in the result file of a share, so that `merge` recognises it. It is
+/// JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// The mark of a part that consists of items, such as the pictures of a sweep: JSON with the share, the
-/// fingerprint of the command, and the command's words without share and output. `merge` runs these words to
-/// join the parts.
+/// Returns the description of a share whose result consists of items, such as the images of a sweep. It is
+/// JSON with the share, the fingerprint of the command, and the words of the command without share and
+/// output. `merge` runs these words to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 
-/// Sets `crop` to the rows of the share, and work->mark to the mark of its file. Does nothing if `work` is
-/// empty.
+/// Sets `crop` to the rows of the share, and work->mark to the description for its result file. Does nothing
+/// if `work` is empty.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
-/// Name of the first setting in which two fingerprints differ, with both values; empty if they are equal.
+/// Returns the name of the first setting in which two fingerprints differ, with both values. Empty if the
+/// fingerprints are equal.
 [[nodiscard]] std::string first_difference(const nlohmann::ordered_json& got,
                                            const nlohmann::ordered_json& expected);
 

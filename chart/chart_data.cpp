@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-// JSON has neither NaN nor infinity, so NaN is written as null and an infinity as the string "inf" or "-inf".
+// JSON has neither NaN nor infinity. NaN is written as null, and an infinity as the string "inf" or "-inf".
 Json number(double value) {
     if (std::isnan(value)) return nullptr;
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
@@ -194,7 +194,7 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
             q.amount = p.at("amount").get<int>();
             q.trace = p.at("trace").get<std::string>();
             q.seconds = p.at("seconds").get<std::vector<double>>();
-            // These two keys are absent in charts of versions that did not time sweeps.
+            // Charts of old versions, which did not time sweeps, lack these two keys.
             q.first_of_many_s = p.value("first_of_many_s", std::vector<double>());
             q.further_s = p.value("further_s", std::vector<double>());
             if (!p.at("figures").is_null()) q.figures = figures_from(p.at("figures"));

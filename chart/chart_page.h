@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// HTML with embedded images: the plots (if `folder` has them), the table, image and error map of every point
-/// with a slider between them, the machine and the versions. `folder` is the output folder of run_chart.
-/// Throws Error(invalid_input) if an image in it cannot be read.
+/// Returns HTML with embedded images. The page shows the plots (if `folder` has any), the table, the machine,
+/// and the versions of the programs. For every point it shows image and error map with a slider between them.
+/// `folder` is the output folder of run_chart. Throws Error(invalid_input) if an image in it cannot be read.
 [[nodiscard]] std::string chart_page(const ChartData& data, const std::filesystem::path& folder);
 
 }  // namespace postlens

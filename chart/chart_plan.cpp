@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden layers and one with coarse subdivision. They show how
-// much hidden layers and subdivision contribute.
+// Plans three traces: the best one, one without hidden layers, and one with coarse subdivision. Their
+// comparison shows how much hidden layers and subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -75,7 +75,8 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, best_records, FocusMethod::hybrid);
 }
 
-// Checks the lens here, so that error messages name chart's own options instead of those of the trace.
+// Checks the lens before the trace does, so that error messages name the options of `chart` instead of those
+// of `trace`.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

@@ -1,4 +1,4 @@
-// The plan of a chart: which sample files it traces, and which methods it runs with which settings.
+// The plan of a chart: the sample files that it traces, and the methods that it runs with their settings.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart. Values that the request leaves open come from the scene.
+/// Lens, shutter and camera of a chart. Values that the request does not contain are taken from the scene.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// The f-number that is passed to the trace. The trace computes the diameter of the lens from the film
-    /// distance instead of the focal length, so its f-number differs from that of the lens.
+    /// The f-number to pass to the trace. It differs from that of the lens, because the trace computes the
+    /// diameter of the lens from the film distance instead of the focal length.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -32,7 +32,7 @@ struct PlannedTrace {
     TraceSettings settings;
 };
 
-/// One point of the chart: the method and settings that make its image.
+/// One point of the chart: a method and the settings with which it makes an image.
 struct PlannedPoint {
     enum class Kind { focus, motionblur, shoot, rays };
     Kind kind = Kind::focus;
@@ -47,16 +47,16 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Throws Error(wrong_arguments) if neither request nor scene defines the lens, or if the view has neither a
-/// finite f-number nor a shutter.
+/// Throws Error(wrong_arguments) if neither the request nor the scene defines the lens, or if the view has no
+/// finite f-number and no shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Settings of a trace that records every surface which the lens and shutter of this view may see.
+/// Settings of a trace that records every surface visible through the lens and shutter of this view.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Settings of distributed ray tracing of this view. The caller sets spp, seed and halves.
+/// Settings of distributed ray tracing for this view. The caller must set spp, seed and halves.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

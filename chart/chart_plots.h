@@ -1,4 +1,5 @@
-// The plots of a chart: error against the seconds of one image, and against the cost per image of many.
+// The plots of a chart: error against the time of a single image, and error against the cost per image of
+// many images.
 #pragma once
 
 #include <string>
@@ -7,14 +8,14 @@
 
 namespace postlens {
 
-/// gnuplot script that draws, for each method, the error over the seconds of one image, without the trace.
-/// Also draws the Pareto frontier of all points, the noise floor of the reference and the error of the
-/// records. `affected`: takes the errors of the affected pixels only, and draws neither noise floor nor error
-/// of the records.
+/// Returns a gnuplot script that plots, for each method, the error against the seconds of one image without
+/// the trace. It also plots the Pareto frontier of all points, the noise floor of the reference, and the
+/// error of the records. If `affected` is set, it plots only the errors of the affected pixels, without the
+/// noise floor and the error of the records.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// gnuplot script that draws the Pareto frontiers of the methods that read sample files, if 1, 10 and 100
-/// images share the cost of one trace, and the curve of distributed rays.
+/// Returns a gnuplot script for the cost per image if 1, 10 or 100 images share one trace. It plots the
+/// Pareto frontiers of the methods that read sample files, and the curve of distributed rays.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

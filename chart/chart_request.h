@@ -1,4 +1,4 @@
-// Settings of a chart, which compares methods for one scene with one lens and one shutter.
+// Settings of a chart. A chart compares methods for one scene with one lens and one shutter.
 #pragma once
 
 #include <filesystem>
@@ -29,26 +29,28 @@ struct ChartRequest {
 
     /// Samples per pixel of each half of the reference.
     int reference_spp = 1024;
-    /// Files of an existing reference and of a second one with independent noise. Absent: both are rendered.
+    /// Files of an existing reference, and of a second reference with independent noise. If absent, both are
+    /// rendered.
     std::optional<std::filesystem::path> reference, second_reference;
 
     std::vector<int> spp{1, 4, 16, 64, 256, 1024};
     std::vector<int> views{16, 64, 256};
     std::vector<int> depths{8, 32, 128};
-    /// Each round measures every point once. A point that takes more than `once_above_s` is measured in the
-    /// first round only.
+    /// Each round measures every point once. A point that takes longer than `once_above_s` is measured only
+    /// in the first round.
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
 
-    /// Measures only every N-th point of the plan, into chart.I-of-N.json. A later chart of all points in the
-    /// same folder takes over what the shares have measured.
+    /// Measures only every N-th point of the plan (a share of the work) and writes chart.I-of-N.json. A later
+    /// chart of all points in the same folder uses these measurements.
     std::optional<Share> share;
-    std::string part;      ///< JSON that the chart of a share states as "part"; empty: none
+    std::string part;      ///< JSON that the chart of a share stores under the key "part"; empty: none
     Join join = Join::no;  ///< measures no point
 };
 
-/// Throws Error(wrong_arguments) for a number out of range, and for a second reference without a first.
+/// Throws Error(wrong_arguments) for a number out of range, or if there is a second reference without a
+/// first.
 void check_chart_request(const ChartRequest& request);
 
 }  // namespace postlens

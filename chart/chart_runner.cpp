@@ -66,8 +66,8 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// The points of a request, or of its share, with the traces that they need. The first trace stays, because
-/// the pinhole image is made from it.
+/// Returns the points of a request (of its share, if it has one) and the traces that they need. The first
+/// trace is always included, because the pinhole image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -101,8 +101,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // The traces come first, because methods read them. The pinhole image, made from a trace, determines
-        // which pixels are affected by blur.
+        // The traces run first, because the methods read their files. The pinhole image is made from a trace
+        // and determines which pixels are affected by blur.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -142,7 +142,8 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // All shares write their images to the same folder, so the run of a share removes none of them.
+        // The shares of a chart write their images to the same folder, so a run of one share must not remove
+        // images.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -154,7 +155,8 @@ class Runner {
         save();
     }
 
-    // Handles the points that no share has measured: leaves them out, or refuses to join.
+    // Handles points that have not been measured when the shares of a chart are joined. They are omitted, or
+    // an error is thrown.
     void check_join() {
         std::vector<std::string> missing;
         for (const ChartPoint& p : data_.points)
@@ -167,8 +169,8 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Refuses a reference that lies in the output folder under the name of an output, because the run would
-    // remove or overwrite it.
+    // Throws an error if the reference is a file in the output folder with the name of an output, because the
+    // run would remove or overwrite it.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -225,7 +227,8 @@ class Runner {
         save();
     }
 
-    // Path of a sample file. Traces it again if an earlier run measured it and removed the file.
+    // Returns the path of a sample file. Traces the file again if an earlier run has measured its trace and
+    // removed it.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -268,8 +271,9 @@ class Runner {
         save();
     }
 
-    // Error of the pinhole image of the records, against distributed rays. The mean of a pixel's corner
-    // samples is not the integral over the pixel. No method that reads the records has less error.
+    // Error of the pinhole image that is made from the records, against distributed rays. It is not 0,
+    // because the mean of a pixel's corner samples differs from the integral over the pixel. No method that
+    // reads the records can have a smaller error.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -301,8 +305,8 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // Motion blur without a lens and pinhole images are not timed in a sweep, because the lens settings
-        // do not change them.
+        // Motion blur without a lens and pinhole images do not depend on the lens settings, so they are not
+        // timed in a sweep.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -317,8 +321,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images: the first with the lens stopped down by a sixth of a stop, the second with
-    // the view's lens.
+    // Times a sweep of two images. For the first image the lens of the view is stopped down by a sixth of a
+    // stop; for the second it is not.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

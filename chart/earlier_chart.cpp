@@ -48,7 +48,7 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
     if (from.key != key) {
-        // What the shares of another request have left in the folder does not count.
+        // A chart of another request in this folder, left by an earlier run of a share, is ignored.
         if (!own) return false;
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew",

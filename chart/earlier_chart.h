@@ -1,4 +1,4 @@
-// Measurements of earlier runs and of shares, which a run of the same chart keeps.
+// Measurements that a chart keeps from earlier runs of the same chart, or of shares (parts) of it.
 #pragma once
 
 #include <filesystem>
@@ -12,24 +12,24 @@
 
 namespace postlens {
 
-/// Key of a request: everything that determines the result of a point of the chart. The number of rounds and
-/// the choice of points are not part of it.
+/// Key of a request. It contains everything that determines the result of a point, but not the number of
+/// rounds or the choice of points.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Files of the earlier charts whose measurements a run keeps: the charts of shares in `folder`, then `chart`
-/// if it exists. A run that measures a share keeps only `chart`.
+/// Returns the files of earlier charts whose measurements a run keeps: the charts of shares (parts of this
+/// chart) in `folder`, then `chart` if it exists. A run that measures only a share keeps only `chart`.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements of an earlier run to `data`. If `data` has measured a point already, the measurement
-/// with more rounds is kept. Returns true if the chart was measured on another machine. A chart with another
-/// key than `key` is left alone, unless it is the run's `own`: then throws Error(wrong_arguments), which
-/// names its folder.
+/// Adds the measurements of an earlier chart to `data`. If a point is in both, the measurement with more
+/// rounds is kept. Returns true if the chart was measured on another machine. A chart whose key differs from
+/// `key` is ignored. If `own` is set, it is the run's own chart, and a different key throws
+/// Error(wrong_arguments) with the name of its folder.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts traces and points into the order of the plan, and adds those that are not measured yet.
+/// Sorts traces and points into the order of the plan, and adds those that have not been measured.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

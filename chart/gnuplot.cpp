@@ -18,7 +18,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text;
 }
 
-// Quotes a path for gnuplot, which needs only the quote itself doubled within single quotes.
+// Quotes a path for gnuplot. Within single quotes, only the quote itself must be doubled.
 std::string quoted(const fs::path& path) {
     return fmt::format("'{}'", replaced(path.string(), "'", "''"));
 }

@@ -6,12 +6,13 @@
 
 namespace postlens {
 
-/// Throws Error(invalid_input) if the program `gnuplot` cannot be run. Call it before a long measurement.
+/// Throws Error(invalid_input) if the program `gnuplot` cannot be run. It is called before a long
+/// measurement.
 void check_gnuplot();
 
-/// Runs a plot script twice, to draw `base`.svg and `base`.png, and saves it as `base`.gp. In the script,
-/// @TERMINAL@ and @OUTPUT@ are replaced by gnuplot's terminal and output file. A plot that fails leaves no
-/// partial file. Throws Error(cannot_write) with the first line of gnuplot's error message.
+/// Runs a plot script twice to draw `base`.svg and `base`.png, and saves the script as `base`.gp. In the
+/// script, @TERMINAL@ and @OUTPUT@ are replaced by gnuplot's terminal and output file. If a plot fails, no
+/// incomplete file remains, and Error(cannot_write) is thrown with the first line of gnuplot's error message.
 void draw_with_gnuplot(const std::string& script, const std::filesystem::path& base, int width_px,
                        int height_px);
 

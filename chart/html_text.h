@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Data URL with the bytes of an image file, to embed it in a page. `type` is "png" or "svg+xml". Throws
-/// Error(invalid_input) if the file cannot be read.
+/// Returns a data URL that contains the bytes of an image file, to embed it in a page. `type` is "png" or
+/// "svg+xml". Throws Error(invalid_input) if the file cannot be read.
 [[nodiscard]] std::string picture_url(const std::filesystem::path& path, const char* type);
 
 /// The text with <, >, & and " replaced by entities.

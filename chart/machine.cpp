@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-// The value of the first line "key   : value" in a file such as /proc/cpuinfo; empty if there is none.
+// Returns the value of the first line "key   : value" of a file such as /proc/cpuinfo. Empty if there is
+// none.
 std::string first_value(const char* path, const std::string& key) {
     std::ifstream file(path);
     for (std::string line; std::getline(file, line);) {

@@ -11,13 +11,14 @@ struct CostError {
     double seconds = 0, error = 0;  ///< both positive
 };
 
-/// Indices of the Pareto-optimal points: no other point is better in one figure and at least as good in the
-/// other. Sorted by rising seconds, that is by falling error. Points with a nonfinite figure are omitted; of
-/// equal points the first is kept.
+/// Returns the indices of the Pareto-optimal points: no other point is better in one of seconds and error,
+/// and at least as good in the other. They are sorted by rising seconds, and therefore by falling error.
+/// Points with a nonfinite value are omitted. Of equal points only the first is returned.
 [[nodiscard]] std::vector<std::size_t> pareto_frontier(const std::vector<CostError>& points);
 
-/// Seconds at which a curve reaches `error`, by log-log interpolation between neighbours on its Pareto
-/// frontier. Empty if `error` lies outside the range of the frontier.
+/// Returns the seconds at which a curve reaches `error`. They are interpolated between neighbours on the
+/// curve's Pareto frontier, linearly in the logarithms. Empty if `error` is outside the range of the
+/// frontier.
 [[nodiscard]] std::optional<double> seconds_for_error(const std::vector<CostError>& curve, double error);
 
 }  // namespace postlens

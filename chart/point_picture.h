@@ -13,18 +13,18 @@
 
 namespace postlens {
 
-/// Makes the images of points. `retraced` is set to the share of view samples that are rays, and `warnings`
-/// to the codes of the warnings.
+/// Makes the images of points of a chart. The functions set `retraced` to the fraction of the image that was
+/// computed by rays, and `warnings` to the codes of the warnings.
 class PointPictures {
   public:
     /// Keeps references to all arguments.
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// The image of a point, from the sample file `path`; points of rays have none.
+    /// Returns the image of a point, made from the sample file `path`. The method rays needs no file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
-    /// The image of a point with a lens, from the records of `frame`.
+    /// Returns the image of a point with the given lens, made from the records of `frame`.
     [[nodiscard]] Image focused(const PlannedPoint& p, FocusFrame& frame, const ThinLens& lens,
                                 double& retraced, std::vector<std::string>& warnings) const;
 

@@ -1,4 +1,4 @@
-// All results of `postlens compare`: an image against its reference, optionally also against the pinhole
+// All results of `postlens compare`. They compare an image to its reference, and optionally to the pinhole
 // image and a second reference.
 #pragma once
 
@@ -19,12 +19,14 @@ namespace postlens {
 /// All images have the same size.
 struct CompareInput {
     Image image, reference;
-    std::optional<Image> pinhole;           ///< shows by comparison which pixels the lens or shutter affects
-    std::optional<Image> second_reference;  ///< an independent render of what `reference` shows, equally good
+    /// its difference to the reference shows which pixels the lens or shutter affects
+    std::optional<Image> pinhole;
+    /// an independent render with the settings of `reference`, of the same accuracy
+    std::optional<Image> second_reference;
     std::optional<double> flip_white_luminance;  ///< see `flip_exposures`
 };
 
-/// Errors of a set of pixels; NaN where no pixel has a value.
+/// Errors of a set of pixels. They are NaN if no pixel has a value.
 struct Figures {
     PixelErrors errors;
     double ssim = 0;      ///< mean over the pixels that have a value, see `ssim_map`
@@ -36,14 +38,15 @@ struct Figures {
 struct NonfiniteCounts {
     std::size_t image = 0, reference = 0, pinhole = 0, second_reference = 0;
     std::size_t image_only = 0;  ///< in `image` where the reference is finite
-    std::size_t any = 0;         ///< in `image` or `reference`; all errors leave these pixels out
+    std::size_t any = 0;         ///< in `image` or `reference`; these pixels are excluded from all errors
 };
 
 struct Comparison {
     int width = 0, height = 0;
-    bool identical = false;     ///< image and reference hold the same bits
-    bool within_range = false;  ///< all finite values of both lie within 0..1: `flip` then gives LDR-FLIP
-    /// Share of the pixels in which image or reference has a value outside 0..1. PSNR and SSIM clamp it.
+    bool identical = false;     ///< the bits of image and reference are equal
+    bool within_range = false;  ///< all finite values of both images lie within 0..1, so `flip` is LDR-FLIP
+    /// Fraction of the pixels in which image or reference has a value outside 0..1. PSNR and SSIM clamp such
+    /// values.
     double clipped_share = 0;
     NonfiniteCounts nonfinite;
     Figures whole;
@@ -52,7 +55,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Set only if a second reference is given. Equality is bit by bit; equal references give no noise floor.
+    // Both are set only if a second reference is given. Images are equal if all their bits are. Equal
+    // references determine no noise floor.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 
@@ -62,7 +66,7 @@ struct Comparison {
 /// Throws Error(invalid_input) where sizes differ.
 [[nodiscard]] Comparison compare_pictures(CompareInput input);
 
-/// Approximate memory, in bytes, that compare_pictures needs for `pictures` images of this size.
+/// Approximate memory, bytes, that compare_pictures needs for `pictures` images of this size.
 [[nodiscard]] std::uint64_t comparison_bytes(ImageSize size, int pictures);
 
 /// Limits on the errors of the whole frame.
@@ -70,8 +74,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// One line per limit that is not met. If any limit is set, an image that has a NaN or an infinity where the
-/// reference is finite fails as well.
+/// Returns one line for each limit that is not met. If there is any limit, an image also fails if it has a
+/// NaN or an infinity where the reference is finite.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

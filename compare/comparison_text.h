@@ -9,13 +9,14 @@
 
 namespace postlens {
 
-/// Errors of the whole frame, of the affected pixels and of the pinhole image: one row each, below a heading.
+/// A table with a heading and one row each for the errors of the whole frame, of the affected pixels and of
+/// the pinhole image.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
-/// Sentences that complete the table: the error of the reference itself, and the exposures of FLIP.
+/// Returns sentences that complete the table: the error of the reference itself, and the exposures of FLIP.
 [[nodiscard]] std::vector<std::string> comparison_notes(const Comparison& comparison);
 
-/// The table as text. Blanks align its columns: the first to the left, the others to the right.
+/// Returns the table as text. Blanks align the first column to the left and the others to the right.
 [[nodiscard]] std::string aligned(const TextTable& table);
 
 }  // namespace postlens

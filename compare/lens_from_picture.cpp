@@ -12,30 +12,32 @@
 namespace postlens {
 namespace {
 
-/// Residuals above which the error grows linearly instead of quadratically. The limit is large for the first
-/// refinement, which starts with a wrong lens. For the last refinement it is as small as the noise of 256
+/// Residuals above these limits count linearly instead of quadratically. The first refinement starts with a
+/// wrong lens, so its limit is large. The limit of the last refinement is as small as the noise of 256
 /// samples per pixel allows.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the difference in the inverse focus distance 1/s over which a derivative is taken, as a share of the
-/// range of inverse depths.
+/// Half the step of the central differences by the inverse focus distance 1/s, as a fraction of the range of
+/// inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the blocks of pixels whose sums count as independent observations.
+/// Side, in px, of the blocks of pixels whose sums are treated as independent observations.
 constexpr std::size_t block_px = 16;
-/// Smallest variation of an image for which a lens is searched. Blur does not show in a constant image.
+/// Least variation of an image for which a lens is searched. In a constant image, blur is not visible.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual, as a share of the image's variation. The right records leave about a tenth of
-/// the variation unexplained, records of another view most of it.
+/// Largest accepted residual, as a fraction of the image's variation. With the right records about a tenth of
+/// the variation remains unexplained, with records of another view most of it.
 constexpr double most_left = 0.5;
-/// Largest accepted error, as a share of the pinhole image's error. Above it, the image shows no blur.
+/// Largest accepted error with the best lens, as a fraction of the error without blur. If the error is
+/// larger, the image shows no blur.
 constexpr double least_gain = 0.8;
-/// Smallest range of inverse depths for which a lens is searched, as a share of the largest inverse depth.
-/// Below it, the circles of confusion differ by less than a hundredth, so that all objects have practically
-/// one depth.
+/// Least range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
+/// Below it, the circles of confusion differ by less than a hundredth: all objects have practically one
+/// depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard errors of the two parameters of a lens: of the logarithm of its aperture, and of
-/// 1/s, as a share of the range of inverse depths, for the focus distance s.
+/// Largest accepted standard errors of the two lens parameters. One is the error of the logarithm of the
+/// aperture. The other is the error of the inverse focus distance 1/s, as a fraction of the range of inverse
+/// depths.
 constexpr double most_error = 0.2;
-/// Further minima of the error are reported if their error is less than this many times that of the best
+/// A further minimum of the error is reported if its error is less than this factor times that of the best
 /// minimum.
 constexpr double nearly_as_good = 1.25;
 
@@ -59,8 +61,8 @@ class Cost final : public ceres::CostFunction {
         set_num_residuals(static_cast<int>(residuals.size()));
         mutable_parameter_block_sizes()->push_back(2);
     }
-    /// Parameters of the lens: the logarithm of the aperture in mm, and 1/s in 1/m, where s is the focus
-    /// distance.
+    /// The two parameters of the lens are the logarithm of the aperture in mm, and the inverse focus distance
+    /// in 1/m.
     bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
         const LensPlace p{std::exp(parameters[0][0]), parameters[0][1]};
         residuals_.at(p, out, linear_from_);
@@ -91,11 +93,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The error falls with the square of the solver's step. After a fall of 1e-4 the next step is therefore
-    // far below 0.1 %.
+    // The error depends quadratically on the solver's step. If a step lowers the error by a fraction of less
+    // than 1e-4, the next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The solver ends once nearly undamped steps no longer lower the error. The error then varies only
-    // because `focus` places its discs in steps, so it has no slope.
+    // The solver ends once nearly undamped steps no longer lower the error. Close to the minimum the error
+    // has no slope, because `focus` places its discs in steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -149,7 +151,7 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Adds the standard errors of the lens parameters at the minimum. Throws if they exceed `most_error`.
+/// Computes the standard errors of the lens parameters at the minimum. Throws if they exceed `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -179,8 +181,9 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // determinant / (aa bb) is 1 - correlation^2 of the two derivatives, by aperture and by focus. Below 1e-4
-    // the derivatives differ only by the error of the central differences.
+    // determinant / (aa bb) equals 1 - correlation^2 of the derivatives by aperture and by focus. If it is
+    // below 1e-4, the two derivatives differ only by the error of the central differences, and the image does
+    // not determine both parameters.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -190,7 +193,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Descends twice, each time over the pixels that are reliable for the lens with which the descent begins.
+/// Descends to the minimum twice. Each descent uses the pixels that are reliable for the lens with which it
+/// begins.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -198,14 +202,15 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// Whether two lenses count as one minimum. The grid of the rough search can split one minimum into several.
+/// True if two lenses are treated as one minimum. The grid of the coarse search can split one minimum into
+/// several.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// At most `most` starting points in different minima, sorted by the error that `focus` has there. Those
-/// whose error exceeds 1.5 times the smallest are omitted.
+/// Returns at most `most` starting points in different minima, sorted by the error of `focus` at each. Points
+/// whose error exceeds 1.5 times the smallest error are omitted.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -253,8 +258,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // If a lens blurred the image, even a start outside the minimum has a smaller error than the pinhole
-    // image.
+    // If a lens has blurred the image, even a starting point outside the minimum has a smaller error than the
+    // pinhole image.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -277,8 +282,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // The minima are sorted by their error divided by the variation (`spread`) of the image, since each error
-    // was measured over other pixels.
+    // Each minimum was measured over a different set of pixels. Its error is therefore divided by the
+    // variation (`spread`) of the image over these pixels before the minima are sorted.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -12,16 +12,16 @@ namespace postlens::api {
 
 /// Settings of `compare`.
 struct CompareSettings {
-    /// An independent render of the reference (`--noise`). The noise of the reference is measured with it.
+    /// An independent render of the reference (`--noise`). It serves to measure the noise of the reference.
     std::filesystem::path noise = {};
-    /// The pinhole picture (`--pinhole`). Figures are also computed for only the pixels that the lens
-    /// changes.
+    /// The pinhole picture (`--pinhole`). If it is given, errors are also computed over only the pixels that
+    /// the lens changes.
     std::filesystem::path pinhole = {};
     std::filesystem::path map = {};  ///< PNG file to write: the error in colours (`--map`).
     std::filesystem::path side_by_side =
         {};  ///< PNG file to write: both pictures and the map (`--side-by-side`).
-    /// Exposure at which the pictures are compared, stops, -100 to 100 (`--exposure`). Default: the
-    /// reference's.
+    /// Exposure at which the pictures are compared, stops, -100 to 100 (`--exposure`). Default: that of the
+    /// reference.
     std::optional<double> exposure = {};
     std::optional<double> fail_psnr_db = {};  ///< Least PSNR, dB, 0 or more (`--fail-psnr`).
     std::optional<double> fail_relmse = {};   ///< Greatest relMSE, 0 or more (`--fail-relmse`).
@@ -45,11 +45,10 @@ struct CompareResult {
     Report report = {};                        ///< Of `postlens compare`; its JSON has further figures.
 };
 
-/// Compares the picture `image` with `reference`, both files, of equal size. A sample file stands for its
-/// pinhole picture.
+/// Compares two picture files of the same size. If a file is a sample file, its pinhole picture is compared.
 ///
-/// Throws Error(invalid_input) for unreadable files and different sizes, Error(wrong_arguments) for a
-/// setting.
+/// Throws Error(invalid_input) for unreadable files and different sizes, and Error(wrong_arguments) for a
+/// wrong setting.
 /// @param image The picture to measure.
 /// @param reference The picture that is taken for the truth.
 /// @param settings Further pictures, limits and maps.
@@ -59,8 +58,8 @@ struct CompareResult {
                                     const std::filesystem::path& reference,
                                     const CompareSettings& settings = {}, Job* job = nullptr);
 
-/// Compares two pictures in memory, through temporary .exr files. Alpha and planes are not compared. Errors
-/// are those of the other `compare`, and Error(cannot_write) for the temporary files.
+/// Compares two pictures in memory, through temporary .exr files. Alpha and planes are not compared. Throws
+/// the errors of the other `compare`, and Error(cannot_write) if a temporary file cannot be written.
 /// @param image The picture to measure.
 /// @param reference The picture that is taken for the truth.
 /// @param settings Further pictures, limits and maps.

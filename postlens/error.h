@@ -10,34 +10,36 @@ namespace postlens {}
 
 /// The public interface: the commands of `postlens` as functions.
 ///
-/// Every function runs the command of its name inside the calling process. Settings have the names of the
-/// command's options, with the unit as the last word; a setting that is not given has the command's default.
-/// `postlens COMMAND --help` states the bounds. Paths are those of the file system, relative ones from the
-/// current folder.
+/// Every function runs the command of the same name inside the calling process. Settings have the names of
+/// the command's options, with the unit as the last word. A setting that is not given has the default of the
+/// command. `postlens COMMAND --help` states the bounds. Relative paths start at the current folder.
 ///
-/// Errors: every function throws `Error` and no other exception. What a function writes to a file is
-/// complete, or the file stays as it was.
+/// Errors: every function throws `Error` and no other exception. A file is either written completely or left
+/// unchanged.
 ///
-/// Threads: functions may be called at once from several threads, each with a `Job` of its own. Pictures have
-/// the same bits for any number of threads.
+/// Threads: several threads may call functions at the same time, each with its own `Job`. Pictures have the
+/// same bits for any number of threads.
 namespace postlens::api {
 
-/// The command's exit codes. Codes 0, 1 and 6 are results (`Report::exit_code`), the others are errors
-/// (`Error::code`).
+/// The exit codes of the command. Codes 0, 1 and 6 are results (`Report::exit_code`). The other codes are
+/// errors (`Error::code`).
 enum class ExitCode {
     ok = 0,                 ///< The work is done.
     comparison_failed = 1,  ///< A figure of `compare` misses its limit.
-    wrong_arguments = 2,    ///< A setting is out of range, unknown, missing or excluded by another one.
-    invalid_input = 3,      ///< A file is missing, unreadable, damaged or of the wrong kind.
-    cannot_write = 4,       ///< A file cannot be written; no part of it remains.
-    out_of_memory = 5,      ///< The work needs more memory than there is. Mostly found before it begins.
-    shortfall = 6,          ///< The picture is made, but misses `target_db`, or with `--strict` the file
-                            ///< does not suffice for the lens or the shutter.
-    interrupted = 130,      ///< The job was cancelled.
+    /// A setting is out of range, unknown, missing, or not allowed together with another one.
+    wrong_arguments = 2,
+    invalid_input = 3,  ///< A file is missing, unreadable, damaged or of the wrong kind.
+    cannot_write = 4,   ///< A file cannot be written; no part of it remains.
+    /// The work needs more memory than is available. This is mostly detected before the work begins.
+    out_of_memory = 5,
+    /// The picture is complete, but its PSNR is below `target_db`. With `--strict`: the file does not suffice
+    /// for the lens or the shutter.
+    shortfall = 6,
+    interrupted = 130,  ///< The job was cancelled.
 };
 
 /// The exception of every function in this namespace. `what()` is one line, "FILE:LINE: what is wrong (got X;
-/// expected Y)". Messages name settings as the command's options: `--f-number` is `f_number`.
+/// expected Y)". Messages contain the names of the command's options: `--f-number` is the setting `f_number`.
 class Error : public std::runtime_error {
   public:
     /// Makes an error.

@@ -41,7 +41,7 @@ void rethrow_as_error() {
 }
 
 std::string Words::text_of(double value) {
-    return fmt::format("{}", value);  // the shortest text that stands for the same bits
+    return fmt::format("{}", value);  // the shortest text that is read back as the same bits
 }
 
 std::string Words::text_of(const Shutter& shutter) {

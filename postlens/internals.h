@@ -1,5 +1,5 @@
-// What the functions of the public interface share: words of a command line, the call of a command, and the
-// values of its report. Not installed.
+// Helpers that the functions of the public interface share: the words of a command line, the call of a
+// command, and the values in its report. Not installed.
 #pragma once
 
 #include <cstdint>
@@ -38,10 +38,10 @@ struct Internals {
     [[nodiscard]] static const Frame::Impl& frame(const Frame& frame) { return *frame.impl_; }
 };
 
-/// Rethrows the exception that is being handled as an Error of the public interface.
+/// Rethrows the current exception as an Error of the public interface.
 [[noreturn]] void rethrow_as_error();
 
-/// Calls `work` for `job` (null: the job of the process) and returns its value. Throws only Error.
+/// Calls `work` for `job` (null: the job of the process) and returns its result. Throws only Error.
 template <typename Work>
 auto guarded(Job* job, const Work& work) -> decltype(work()) {
     try {
@@ -60,12 +60,12 @@ class Words {
     Words(std::initializer_list<std::string> command) : words_(command) {}
     /// `salvage` and the path of a frame.
     void add(const Frame& frame);
-    /// A positional file. `what` names it in the error for an empty path.
+    /// Adds the name of a file, without an option. `what` describes the file in the error for an empty path.
     void add_file(const char* what, const std::filesystem::path& path);
 
     void add(const char* option, const std::optional<double>& value);
     void add(const char* option, const std::optional<int>& value);
-    /// An integer for which `automatic` is `auto`.
+    /// Adds an integer option. The value `automatic` becomes the word `auto`.
     void add_count(const char* option, const std::optional<int>& value);
     void add(const char* option, const std::optional<std::uint64_t>& value);
     void add(const char* option, const std::string& text);
@@ -101,15 +101,15 @@ struct Outcome {
     CommandResult result;
     Report report;
 
-    /// A number of the JSON; infinity for null, 0 for an absent key.
+    /// Returns a number from the JSON: infinity for null, and 0 for an absent key.
     [[nodiscard]] double number(const char* key) const;
-    /// A number of the JSON; infinity for null, empty for an absent key.
+    /// Returns a number from the JSON: infinity for null, and empty for an absent key.
     [[nodiscard]] std::optional<double> number_if_given(const char* key) const;
-    /// A number of the JSON; empty for null and for an absent key.
+    /// Returns a number from the JSON: empty for null and for an absent key.
     [[nodiscard]] std::optional<double> number_if_known(const char* key) const;
     [[nodiscard]] std::uint64_t count(const char* key) const;
     [[nodiscard]] std::string text(const char* key) const;
-    /// The first image, taken out of the result; empty if the command has written it.
+    /// Moves the first image out of the result. Empty if the command has written it to a file.
     [[nodiscard]] Picture take_picture();
 };
 
@@ -117,7 +117,7 @@ struct Outcome {
 [[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr);
 
 [[nodiscard]] Picture picture_of(Image image);
-/// Throws the internal Error(wrong_arguments) if the sizes of the vectors differ from that of the picture.
+/// Throws the internal Error(wrong_arguments) if the sizes of the vectors do not match that of the picture.
 [[nodiscard]] Image image_of(const Picture& picture);
 
 }  // namespace postlens::api

@@ -13,15 +13,18 @@ namespace postlens::api {
 
 /// Settings of `motionblur`.
 struct MotionBlurSettings {
-    /// Exposure time (`--shutter`). Default: the file's exposure, from the frame's instant on.
+    /// Exposure time (`--shutter`). Default: the exposure in the file, which begins at the instant of the
+    /// frame.
     std::optional<Shutter> shutter = {};
     /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
     std::string shutter_curve = {};
-    /// File with the motion of objects, in place of the file's own (`--paths`, docs/motion_paths.md).
+    /// File with the motion of objects, which replaces that of the sample file (`--paths`,
+    /// docs/motion_paths.md).
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Instants of lightfield (`--views`). Default: one per two pixels of the longest motion, 128 to 512.
+    /// Number of instants of lightfield (`--views`). Default: one per two pixels of the longest motion, 128
+    /// to 512.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.
@@ -31,17 +34,18 @@ struct MotionBlurSettings {
 
 /// What `motionblur` has made.
 struct MotionBlurResult {
-    /// Cut to the crop. Empty if `options` have an `--output`, to which the picture is written instead.
+    /// The picture, cut to the crop. Empty if `options` contain `--output`: the picture is then written to
+    /// that file.
     Picture picture = {};
     std::string method = {};   ///< Method that was used.
-    double touched_share = 0;  ///< Share of the pixels that the shutter changes, 0 to 1.
+    double touched_share = 0;  ///< Fraction of the pixels that the shutter changes, 0 to 1.
     Report report = {};        ///< Of `postlens motionblur`; its JSON lists the objects.
 };
 
 /// Makes the picture of a frame through a pinhole and an open shutter [Potmesil & Chakravarty 1983]. The
 /// frame is a sample file, or a picture of another program with motion vectors.
 ///
-/// Throws Error(wrong_arguments) for a setting, Error(invalid_input) for a damaged file,
+/// Throws Error(wrong_arguments) for a wrong setting, Error(invalid_input) for a damaged file, and
 /// Error(out_of_memory).
 /// @param frame The sample file, or the picture of another program.
 /// @param settings Shutter and method.

@@ -1,5 +1,5 @@
 /// @file
-/// Pictures in memory and in files, and the positions, parts and times that settings name.
+/// Pictures in memory and in files, and the positions, crops and exposure times of settings.
 #pragma once
 
 #include <filesystem>
@@ -31,52 +31,56 @@ struct Crop {
     int height = 0;  ///< px, at least 1.
 };
 
-/// The exposure time. Times are on the scene's clock. For a picture with motion vectors they are in frames
+/// The exposure time. Times are on the scene's clock. For a picture with motion vectors, the unit is a frame
 /// instead: 0 is this frame, 1 the next one.
 struct Shutter {
-    double open_s = 0;   ///< The shutter opens, s.
-    double close_s = 0;  ///< The shutter closes, s; not before `open_s`. Equal times are an instant.
+    double open_s = 0;  ///< The shutter opens, s.
+    /// Instant at which the shutter closes, s; not before `open_s`. Equal times are a single instant.
+    double close_s = 0;
 };
 
 /// A further channel of a picture.
 struct Plane {
     std::string name = {};  ///< Name of the channel in an .exr file.
     std::vector<float> values =
-        {};  ///< One value per pixel, rows from the top. Exposure does not apply to it.
+        {};  ///< One value per pixel, rows from the top. The values are not multiplied by the exposure.
 };
 
-/// A picture in memory. Rows go from the top to the bottom, pixels of a row from the left to the right.
+/// A picture in memory. Rows are stored from top to bottom, pixels of a row from left to right.
 struct Picture {
     int width = 0;   ///< px.
     int height = 0;  ///< px.
-    /// Red, green and blue of each pixel, 3 * width * height values: scene-linear, Rec. 709 primaries, not
-    /// clamped, radiance times 2^exposure_stops; 1 is white. Premultiplied by alpha, if there is alpha.
+    /// Red, green and blue of each pixel, 3 * width * height values. They are scene-linear with Rec. 709
+    /// primaries, not clamped, and equal radiance times 2^exposure_stops, where 1 is white. If there is
+    /// alpha, they are premultiplied by it.
     std::vector<float> rgb = {};
-    /// Coverage of each pixel, 0 to 1, width * height values; empty: every pixel is opaque.
+    /// Coverage of each pixel, 0 to 1, width * height values. If empty, every pixel is opaque.
     std::vector<float> alpha = {};
-    /// Exposure of `rgb` in stops. Empty: not known, as for a PNG file of another program.
+    /// Exposure of `rgb` in stops. Empty if it is not known, as for a PNG file of another program.
     std::optional<double> exposure_stops = 0.0;
-    /// Further channels, for example those of `focus` with `--passes`. Only .exr files hold them.
+    /// Further channels, such as those of `focus` with `--passes`. Only .exr files contain them.
     std::vector<Plane> planes = {};
-    /// Texts that belong to `planes`, by name, for example the manifest of a Cryptomatte.
+    /// Texts that describe `planes`, by name, for example the manifest of a Cryptomatte.
     std::vector<std::pair<std::string, std::string>> texts = {};
 };
 
 /// Reads a picture as scene-linear values from any file that OpenImageIO reads: .exr, .png, .tif, .jpg and
-/// others. Integers and values tagged sRGB are converted. Of a file with one or two channels the first one is
-/// grey. Alpha and further channels are not read. The picture of a sample file is its pinhole picture.
+/// others. Integers and values tagged sRGB are converted. If a file has one or two channels, the first
+/// channel is read as grey. Alpha and further channels are not read. For a sample file, the result is its
+/// pinhole picture.
 ///
-/// Throws Error(invalid_input) if the file is missing, damaged or no picture.
+/// Throws Error(invalid_input) if the file is missing, is damaged or contains no picture.
 /// @param path The file.
 /// @param job Threads, progress and cancellation; null: a thread per core.
 /// @return The picture.
 [[nodiscard]] Picture load_picture(const std::filesystem::path& path, Job* job = nullptr);
 
-/// Writes a picture in the format of the path's ending: .exr (float, radiance, with alpha and planes); .png
-/// (8 bit), .tif (16 bit) and .jpg with the sRGB curve, clamped to 0 to 1, without alpha and planes.
+/// Writes a picture in the format that the file extension selects. An .exr file contains float radiance with
+/// alpha and planes. A .png (8 bit), .tif (16 bit) or .jpg file contains sRGB values clamped to 0 to 1,
+/// without alpha and planes.
 ///
-/// Throws Error(wrong_arguments) for another ending and for vectors whose sizes do not fit `width` and
-/// `height`, Error(cannot_write) if the file cannot be written.
+/// Throws Error(wrong_arguments) for another extension and for vectors whose sizes do not match `width` and
+/// `height`. Throws Error(cannot_write) if the file cannot be written.
 /// @param path The file to write; an older file is replaced.
 /// @param picture The picture.
 /// @param job Threads, progress and cancellation; null: a thread per core.

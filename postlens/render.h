@@ -18,14 +18,14 @@ struct RenderSettings {
     LensSettings lens = {};         ///< Default: the lens of the camera.
     std::optional<Size> size = {};  ///< Raster (`--size`). Default: the camera's.
     std::string camera = {};        ///< Camera by name (`--camera`). Default: the scene's first.
-    /// Instant without a shutter on the scene's clock, s (`--time`). Default: the scene's.
+    /// Instant on the scene's clock, s, if there is no shutter (`--time`). Default: that of the scene.
     std::optional<double> time_s = {};
     std::optional<Shutter> shutter = {};  ///< Exposure time (`--shutter`). Default: an instant.
     /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
     std::string shutter_curve = {};
     /// "grid", "jittered", "random", "poisson" or "sobol" (`--sampler`).
     std::string sampler = {};
-    std::optional<std::uint64_t> seed = {};  ///< Of all random numbers (`--seed`). Default: 0.
+    std::optional<std::uint64_t> seed = {};  ///< Seed of all random numbers (`--seed`). Default: 0.
     bool halves = false;                     ///< Also returns two pictures of half the samples (`--halves`).
     std::optional<Crop> crop = {};           ///< Renders only this part (`--crop`).
     std::optional<double> exposure = {};     ///< Stops, -100 to 100 (`--exposure`). Default: 0.
@@ -35,10 +35,11 @@ struct RenderSettings {
 
 /// What `render` has made.
 struct RenderResult {
-    /// Cut to the crop. Empty if `options` have an `--output`, to which the picture is written instead.
+    /// The picture, cut to the crop. Empty if `options` contain `--output`: the picture is then written to
+    /// that file.
     Picture picture = {};
-    /// With `halves`: two pictures of independent halves of the samples, from which the noise can be
-    /// measured.
+    /// With `halves`: two pictures from independent halves of the samples, whose difference measures the
+    /// noise.
     std::vector<Picture> halves = {};
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
     double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
@@ -48,7 +49,8 @@ struct RenderResult {
 
 /// Renders a scene by distributed rays [Cook, Porter & Carpenter 1984]. Scenes are those of `trace`.
 ///
-/// Throws Error(invalid_input) for the scene, Error(wrong_arguments) for a setting, Error(out_of_memory).
+/// Throws Error(invalid_input) for an invalid scene, Error(wrong_arguments) for a wrong setting, and
+/// Error(out_of_memory).
 /// @param scene The scene file.
 /// @param settings Camera, lens, shutter and samples.
 /// @param job Threads, progress and cancellation; null: a thread per core.

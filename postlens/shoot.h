@@ -13,19 +13,21 @@ namespace postlens::api {
 /// Settings of `shoot`.
 struct ShootSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
-    /// Exposure time (`--shutter`). Default: the file's exposure, from the frame's instant on.
+    /// Exposure time (`--shutter`). Default: the exposure in the file, which begins at the instant of the
+    /// frame.
     std::optional<Shutter> shutter = {};
     /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
     std::string shutter_curve = {};
-    /// File with the motion of objects, in place of the file's own (`--paths`, docs/motion_paths.md).
+    /// File with the motion of objects, which replaces that of the sample file (`--paths`,
+    /// docs/motion_paths.md).
     std::filesystem::path paths = {};
     /// "lightfield" (default), "hybrid" or "auto" (`--method`).
     std::string method = {};
-    /// Lens points, each at its own instant (`--views`). Default: 128.
+    /// Number of lens points, each at its own instant (`--views`). Default: 128.
     std::optional<int> views = {};
-    /// PSNR that "auto" aims at, dB, 10 to 80 (`--target-db`).
+    /// Target PSNR of "auto", dB, 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
-    /// The scene that the frame was traced from (`--scene`), as in `FocusSettings`.
+    /// The scene from which the frame was traced (`--scene`), as in `FocusSettings`.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.
@@ -33,11 +35,11 @@ struct ShootSettings {
     std::vector<std::string> options = {};
 };
 
-/// Makes the picture of a sample file through a lens and an open shutter at once: every view is another lens
-/// point at another instant.
+/// Makes the picture of a sample file through a lens and an open shutter at once. The picture is the mean of
+/// many views, each with its own lens point and its own instant.
 ///
-/// Throws Error(wrong_arguments) for a setting and for a frame without records, Error(invalid_input) for a
-/// damaged file or another scene, Error(out_of_memory).
+/// Throws Error(wrong_arguments) for a wrong setting or a frame without records, Error(invalid_input) for a
+/// damaged file or another scene, and Error(out_of_memory).
 /// @param frame The sample file.
 /// @param settings Lens, shutter and method.
 /// @param job Threads, progress and cancellation; null: a thread per core.

@@ -10,14 +10,15 @@
 
 namespace postlens::api {
 
-/// Settings of `sweep`. A picture is made for every combination of the values of the first five members. An
-/// empty one of them has the value of the file.
+/// Settings of `sweep`. It makes a picture for every combination of values of the first five members. An
+/// empty member has the value of the file.
 struct SweepSettings {
     std::vector<double> f_number = {};  ///< F-numbers, more than 0; infinity: a pinhole (`--f-number`).
     std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).
     std::vector<double> focus_distance_m = {};  ///< Focus distances, m; may be infinite (`--focus`).
     std::vector<Shutter> shutter = {};          ///< Exposure times (`--shutter`). Default: no shutter.
-    std::vector<std::string> impulse = {};      ///< Images of a point out of focus, as in `LensSettings`.
+    /// Impulse responses (images of a point out of focus), as in `LensSettings`.
+    std::vector<std::string> impulse = {};
     /// As in `FocusSettings` (`--method`). Default with `shutter`: "lightfield".
     std::string method = {};
     std::optional<int> views = {};  ///< Lens points of lightfield and hybrid (`--views`).
@@ -35,7 +36,7 @@ struct SweepPicture {
     double f_number = 0;                  ///< F-number; infinite for a pinhole.
     double focus_distance_m = 0;          ///< Focus distance, m; may be infinite.
     std::optional<Shutter> shutter = {};  ///< Exposure time.
-    std::string impulse = {};             ///< Image of a point out of focus.
+    std::string impulse = {};             ///< Impulse response (image of a point out of focus).
     std::string method = {};              ///< Method that was used.
     double largest_coc_px = 0;  ///< Diameter of the widest circle of confusion, px; may be infinite.
     double in_focus_share = 0;  ///< Share of the pixels in focus, 0 to 1.
@@ -44,17 +45,19 @@ struct SweepPicture {
 /// What `sweep` has made.
 struct SweepResult {
     std::vector<SweepPicture> pictures =
-        {};              ///< In the order of the combinations; the last member changes fastest.
+        {};              ///< The pictures, in the order of the combinations. The last member changes fastest.
     int made = 0;        ///< Number of pictures that this call has made.
     int kept = 0;        ///< Number of pictures of an earlier run that were kept.
     Report report = {};  ///< Of `postlens sweep`.
 };
 
-/// Makes the pictures of the sample file `frame` for every combination of the settings, and writes them, a
-/// table (sweep.csv, sweep.json) and a contact sheet to the folder `output`, which is made if it is missing.
+/// Makes a picture of the sample file `frame` for every combination of the settings. Writes the pictures, a
+/// table (sweep.csv, sweep.json) and a contact sheet to the folder `output`, which is created if it does not
+/// exist.
 ///
-/// Throws Error(wrong_arguments) for a setting, Error(invalid_input) for the file, Error(cannot_write),
-/// Error(out_of_memory). Pictures that are complete by then remain, and `resume` keeps them.
+/// Throws Error(wrong_arguments) for a wrong setting, Error(invalid_input) for the file, Error(cannot_write),
+/// and Error(out_of_memory). Pictures that were completed before the error remain; a later call with `resume`
+/// keeps them.
 /// @param frame The sample file.
 /// @param output The folder.
 /// @param settings The values to combine.

@@ -10,10 +10,11 @@ namespace postlens::python {
 
 using Pixels = pybind11::array_t<float, pybind11::array::c_style>;
 
-/// Array of (height, width, 3) floats, or (height, width, 4) with alpha. Without alpha, the array takes over
-/// the memory of the image.
+/// Returns an array of (height, width, 3) floats, or (height, width, 4) with alpha. Without alpha, the array
+/// takes over the memory of the image.
 [[nodiscard]] pybind11::array array_of(Image image);
-/// Image from an array of (height, width, 3 or 4) floats. Its colours are radiance times 2^exposure_stops.
+/// Returns an image from an array of (height, width, 3 or 4) floats. The colours are radiance times
+/// 2^exposure_stops.
 [[nodiscard]] Image image_of(const Pixels& pixels, const std::optional<double>& exposure_stops);
 
 /// Adds `Records` and `read_records` to the module.

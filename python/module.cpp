@@ -18,8 +18,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// Result of a command: its JSON, its unwritten images with their exposures, its warnings (code, text, share)
-/// and its exit code.
+/// The result of a command: its JSON, the images that it did not write to files (with their exposures), its
+/// warnings (code, text, share) and its exit code.
 struct Outcome {
     std::string json, text;
     py::list pictures;

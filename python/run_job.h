@@ -1,4 +1,4 @@
-// Runs work in a second thread, while the calling thread handles Python's signals.
+// Runs work in a second thread, while the calling thread handles the signals of Python.
 #pragma once
 
 #include <functional>
@@ -7,13 +7,13 @@
 namespace postlens::python {
 
 /// Calls `work` as a job with `threads` threads (0: one per core) without the interpreter's lock, and returns
-/// when it is done. Meanwhile the calling thread handles signals and calls progress(fraction, seconds_left),
-/// unless `progress` is None. Rethrows the exceptions of `work`; errors of postlens become postlens.Error. An
-/// exception of a signal handler (KeyboardInterrupt) or of `progress` cancels the work, and is rethrown once
-/// the work has stopped.
+/// when it has finished. Meanwhile the calling thread handles signals, and calls progress(fraction,
+/// seconds_left) unless `progress` is None. Rethrows the exceptions of `work`; errors of postlens become
+/// postlens.Error. An exception of a signal handler (KeyboardInterrupt) or of `progress` cancels the work,
+/// and is rethrown after the work has stopped.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
-/// Calls `call` in the calling thread, and turns errors of postlens into postlens.Error.
+/// Calls `call` in the calling thread, and converts errors of postlens to postlens.Error.
 void translated(const std::function<void()>& call);
 
 }  // namespace postlens::python

@@ -12,18 +12,19 @@ struct MetallicRoughness {
     glm::dvec3 base{1};       ///< base colour, scene-linear, 0 to 1
     double alpha = 1;         ///< opacity, 0 to 1
     double metallic = 1;      ///< 0 to 1
-    double roughness = 1;     ///< 0 to 1; the width parameter of its microfacets is its square
-    double transmission = 0;  ///< of the part that is not metallic, 0 to 1
+    double roughness = 1;     ///< 0 to 1; the square of it is the width parameter of the microfacets
+    double transmission = 0;  ///< fraction transmitted by the part that is not metallic, 0 to 1
     double ior = 1.5;         ///< >= 1
-    bool solid = false;       ///< false: a thin sheet, which transmits without refraction
+    bool solid = false;       ///< false: a thin surface, which transmits without refraction
     double specular = 1;      ///< KHR_materials_specular, 0 to 1
     glm::dvec3 specular_colour{1};
     glm::dvec3 emission{0};
-    bool unlit = false;  ///< emits its base colour and does not depend on lights
+    bool unlit = false;  ///< emits its base colour, whatever the lights
 };
 
-/// Whitted's material with a = roughness^2 and q = (1 - roughness)^2. F0 is a mix by `metallic` of
-/// ((ior - 1) / (ior + 1))^2 specular specular_colour (not metallic) and `base` (metallic):
+/// Whitted's material with a = roughness^2 and q = (1 - roughness)^2. F0, the reflectance at normal
+/// incidence, is a mix by `metallic` of ((ior - 1) / (ior + 1))^2 specular specular_colour (not metallic) and
+/// `base` (metallic). F90 is that at grazing incidence:
 ///   fresnel              true; F90 = mix by `metallic` of `specular` (not metallic) and 1 (metallic)
 ///   diffuse              base ((1 - metallic) (1 - transmission) + metallic a)
 ///   diffuse_transmission base (1 - metallic) transmission a
@@ -32,11 +33,12 @@ struct MetallicRoughness {
 ///   shininess            (1 / a^2 - 1) / 2, 1 to 1e6
 ///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0), 0 at grazing angles
 ///   ambient              0.1 diffuse
-/// The highlight equals that of GGX microfacets at its centre, D = 1 / (pi a^2), and has the same width:
-/// Blinn's exponent is 2 / a^2 - 2, and the exponent about the mirrored direction is a quarter of it.
-/// `diffuse` includes the light that a rough metal reflects from all around. If the roughness is above 0.02,
-/// the lobes of reflected and refracted rays have the highlight's exponent. All coefficients but emission are
-/// multiplied by `alpha`; the remaining light passes without refraction, so the ior is 1 then.
+/// The highlight has the centre value D = 1 / (pi a^2) and the width of GGX microfacets. Blinn's exponent for
+/// this width is 2 / a^2 - 2, and the exponent about the mirrored direction is a quarter of that. `diffuse`
+/// includes the light that a rough metal reflects from all directions. If the roughness is above 0.02, the
+/// lobes of reflected and refracted rays have the exponent of the highlight. All coefficients except emission
+/// are multiplied by `alpha`. If `alpha` is below 1, the remaining light passes without refraction, so the
+/// ior is 1.
 [[nodiscard]] Material whitted_material(const MetallicRoughness& from);
 
 }  // namespace postlens

@@ -11,7 +11,7 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are too short to have a direction by one perpendicular to the others.
+// Replaces columns that are too short to have a direction by vectors perpendicular to the other columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -45,8 +45,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // Normalises the columns, so that the polar factor depends on their directions only. It is exact if they
-    // are perpendicular.
+    // The columns are normalised, so that the polar factor depends only on their directions. The result is
+    // exact if the columns are perpendicular.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];
@@ -58,7 +58,7 @@ Decomposed decompose(const dmat4& m) {
         const dmat3 next = 0.5 * (r + glm::transpose(glm::inverse(r)));
         double change = 0;
         for (int i = 0; i < 3; ++i) change = std::max(change, glm::length(next[i] - r[i]));
-        if (!std::isfinite(change)) break;  // the columns lie in one plane; r is the best result
+        if (!std::isfinite(change)) break;  // the columns lie in a plane; r is the best result so far
         r = next;
         if (change < 1e-15) break;
     }

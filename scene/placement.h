@@ -15,18 +15,19 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// The placement that approximates a matrix, and its error: the largest distance between the images of a unit
-/// axis by both, relative to the longest image. The error exceeds rounding only if the matrix shears. The
-/// rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
-/// negative scale along x, a singular one a scale of 0.
+/// A placement that approximates a matrix, and its error: the largest distance between the images of a unit
+/// axis under both transforms, relative to the longest image. The error exceeds rounding only if the matrix
+/// contains shear. The rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring
+/// matrix has a negative scale along x; a singular matrix has a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);
 
-/// The product matrix_of(outer) * matrix_of(inner) as a placement. It is exact if the outer scale is uniform
-/// or the inner rotation is the identity. Otherwise the product may shear, and `decompose` approximates it.
+/// Returns the product matrix_of(outer) * matrix_of(inner) as a placement. It is exact if the outer scale is
+/// uniform or the inner rotation is the identity. Otherwise the product may contain shear, and `decompose`
+/// approximates it.
 [[nodiscard]] Decomposed compose(const Placement& outer, const Placement& inner);
 
 }  // namespace postlens

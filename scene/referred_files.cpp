@@ -7,7 +7,8 @@ namespace postlens {
 namespace fs = std::filesystem;
 
 std::optional<fs::path> inside_scene_folder(const fs::path& scene_path, const std::string& as_written) {
-    // The system would read a name only up to a NUL, while the checks below see all of it.
+    // Rejects names that contain a NUL: the operating system would read only the part before it, but the
+    // checks below test the whole name.
     if (as_written.empty() || as_written.find('\0') != std::string::npos) return std::nullopt;
     if (fs::path(as_written).is_absolute()) return std::nullopt;
     std::error_code error;

@@ -1,4 +1,4 @@
-// Files that a scene refers to. They must lie in the scene's folder, and enter its SHA-256.
+// The files to which a scene refers. They must lie in the scene's folder, and are part of its SHA-256.
 #pragma once
 
 #include <filesystem>
@@ -11,19 +11,19 @@
 
 namespace postlens {
 
-/// A file that a scene refers to: the name in the scene, and the path of the file.
+/// A file to which a scene refers: its name in the scene, and its path.
 struct ReferredFile {
     std::string as_written;
     std::filesystem::path path;
 };
 
-/// Path of a file that a scene refers to, relative to the scene file's folder. Empty if it leads out of the
-/// folder, after symbolic links are followed. The file need not exist.
+/// Returns the path of a file to which a scene refers, relative to the folder of the scene file. Empty if the
+/// path leads out of this folder after symbolic links are followed. The file need not exist.
 [[nodiscard]] std::optional<std::filesystem::path> inside_scene_folder(
     const std::filesystem::path& scene_path, const std::string& as_written);
 
-/// Sets `referred` and `sha256` of a scene. The SHA-256 covers the bytes of the scene file, then for each
-/// referred file a line of its name as written, a space and the SHA-256 of its bytes. Throws
+/// Sets `referred` and `sha256` of a scene. The SHA-256 covers the bytes of the scene file, and one line for
+/// each referred file: its name as written, a space, and the SHA-256 of its bytes. Throws
 /// Error(invalid_input) if a file cannot be read.
 void name_sources(std::string_view bytes, const std::vector<ReferredFile>& files, Scene& scene);
 

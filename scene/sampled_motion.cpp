@@ -10,7 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-constexpr int looks = 8;  // number of parts of a gap; the error is measured at the 7 instants between them
+// number of equal parts of a gap; the error is measured at the 7 instants between the parts
+constexpr int looks = 8;
 
 struct Sampler {
     const std::function<Placement(double)>& at;
@@ -41,7 +42,7 @@ struct Sampler {
         return worst;
     }
 
-    // Adds the keys needed between a and b, then b. Key a has been added before.
+    // Adds the keys that are needed between a and b, and then b. Key a must have been added before.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

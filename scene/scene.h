@@ -1,5 +1,5 @@
-// The scene as the tracer uses it: lengths in metres, scene-linear colours, all defaults resolved. Readers of
-// scene files (read_scene) make it; RayScene prepares it for ray tracing.
+// The scene in the form that the tracer uses: lengths in metres, scene-linear colours, and all defaults
+// resolved. read_scene makes it from a file; RayScene prepares it for ray tracing.
 #pragma once
 
 #include <cmath>
@@ -32,14 +32,14 @@ struct Material {
     glm::dvec3 reflection{0};
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
-    /// True if `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
-    /// grazing incidence they change to the `_grazing` values with Schlick's weight (1 - cos)^5
+    /// If true, `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
+    /// grazing incidence they approach the `_grazing` values, with Schlick's weight (1 - cos)^5
     /// [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents of the lobes cos^n about the exact directions of reflection and refraction; infinity: exact
-    /// directions only. A trace replaces the radiance over a lobe that is wider than the lens by its mean
-    /// (tracer/shading_trees/lobe_means.h), and uses the exact direction for narrower lobes.
+    /// Exponents n of the lobes cos^n about the exact directions of reflection and refraction; infinity for
+    /// exact directions only. If a lobe is wider than the lens, the trace records the mean radiance over the
+    /// lobe (tracer/shading_trees/lobe_means.h). For a narrower lobe it records the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -47,26 +47,26 @@ struct Material {
     std::shared_ptr<const Texture> colour_texture;
     /// Multiplies `emission`; null: white.
     std::shared_ptr<const Texture> emission_texture;
-    /// Whether the material reflects rays at any angle.
+    /// True if the material reflects rays at some angle.
     [[nodiscard]] bool reflects() const {
         return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
     }
-    /// Whether the material has a specular highlight at any angle.
+    /// True if the material has a specular highlight at some angle.
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
     }
-    /// Whether the material's radiance depends on lights.
+    /// True if the radiance of the material depends on the lights.
     [[nodiscard]] bool answers_lights() const {
         return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
     }
-    /// Whether the material reflects or transmits into a lobe of directions.
+    /// True if the material reflects or transmits into a lobe of directions.
     [[nodiscard]] bool has_lobe() const {
         return (reflects() && std::isfinite(reflection_exponent)) ||
                (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
     }
 };
 
-// Shapes in object space. For refraction, the outward normal defines which side is inside.
+// Shapes in object space. In refraction, the side to which the normal points is the outside.
 struct Sphere {
     glm::dvec3 centre{0};
     double radius = 1;
@@ -84,8 +84,8 @@ struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal 
 struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
-/// Cone or cylinder, whose radius changes linearly from base to apex. u runs from the object's +X about the
-/// axis towards +Y, v from base to apex (docs/scene_format.md: axes other than +Z).
+/// Cone or cylinder. The radius changes linearly from base to apex. u runs about the axis from the object's
+/// +X towards +Y, v from base to apex. (docs/scene_format.md describes axes other than +Z.)
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -97,7 +97,7 @@ struct Mesh {
     std::vector<glm::vec3> normals;  ///< per position, or empty for flat shading
     std::vector<glm::vec2> uvs;      ///< per position, or empty
     std::vector<glm::vec3>
-        colours;  ///< per position, or empty; factors of the material's colour_texture, 0 to 1
+        colours;  ///< one per position, or empty; factors of the material's colour_texture, 0 to 1
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
 
@@ -107,10 +107,12 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keys of the motion. If there are any, key(t) * motion_base replaces world_from_object at time t.
+    /// Keyframes of the motion. If there are any, key(t) * motion_base is used instead of world_from_object
+    /// at time t.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
-    bool casts_shadows = true;  ///< false: light passes, e.g. through an emitting ball around a point light
+    /// false: the object blocks no light, such as an emitting ball around a point light
+    bool casts_shadows = true;
 };
 
 struct Light {
@@ -119,17 +121,19 @@ struct Light {
     std::string name;
     glm::dvec3 position{0};          ///< point, spot; centre of a sphere or rectangle
     glm::dvec3 direction{0, 0, -1};  ///< directional, spot: direction in which light travels, unit length
-    glm::dvec3 intensity{1};         ///< radiance of a surface of diffuse coefficient 1 at N.L = 1
-    double cone_degrees = 30;        ///< spot: full angle of the lit cone
+    /// radiance of a surface of diffuse coefficient 1 that faces the light (N.L = 1)
+    glm::dvec3 intensity{1};
+    double cone_degrees = 30;  ///< spot: full angle of the lit cone
     double cone_soft_degrees =
-        0;  ///< spot: full angle at which the fall-off begins; equal to cone_degrees: hard edge
-    glm::dvec3 attenuation{1, 0, 0};  ///< 1 / (a0 + a1 r + a2 r^2), r in m
-    /// Size of lights with an extent, which cast penumbrae; m.
+        0;  ///< spot: full angle at which the fall-off begins; a hard edge if equal to cone_degrees
+    /// factors a0, a1, a2 of the attenuation 1 / (a0 + a1 r + a2 r^2) at the distance r, m
+    glm::dvec3 attenuation{1, 0, 0};
+    /// Size, m, of lights that have an extent and therefore cast penumbrae.
     double radius = 0;                ///< sphere
     glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
     bool casts_shadows = true;
-    std::vector<TransformKey> keys;  ///< motion of position and direction; empty: still
+    std::vector<TransformKey> keys;  ///< motion of position and direction; empty if the light does not move
 };
 
 struct Camera {
@@ -140,28 +144,28 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera. At most one of these is set: the film distance d (the focal length if the
-    /// lens is focused at infinity), or a field of view.
+    /// For a perspective camera, at most one of the following is set: the film distance (which is the focal
+    /// length if the lens is focused at infinity), or one of the fields of view.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
-    /// True: the field of view is measured between the centres of the outermost rows (columns) of pixels, as
-    /// in NFF.
+    /// If true, the field of view is measured between the centres of the outermost rows or columns of pixels,
+    /// as in NFF.
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px
-    std::optional<double> f_number;  ///< default, copied to the sample file, as are the next two
+    std::optional<double> f_number;  ///< default lens settings, which are copied to the sample file
     std::optional<double> focus_m;
     std::optional<double> exposure_s;
     std::vector<TransformKey> keys;  ///< rigid motion; empty: still
 };
 
-/// A scene in memory. Radiance 1 is white: all colours of light (intensities, emission, background,
-/// ambient_light) are those of the file times 2^exposure_stops (tracer/exposure.h).
+/// A scene in memory. A radiance of 1 is white: all intensities, emissions, background and ambient_light are
+/// those of the file times 2^exposure_stops (tracer/exposure.h).
 struct Scene {
     std::string name;
-    std::string sha256;                           ///< of the file and of all files that it refers to
-    std::vector<std::filesystem::path> referred;  ///< paths of the files that it refers to
+    std::string sha256;                           ///< of the file and of all files to which it refers
+    std::vector<std::filesystem::path> referred;  ///< paths of the files to which the scene refers
     std::vector<Material> materials;
     std::vector<Object> objects;
     std::vector<Light> lights;
@@ -169,22 +173,23 @@ struct Scene {
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
     double exposure_stops = 0;    ///< set by `expose`
-    /// Divisor of the intensities of photometric lights; empty: the file has no such lights.
+    /// Number by which the intensities of photometric lights were divided. Empty if the file has no such
+    /// lights.
     std::optional<double> lumens_per_watt;
     double time_s = 0;               ///< default instant
-    std::vector<std::string> notes;  ///< warnings of the reader about defaults and skipped content
+    std::vector<std::string> notes;  ///< warnings of the reader about defaults and omitted contents
 };
 
 struct SceneReadOptions {
-    double metres_per_unit = 1;    ///< > 0 finite; lengths in the file are multiplied by it
-    double lumens_per_watt = 683;  ///< > 0 finite; lux and candelas of glTF are divided by it
+    double metres_per_unit = 1;    ///< finite, > 0; factor of all lengths in the file
+    double lumens_per_watt = 683;  ///< finite, > 0; lux and candela values of glTF are divided by it
 };
 
 /// Whether `read_scene` supports the file's extension.
 [[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
 
-/// Reads a scene by the file's extension: .toml, .nff, .gltf, .glb, .obj or .ply. Throws Error(invalid_input)
-/// "FILE:LINE[:COLUMN]: ...".
+/// Reads a scene. The extension of the file selects the reader: .toml, .nff, .gltf, .glb, .obj or .ply.
+/// Throws Error(invalid_input) "FILE:LINE[:COLUMN]: ...".
 [[nodiscard]] Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 }  // namespace postlens

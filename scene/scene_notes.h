@@ -1,5 +1,4 @@
-// Notes that readers of scenes make about defaults, changes and skipped content. Equal notes are merged, with
-// a count.
+// Notes of scene readers about defaults, changes and skipped contents. Equal notes are merged and counted.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +12,7 @@ namespace postlens {
 class SceneNotes {
   public:
     void add(const std::string& text);
-    /// Appends all notes, in the order of their first occurrence: "FILE: text" or "FILE: text (N times)".
+    /// Appends all notes, in the order in which they first occurred: "FILE: text" or "FILE: text (N times)".
     void append_to(std::vector<std::string>& out, const std::filesystem::path& file) const;
 
   private:
@@ -25,8 +24,8 @@ class SceneNotes {
     std::vector<Note> notes_;
 };
 
-/// A valid name for a scene: control characters become '?', and at most 255 bytes are kept. `fallback` if
-/// `name` is empty.
+/// Returns a valid name for a scene: control characters are replaced by '?', and at most 255 bytes remain.
+/// Returns `fallback` if `name` is empty.
 [[nodiscard]] std::string printable_name(const std::string& name, const std::string& fallback);
 
 }  // namespace postlens

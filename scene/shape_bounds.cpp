@@ -17,8 +17,8 @@ Bounds around(const dvec3& centre, const dvec3& half) {
     return {centre - half, centre + half};
 }
 
-// Half extents of the image of a disc by the linear map M. Along a world axis e, the support of the disc
-// { r q : |q| <= 1, q perpendicular to n } is r |(I - n n^T) M^T e|.
+// Returns the half extents of the image of a disc under the linear map M. For a disc of radius r with the
+// unit normal n, the half extent along a world axis e is r |(I - n n^T) M^T e|.
 dvec3 disc_half_extent(const dmat3& linear, const dvec3& unit_normal, double radius) {
     dvec3 half;
     const dmat3 rows = glm::transpose(linear);

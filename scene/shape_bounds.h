@@ -23,8 +23,8 @@ struct Bounds {
     }
 };
 
-/// Axis-aligned bounding box of the shape in the world, m. It is tight except for rounding. The box of a
-/// plane is infinite on all axes, that of an empty mesh is empty.
+/// Returns the axis-aligned bounding box of the shape in the world, m. It is tight except for rounding. The
+/// box of a plane is infinite along all axes; the box of an empty mesh is empty.
 [[nodiscard]] Bounds shape_bounds(const Shape& shape, const glm::dmat4& world_from_object);
 
 }  // namespace postlens

@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// Greatest number of squares (or texels) along an edge of a rectangle that are examined one by one.
+/// Greatest number of squares (or texels) along an edge of the rectangle that are read one by one.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -60,7 +60,7 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Chooses the finest level at which the rectangle has at most `most_across` squares along an edge.
+    // Finds the finest level at which the rectangle has at most `most_across` squares along each edge.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;
@@ -70,7 +70,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Positions are wrapped or clamped as texels, not as squares, because the last square may be incomplete.
+    // Positions are wrapped or clamped in texels instead of squares, because the last square may be
+    // incomplete.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

@@ -1,4 +1,4 @@
-// Finds the range of colours in a rectangle of an image without reading all its texels.
+// Computes the range of colours in a rectangle of an image without reading all its texels.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Least and greatest value of each channel. A new range is empty.
+/// Least and greatest value of each channel. A new range contains no value.
 struct ColourRange {
     glm::dvec3 low{std::numeric_limits<double>::infinity()}, high{-std::numeric_limits<double>::infinity()};
     void add(const glm::dvec3& colour) {
@@ -25,10 +25,10 @@ class TexelRanges {
     /// Computes the ranges of `rgb`, an image of `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// The range of the colours of texels [x_first, x_last] x [y_first, y_last] of the same `rgb`. Outside of
-    /// the image, texels repeat (`wrap_x`, `wrap_y`) or continue the border. If the rectangle is longer than
-    /// 9 texels, the range also includes texels around the rectangle, up to two fifths of its greater length
-    /// on each side.
+    /// Returns the range of the colours of texels [x_first, x_last] x [y_first, y_last] of `rgb`, which must
+    /// be the array of the constructor. Outside the image, texels are repeated (`wrap_x`, `wrap_y`), or those
+    /// of the border are used. If the rectangle is longer than 9 texels, the range also includes texels
+    /// around it, up to two fifths of its greater length on each side.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -1,5 +1,5 @@
-// Textures: colours over a surface, as functions of the object-space position (checkers) or of (u, v)
-// (images).
+// Textures: colours over a surface. Checkers are functions of the object-space position or of (u, v), images
+// are functions of (u, v).
 #pragma once
 
 #include <cstdint>
@@ -12,18 +12,19 @@
 
 namespace postlens {
 
-/// A checker pattern, exact at cell borders: the cell of coordinate c is floor((c - offset) / size), so a
-/// border belongs to the higher cell. Cells whose coordinates have an even sum get the colour `even`.
+/// A checker pattern that is exact at cell borders. The cell of coordinate c is floor((c - offset) / size),
+/// so a border belongs to the higher cell. Cells whose indices have an even sum have the colour `even`.
 struct Checker {
-    int dimensions = 3;  ///< 3: object-space x, y, z; 2: u, v
-    glm::dvec3 size{1};  ///< cell edge; object-space metres, or (u, v); infinite: no borders along that axis
+    int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
+    /// edge of a cell, in object-space metres or (u, v); infinite: no borders along this axis
+    glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
 };
 
 /// An image over the unit square of (u, v), with u to the right and v upwards. u repeats unless `clamp_u` is
-/// set. v repeats if `wrap_v` is set or `repeat.y` is not 1; otherwise it is clamped to the first and last
-/// row, so that the poles of a sphere do not mix.
+/// set. v repeats if `wrap_v` is set or `repeat.y` is not 1. Otherwise v is clamped to the first and last
+/// row, so that the two poles of a sphere do not mix.
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
@@ -33,21 +34,22 @@ struct ImageTexture {
     bool wrap_v = false;
 };
 
-/// floor((c - offset) / size) without rounding error, for finite c and offset and size > 0 (infinite: 0).
+/// Returns floor((c - offset) / size) without rounding error, for finite c and offset and size > 0. Returns 0
+/// for an infinite size.
 [[nodiscard]] double checker_cell(double c, double offset, double size);
 
 class Texture {
   public:
     explicit Texture(Checker checker);
     explicit Texture(ImageTexture image);
-    /// The colour at a hit: `object` is its position in object space, m; `uv` its texture coordinates. A pure
-    /// function.
+    /// Returns the colour at a hit: `object` is the position in object space, m, and `uv` are the texture
+    /// coordinates. A pure function.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
-    /// Whether `colour` depends on uv; else it depends on the object position.
+    /// True if `colour` depends on uv; false if it depends on the position in object space.
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
     /// The greatest channel value that `colour` can return.
     [[nodiscard]] double maximum() const { return maximum_; }
-    /// The texture position on which `colour` depends: uv, or the object position.
+    /// The texture coordinates on which `colour` depends: uv, or the position in object space.
     [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
         return uses_uv() ? glm::dvec3(uv, 0) : object;
     }
@@ -55,9 +57,9 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// The range of colours in the bounding box of two texture positions: of all cells or texels that overlap
-    /// the box. If the positions are half an image or more apart, a seam of the texture is assumed between
-    /// them, and only the colours at the two positions count.
+    /// Returns the range of colours in the bounding box of two texture positions. All cells or texels that
+    /// overlap the box are included. If the positions are half an image or more apart, they are assumed to
+    /// lie on either side of a seam of the texture. The range then has only the colours at the two positions.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

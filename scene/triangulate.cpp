@@ -17,8 +17,7 @@ double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // Positions are taken relative to the first corner, so that a polygon far from the origin loses no
-    // precision.
+    // Positions are measured from the first corner, so that a polygon far from the origin loses no precision.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
@@ -26,7 +25,7 @@ dvec3 newell_normal(std::span<const dvec3> polygon) {
     return normal;
 }
 
-// Projects the polygon along the normal's largest axis, such that it runs counterclockwise.
+// Projects the polygon along the largest axis of the normal. The result runs counterclockwise.
 std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -42,7 +41,7 @@ std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal
     return out;
 }
 
-// Total turning angle of an outline: 2 pi for a simple polygon, 0 for a bow tie, 4 pi for a five-pointed
+// Total turning angle of an outline: 2 pi for a simple polygon, 0 for a figure eight, 4 pi for a five-pointed
 // star.
 struct Turning {
     double total = 0;
@@ -50,7 +49,7 @@ struct Turning {
 };
 
 Turning turning(const std::vector<dvec2>& corners, double no_turn) {
-    std::vector<dvec2> p;  // without repeated corners, which have no direction
+    std::vector<dvec2> p;  // without repeated corners, because an edge of length 0 has no direction
     for (const dvec2& q : corners) {
         if (p.empty() || p.back() != q) p.push_back(q);
     }
@@ -66,7 +65,7 @@ Turning turning(const std::vector<dvec2>& corners, double no_turn) {
 }
 
 bool covers(const dvec2& a, const dvec2& b, const dvec2& c, const dvec2& p) {
-    if (p == a || p == b || p == c) return false;  // a repeated corner, as at a bridge to a hole
+    if (p == a || p == b || p == c) return false;  // a repeated corner, as where a bridge leads to a hole
     return turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
 }
 
@@ -87,7 +86,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
     const dvec3 normal = newell_normal(polygon);
     double longest2 = 0;
     for (const dvec3& p : polygon) longest2 = std::max(longest2, glm::dot(p - polygon[0], p - polygon[0]));
-    // Areas below 1e-14 of the squared extent are rounding errors of the coordinates.
+    // Areas below 1e-14 of the squared extent are treated as rounding errors of the coordinates.
     const double no_turn = 1e-14 * longest2;
     if (!(glm::length(normal) > no_turn)) {
         out.fault = PolygonFault::no_area;
@@ -119,7 +118,8 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
             if (!straight) add(a, b, c);
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
             tried = 0;
-            // Skipping a corner spreads the ears over the polygon; adjacent ears would be slivers.
+            // The next corner is skipped, so that the ears are distributed over the polygon. Adjacent ears
+            // would be thin slivers.
             ++at;
         } else {
             ++at;

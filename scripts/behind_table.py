@@ -3,11 +3,11 @@
 
     behind_table.py BUILD OUT [--spp N]
 
-BUILD is a build folder (build/release). A scene of bars is traced through a pinhole three times: whole, without the
-near objects, and with the wall alone. bench/foreign_export.cpp writes the images as another program would, with an
-overscan, and with or without a Cryptomatte. Each stack of images is focused and compared to distributed rays through
-the lens, of which there are two independent halves of N samples per pixel each. The noise of the rays is subtracted
-from the errors. OUT receives the table as behind.md, the scenes and the images.
+BUILD is a build folder (build/release). A scene of bars is traced through a pinhole three times: complete, without the
+near objects, and with only the wall. bench/foreign_export.cpp writes the images as another program would, with an
+overscan, and with or without a Cryptomatte. Each stack of images is focused and compared to a reference of distributed
+rays through the lens. The reference has two independent halves of N samples per pixel each, whose noise is subtracted
+from the errors. The table behind.md, the scenes and the images are written to OUT.
 """
 
 import argparse
@@ -28,7 +28,7 @@ ROWS = [("cryptomatte", 1), ("cryptomatte", 2), ("cryptomatte", 3), ("none", 1),
 
 
 def without(scene, names):
-    """The text of the scene without some of its objects."""
+    """Returns the text of the scene without the named objects."""
     parts = re.split(r"(?m)^(?=\[\[)", scene)
     kept = [p for p in parts if not (p.startswith("[[object]]") and re.search(r'name = "(.*)"', p)[1] in names)]
     return "".join(kept)

@@ -3,12 +3,12 @@
 
     certify.py BUILD OUT [--seeds 1-200] [--targets 35,40,45] [--size 240x136] [--spp 1024] [--samples] [--kinds plain,...]
 
-BUILD is a build folder (build/release). Each random scene (random_scene.py), or with --samples each of the sample
-scenes below, is traced for its lens. For each target error, `focus` or `shoot --method auto` makes an image with rays
-in the scene. The image is compared to distributed rays of 2 x SPP samples per pixel, whose noise is subtracted from
-the error. OUT receives certify.csv with a line for each image, and certify.md with the table; both are also printed
-during the run. "within 1 dB" counts images whose measured error is within 1 dB of the stated one. Images whose PSNR
-is above the PSNR of the reference's noise less 1 dB do not count.
+BUILD is a build folder (build/release). Each random scene (random_scene.py) is traced for its lens; with --samples,
+each of the sample scenes below. For each target error, `focus` or `shoot --method auto` makes an image with rays in the
+scene. The image is compared to distributed rays of 2 x SPP samples per pixel, whose noise is subtracted from the error.
+certify.csv, with a line for each image, and certify.md, with the table, are written to OUT. Both are also printed
+during the run. "within 1 dB" counts images whose measured error is within 1 dB of the stated one. Images are not
+counted if their PSNR is higher than that of the reference's noise minus 1 dB.
 """
 
 import argparse
@@ -60,7 +60,8 @@ class Bench:
         return json.loads(result.stdout)
 
     def above_noise_db(self, image):
-        """PSNR against the mean of both halves of the reference, without its noise; and the PSNR of that noise."""
+        """PSNR against the mean of both halves of the reference, after its noise is subtracted, and the PSNR of this
+        noise."""
         against = self.run("compare", image, self.path("truth.exr"))["psnr_db"]
         halves = self.run("compare", self.path("truth.a.exr"), self.path("truth.b.exr"))["psnr_db"]
         noise = 10 ** (-halves / 10) / 4
@@ -83,7 +84,7 @@ class Bench:
 
 
 def told(row):
-    """Whether the noise of the reference is low enough to measure the error of the image."""
+    """True if the noise of the reference is low enough to measure the error of the image."""
     return row["measured_db"] < row["reference_db"] - 1
 
 

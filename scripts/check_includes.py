@@ -3,13 +3,13 @@
 
     check_includes.py
 
-Every folder at the top has a README.md with a sentence "May include `core/`, `lens/`.", or "May include nothing of
-postlens". A subfolder with a README.md of its own states its own sentence; a subfolder without one is a part of the
-folder around it, and that folder's sentence holds for it. A name stands for the folder and its subfolders; within such
-a folder, for the folder and its parts alone. The check fails if a file includes a folder that its README does not allow,
-if a README allows a folder that no file includes, if two folders may include each other, directly or through other
-folders, or if parts of a folder include each other in a circle (the files at the top of a folder may include all of its
-parts, and the parts may include them).
+Every top-level folder has a README.md with a sentence such as "May include `core/`, `lens/`." or "May include nothing
+of postlens". A subfolder with its own README.md has its own sentence. A subfolder without one is a part of the folder
+around it and has the same rights. A name in the sentence allows that folder and its subfolders. Within the named folder
+itself, it allows only the folder and its parts. The check fails in four cases: a file includes a folder that its README
+does not allow; a README allows a folder that no file includes; two folders may include each other, directly or through
+other folders; or parts of a folder include each other in a cycle. (The files at the top of a folder may include all of
+its parts, and the parts may include these files.)
 """
 
 import os
@@ -30,14 +30,14 @@ def folders():
 
 
 def owner(folder):
-    """The folder whose README holds for `folder`: itself, or the nearest one around it that has a README."""
+    """Returns the folder whose README applies to `folder`: itself, or the nearest parent with a README."""
     while "/" in folder and not os.path.exists(os.path.join(HERE, folder, "README.md")):
         folder = os.path.dirname(folder)
     return folder
 
 
 def allowed_by(folder):
-    """The folders that a README allows, or None if it has no such sentence."""
+    """Returns the folders that a README allows, or None if it has no "May include" sentence."""
     try:
         with open(os.path.join(HERE, folder, "README.md"), encoding="utf-8") as file:
             text = file.read()
@@ -48,12 +48,12 @@ def allowed_by(folder):
 
 
 def covers(name, target, folder):
-    """Whether a name in the README of `folder` stands for `target`."""
+    """True if a name in the README of `folder` includes the folder `target`."""
     return target == name or (target.startswith(name + "/") and not folder.startswith(name + "/"))
 
 
 def cycle(arrows):
-    """A list of folders of which each has an arrow to the next and the last is the first, or None."""
+    """Returns a cycle of arrows as a list of folders whose last is also the first, or None if there is no cycle."""
     def search(path):
         for target in sorted(arrows.get(path[-1], ())):
             if target == path[0]:

@@ -3,9 +3,9 @@
 
     convergence.py BUILD OUT [--size WxH] [--reference-spp N] [--seeds N]
 
-BUILD is a build folder (build/release). OUT receives convergence.csv, .md, .svg and .png. The scene is
-samples/scenes/motion.toml through a lens of 50 mm at f/1.4, focused at 4 m, with the shutter open from 0 s to 1 s.
-The reference has two independent halves, whose noise is subtracted from the errors. The plot needs gnuplot (Debian:
+BUILD is a build folder (build/release). convergence.csv, .md, .svg and .png are written to OUT. The scene is
+samples/scenes/motion.toml through a lens of 50 mm at f/1.4, focused at 4 m, with the shutter open from 0 s to 1 s. The
+reference has two independent halves, whose noise is subtracted from the errors. The plot needs gnuplot (Debian:
 gnuplot-nox).
 """
 
@@ -96,7 +96,7 @@ def main():
             mine = [r for r in rows if r["sampler"] == sampler]
             slope = math.log(mine[-1]["rmse"] / mine[0]["rmse"]) / math.log(SPP[-1] / SPP[0])
             file.write(f"| {sampler} | " + " | ".join(cell(r) for r in mine) + f" | n^{slope:.2f} |\n")
-        # The RMS difference of the halves is twice the RMS noise of their mean.
+        # The RMS difference between the two halves is twice the RMS noise of their mean.
         file.write(f"\nThe halves of the reference are {floor['psnr_db']:.1f} dB apart; affected pixels: "
                    f"{100 * floor['affected_share']:.0f} %.\n")
 

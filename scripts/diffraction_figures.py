@@ -3,10 +3,10 @@
 
     diffraction_figures.py BUILD OUT
 
-BUILD is a build folder (build/release). OUT receives diffraction_responses.png and diffraction_crossover.svg and
-.png. The impulse responses are those of a lens of 50 mm f/4 at 550 nm, focused at 1 m. Each is drawn in a frame 1.3
-times as wide as its disc, scaled to its own brightest pixel and raised to the power 1/2. Needs oiiotool (Debian:
-openimageio-tools) and gnuplot (gnuplot-nox).
+BUILD is a build folder (build/release). diffraction_responses.png and diffraction_crossover.svg and .png are written to
+OUT. The impulse responses are those of a lens of 50 mm f/4 at 550 nm, focused at 1 m. Each is drawn in a frame 1.3
+times as wide as its disc. Its values are divided by those of its brightest pixel and raised to the power 1/2. Needs
+oiiotool (Debian: openimageio-tools) and gnuplot (gnuplot-nox).
 """
 
 import argparse
@@ -17,7 +17,7 @@ import subprocess
 import sys
 
 FOCAL_MM, STOP, FOCUS_M, WAVE_NM, SIZE = 50.0, 4.0, 1.0, 550.0, 241
-# Defocus u. The intensity on the axis is 0 at u = 4 pi, 8 pi, .. and has maxima near 6 pi, 10 pi, ..
+# Values of the defocus u. The intensity on the axis is 0 at u = 4 pi, 8 pi, .. and has maxima near 6 pi, 10 pi, ..
 US = [0.0, 2 * math.pi, 4 * math.pi, 6 * math.pi, 8 * math.pi, 50.0, 100.0, 400.0]
 
 PLOT = """
@@ -47,7 +47,7 @@ def run(*arguments):
 
 
 def response(postlens, out, u):
-    """Draws the impulse response for a defocus u as a grey PNG."""
+    """Draws the impulse response for a defocus of u as a grey PNG."""
     diameter_m = FOCAL_MM / STOP / 1000
     wave_m = WAVE_NM * 1e-9
     film_mm = FOCAL_MM / (1 - FOCAL_MM / 1000 / FOCUS_M)

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Copies README.md, CHANGELOG.md, docs/ and the pages that they link to into a folder, in the form that Doxygen reads.
+"""Copies README.md, CHANGELOG.md, docs/ and the pages that they link to into a folder, in the form that Doxygen
+reads.
 
     doxygen_pages.py OUT
 
-Doxygen 1.9 does not resolve links to headings or pages of equal names, nor images. In the copies every page and
-heading has a label, links to pages and headings refer to these labels, and pictures are in OUT/html. A link to another file
-of the repository becomes its text. Fails on a link to a page, heading or file that does not exist.
+Doxygen 1.9 does not resolve links to headings, links to pages with equal names, or images. In the copies, every page
+and heading has a label, and links refer to these labels. Images are copied to OUT/html. A link to any other file of the
+repository is replaced by its text. Fails if a link refers to a page, heading or file that does not exist.
 """
 
 import glob
@@ -24,7 +25,7 @@ def label_of(page):
 
 
 def blocks(text):
-    """Yields the lines of a page, and whether each is prose instead of code."""
+    """Yields each line of a page, and True if it is prose or False if it is code."""
     code = False
     for line in text.split("\n"):
         fence = re.match(r"\s*```", line)
@@ -33,7 +34,8 @@ def blocks(text):
 
 
 def anchors_of(page):
-    """The headings below a page's title by their line: the anchor of each, its own or as GitHub forms it."""
+    """Returns the anchors of the headings below a page's title, by line number: the page's own anchor, or else the
+    one that GitHub generates."""
     out = {}
     with open(page, encoding="utf-8") as file:
         for number, (line, prose) in enumerate(blocks(file.read())):
@@ -67,7 +69,7 @@ def converted(page, pages, out):
             return f"[{text}](@ref {label_of(path)}{'_' + anchor if anchor else ''})"
         return text if text.strip("`") in path else f"{text} (`{path}`)"
 
-    parts = [(True, [])]  # runs of lines that are prose, or not; a link may go over two lines
+    parts = [(True, [])]  # runs of lines that are prose or code; a link may extend over two lines
     with open(page, encoding="utf-8") as file:
         for number, (line, prose) in enumerate(blocks(file.read())):
             if number == 0 and page != "README.md":

@@ -3,10 +3,11 @@
 
     farm_table.py BUILD OUT
 
-BUILD is a built folder (build/release). For each work it measures, with all threads of this machine, the undivided run, the
-cost of a task before it works (the smallest share that there is), and what merging costs for each part. From these it
-simulates N tasks on N such machines that begin at once: the longest task, and the merge after it. Real shares of 4 check
-the model. A second table holds what `--dry-run` tells against runs of the same tasks. OUT gets both as farm.md.
+BUILD is a build folder (build/release). For each command, three times are measured with all threads of this machine: of
+the undivided run, of the smallest possible share (the fixed cost of a task), and of merging, per part. From these
+times, the time of N tasks on N such machines is computed: that of the longest task plus that of the merge. Real runs
+with 4 shares check this model. A second table compares the predictions of `--dry-run` with runs of the same tasks. Both
+tables are written to OUT as farm.md.
 """
 
 import argparse
@@ -25,7 +26,7 @@ REPEATS = 3
 
 
 def told_and_measured(program, at, lens, bars, life):
-    """What --dry-run tells of a task in the middle, and what that task takes."""
+    """Compares the predictions of --dry-run for a task in the middle with the measured cost of this task."""
     subprocess.run([program, "trace", bars, "-o", at("bars.exr"), "--size", "960x540", "--for-f-number", "1.4",
                     "--for-focus", "5", "--quiet"], check=True)  # fmt: skip
     focus = ["focus", at("bars.exr"), *lens, "-o"]
@@ -74,7 +75,8 @@ def main():
         sys.exit(f"farm_table.py: {program} is missing; build the target postlens")
 
     def run(*words):
-        """Seconds of a whole process; the least of some, as other work of the machine only adds to it."""
+        """Runs a command and returns the least wall time of several runs, s, because other work on the machine only
+        adds time."""
         least = float("inf")
         for _ in range(REPEATS):
             start = time.monotonic()
@@ -107,7 +109,8 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # Parts by rows are as large together as the picture; those of samples are as large as the picture each.
+        # Parts that are rows of the image have the size of the image in total. Parts that are samples have the size of
+        # the image each.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

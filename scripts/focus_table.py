@@ -4,10 +4,10 @@
     focus_table.py BUILD OUT SCENE --f-number N --focus M [--focal-length MM] [--size WxH] [--subdivide LEVELS]
                    [--reference-spp N] [--rays N,N,...] [--repeat K] [--metres-per-unit X]
 
-BUILD is a build folder (build/release). OUT receives the table as focus.md, the images, and each image side by side
-with the reference. The reference has two independent halves of N samples per pixel, whose noise is subtracted from
-the errors. Seconds are measured by the command, from opening the sample file to the written image. They are the least
-of K runs, in which the methods take turns. A reference that is already in OUT is used again.
+BUILD is a build folder (build/release). The table focus.md, the images, and each image side by side with the reference
+are written to OUT. The reference has two independent halves of N samples per pixel, whose noise is subtracted from the
+errors. The command measures its seconds from opening the sample file to the written image. The table has the least of K
+runs, between which the methods alternate. A reference that is already in OUT is used again.
 """
 
 import argparse
@@ -57,7 +57,7 @@ def main():
     common = ["--quiet", "--json"]
     scene = ["--metres-per-unit", o.metres_per_unit, "--size", o.size]
     lens = ["--f-number", o.f_number, "--focus", o.focus]
-    # The trace uses the camera's film distance, so the focal length only changes the diameter of the lens.
+    # The trace uses the film distance of the camera, so the focal length changes only the diameter of the lens.
     length = ["--focal-length", o.focal_length] if o.focal_length else []
     levels = ["--subdivide", o.subdivide] if o.subdivide else []
     trace = run(postlens, "trace", o.scene, "-o", out("frame.exr"), *scene, *levels, "--overscan", "auto", "--for-f-number",

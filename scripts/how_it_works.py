@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the three figures of docs/how_it_works.md, to scale by the thin lens's formulas.
+"""Draws the three figures of docs/how_it_works.md to scale, with the formulas of a thin lens.
 
     how_it_works.py OUT     writes coc.svg, hidden.svg and mirror.svg
 """
@@ -11,7 +11,7 @@ BLUE, ORANGE, GREY, GREEN = "#0072b2", "#d55e00", "#888888", "#009e73"
 
 
 class Drawing:
-    """A figure of 720 x height px. y points up, and a unit is a pixel."""
+    """A figure of 720 x height px. y points up, and one unit is one pixel."""
 
     def __init__(self, height):
         self.height, self.items = height, []
@@ -93,7 +93,8 @@ def hidden(path):
 
 
 def mirror(path):
-    """In a flat mirror, an object's image is as far away as its path is long; in a mirror ball it is near."""
+    """In a flat mirror, the image of an object is as far away as the light path is long. In a mirror ball, the image
+    is near."""
     d = Drawing(280)
     eye, glass = 640, 380
     thing, y = 540, 95

@@ -3,11 +3,11 @@
 
     motion_table.py BUILD OUT [--reference-spp N] [--rays N,N,...] [--subdivide LEVELS] [SCENE ...]
 
-BUILD is a build folder (build/release). OUT receives motion.csv, motion.md, the blurred images, and each image side
-by side with the reference. The scenes are those of samples/scenes/motion, and the shutter is open from 0 s to 1 s.
-The reference has two independent halves of N samples per pixel each, whose noise is subtracted from the errors.
-Methods and rays are timed one after the other, scene by scene, so only times of the same scene should be compared. A
-reference that is already in OUT is used again.
+BUILD is a build folder (build/release). motion.csv, motion.md, the blurred images, and each image side by side with the
+reference are written to OUT. The scenes are those of samples/scenes/motion, and the shutter is open from 0 s to 1 s.
+The reference has two independent halves of N samples per pixel each, whose noise is subtracted from the errors. Methods
+and rays are timed in succession, scene by scene, so only times of the same scene are comparable. A reference that is
+already in OUT is used again.
 """
 
 import argparse

@@ -3,11 +3,11 @@
 
     optics_table.py PROGRAM OUT [--size WxH] [--spp N] [--views M] [--methods NAME,...] [--threads N] [SCENE ...]
 
-PROGRAM is the postlens program (build/release/apps/postlens). OUT receives optics.md, refocus.png, the images and
-crops of them. The scenes are those of samples/scenes/optics at f/1.4, each focused once on the mirror or the glass
-and once on the objects that it shows. The reference has two independent halves of N / 2 samples per pixel each, whose
-noise is subtracted from the errors. "inside" is the error in a window well inside the mirror or the glass. Files that
-are already in OUT are used again, even by a run with fewer methods. Needs oiiotool (Debian: openimageio-tools).
+PROGRAM is the postlens program (build/release/apps/postlens). optics.md, refocus.png, the images and crops of the
+images are written to OUT. The scenes are those of samples/scenes/optics at f/1.4. Each is focused once on the mirror or
+the glass, and once on the objects seen in it. The reference has two independent halves of N / 2 samples per pixel each,
+whose noise is subtracted from the errors. "inside" is the error in a window well inside the mirror or the glass. Files
+that are already in OUT are used again, even by a run with fewer methods. Needs oiiotool (Debian: openimageio-tools).
 """
 
 import argparse
@@ -18,8 +18,9 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# Focus distances, m, and the compared window (left, top, right, bottom, as shares of the frame's size). A window keeps a margin
-# of half the largest CoC, 4 % of the frame's width, to the object's silhouette, so that no lens point sees past it there.
+# Focus distances, m, and the compared window (left, top, right, bottom, as fractions of the frame's size). The window
+# keeps a distance to the object's silhouette of half the largest CoC, which is 4 % of the frame's width. Within the
+# window, no lens point sees past the silhouette.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),
@@ -76,7 +77,8 @@ class Case:
                           "--for-f-number", "1.4", "--for-focus", str(self.focus_m), "--subdivide", "4")
 
     def focus(self, name):
-        """Makes the image of a method and returns its warnings; None if the method is not selected and has no image."""
+        """Makes the image of a method and returns its warnings. Returns None if the method is not selected and has
+        no image from an earlier run."""
         told = self.out(f".{name}.json")
         if not os.path.exists(told):
             if name not in self.options.methods:
@@ -90,7 +92,7 @@ class Case:
             return json.load(f)["warnings"]
 
     def decibels(self, name, ending):
-        """PSNR of an image, dB, without the noise of the reference."""
+        """PSNR of an image, dB, after the noise of the reference is subtracted."""
         c = self.postlens("compare", self.out(f".{name}{ending}"), self.out(f".rays.a{ending}"), "--noise",
                           self.out(f".rays.b{ending}"))
         self.noise[ending] = c["noise_psnr_db"]
@@ -112,7 +114,7 @@ class Case:
 
 
 def picture(options):
-    """Writes OUT/refocus.png: a mirror and a glass ball, focused on the objects in them, by four methods."""
+    """Writes OUT/refocus.png: a mirror and a glass ball by four methods, with the focus on the objects seen in them."""
     height = int(options.size.split("x")[1])
     side, parts = height * 3 // 4, []
     for scene, focus_m, left in [("flat_mirror", 5.4, height * 17 // 20), ("glass_ball", 0.95, height // 2)]:

@@ -1,9 +1,10 @@
-"""Random scenes for tests, which show errors that scenes made by hand do not. write(seed) always gives the same scene.
+"""Random scenes for tests, which show errors that scenes made by hand do not. write(seed) always gives the same
+scene.
 
-Each scene has a camera that looks at 3 to 12 objects from 1 to 12 m away, one to three lights and most often a floor.
-The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an extent),
-gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter is open
-from 0 to 1 s).
+Each scene has a camera, 3 to 12 objects at distances of 1 to 12 m from it, one to three lights, and in most cases a
+floor. The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an
+extent), gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter
+is open from 0 to 1 s).
 """
 
 import dataclasses
@@ -26,7 +27,7 @@ class RandomScene:
         return ["--f-number", str(self.f_number), "--focus", f"{self.focus_m:.6g}"]
 
     def traced_for(self):
-        """The options with which `trace` records for the lens and the shutter of the scene."""
+        """The options with which `trace` records the scene for its lens and shutter."""
         out = ["--for-f-number", str(self.f_number), "--for-focus", f"{self.focus_m:.6g}", "--overscan", "auto"]
         return out + (["--for-shutter", "0:1", "--keys", "auto"] if self.shutter else [])
 
@@ -66,7 +67,7 @@ class Maker:
         for _ in range(self.random.randint(1, 3)):
             self.light()
         self.lines += ["[[texture]]", 'name = "checker"', 'kind = "checker"', f"size_m = {self.between(0.05, 0.4):.4g}"]
-        self.lines += ["offset_m = [0.0131, 0.0173, 0.0197]"]  # so that no plane coincides with a border between two cells
+        self.lines += ["offset_m = [0.0131, 0.0173, 0.0197]"]  # so that no plane coincides with the border of a cell
         self.lines += [f"even = {self.colour(0.5, 1)}", f"odd = {self.colour(0, 0.3)}"]
         if self.chance(0.8):
             self.material("floor")
@@ -114,7 +115,7 @@ class Maker:
         if self.kind == "motion" and moves and self.chance(0.6):
             by = vector(*(self.between(-0.4, 0.4) for _ in range(3)))
             turn = f"rotate_degrees = {self.between(-40, 40):.4g}, rotate_axis = {vector(*self.direction())}"
-            # The rotation is about the scene's origin, so it also moves the object.
+            # The rotation is about the origin of the scene, so it also moves the object.
             self.lines += [f"keys = [{{ time_s = 0 }}, {{ time_s = 1, translate_m = {by}"
                            + (f", {turn}" if self.chance(0.3) else "") + " }]"]
 
@@ -142,7 +143,7 @@ class Maker:
             v = vector(size * self.between(-0.5, 0.5), size, size * self.between(-0.5, 0.5))
             self.thing(material, ['shape = "rectangle"', f"corner_m = {vector(*centre)}", f"edge_u_m = {u}", f"edge_v_m = {v}"])
         else:
-            # A cylinder. For a joint it has no caps, and a sphere of the same radius closes one end.
+            # A cylinder. For a "joint", the cylinder has no caps, and a sphere of the same radius closes one end.
             radius = size * self.between(0.05, 0.5)
             capped = "false" if shape == "joint" else "true"
             self.thing(material, ['shape = "cylinder"', f"base_m = {vector(*centre)}", f"apex_m = {vector(*end)}",

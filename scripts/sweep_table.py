@@ -4,11 +4,12 @@
     sweep_table.py BUILD OUT SCENE --size WxH --trace "OPTIONS" --sweep "OPTIONS" [--every K] [--reference-spp N]
                    [--rays N,N,...] [--repeat K] [--metres-per-unit X]
 
-BUILD is a build folder (build/release). OUT receives the sample file, the sweep and the table as sweep.md. Every K-th
-image of the sweep, from image K / 2 on, is compared to a reference of N samples per pixel. The number of samples with
-which rays have the error of the image is interpolated between two numbers of --rays (PSNR of the whole frame, dB,
-over the logarithm of the number), and so is their time. Seconds are wall times of whole commands, which include
-start-up and files. They are medians over the rounds of --repeat, in each of which all commands run once.
+BUILD is a build folder (build/release). The sample file, the sweep and the table sweep.md are written to OUT. Every
+K-th image of the sweep, from image K / 2 on, is compared to a reference of N samples per pixel. The number of samples
+at which rays have the same error is interpolated between two numbers of --rays: linearly in dB (PSNR of the whole
+frame) over the logarithm of the number. The time of the rays is interpolated in the same way. Seconds are wall times of
+whole commands, including start-up and file access. They are medians over the rounds of --repeat. In each round, all
+commands run once.
 """
 
 import argparse
@@ -34,7 +35,8 @@ def run(*arguments):
 
 
 def between(rays, db):
-    """Samples per pixel and seconds of rays with a PSNR of `db`, interpolated in `rays`: {spp: (dB, seconds)}."""
+    """Returns samples per pixel and seconds of rays with a PSNR of `db`, interpolated in `rays`: {spp: (dB,
+    seconds)}."""
     ladder = sorted(rays)
     low, high = ladder[0], ladder[1]
     for at in ladder[1:]:

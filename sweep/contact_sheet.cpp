@@ -17,15 +17,16 @@ constexpr int gap_px = 6, line_px = 18;
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
 constexpr std::size_t most_columns = wide_px / (least_px + gap_px);
 
-/// The wanted number of columns if it makes a grid of visible thumbnails; else a roughly square grid.
+/// Returns the requested number of columns if it makes a grid of visible thumbnails. Otherwise returns the
+/// number for a roughly square grid.
 std::size_t columns_for(std::size_t pictures, std::size_t wanted) {
     if (wanted > 1 && wanted < pictures && wanted <= most_columns) return wanted;
     const auto square = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(pictures))));
     return std::clamp<std::size_t>(square, 1, most_columns);
 }
 
-/// Source pixels [begin, end) that a pixel of the smaller image covers, along one axis. `first` and `last`
-/// are the covered parts of the first and of the last source pixel, 0 to 1.
+/// Source pixels [begin, end) that one pixel of the smaller image covers along one axis. `first` and `last`
+/// are the covered fractions of the first and the last source pixel, 0 to 1.
 struct Span {
     int begin = 0, end = 0;
     double first = 1, last = 1;
@@ -93,7 +94,7 @@ void ContactSheet::set(std::size_t i, const Image& picture) {
 }
 
 EncodedPicture ContactSheet::picture() const {
-    // All captions have the same font size, at which the longest one fits its cell.
+    // All captions have the same font size. It is chosen so that the longest caption fits into its cell.
     int widest = 1;
     for (const std::string& c : captions_) widest = std::max(widest, Canvas::text_width(1, c));
     const double scale = std::min(1.0, static_cast<double>(width_) / widest);

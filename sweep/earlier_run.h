@@ -1,4 +1,4 @@
-// Finds images of an earlier run of a sweep that equal images of this run.
+// Finds images of an earlier run that are equal to images of this run of a sweep.
 #pragma once
 
 #include <cstdint>
@@ -15,25 +15,26 @@
 
 namespace postlens {
 
-/// Checksum (XXH3) of a file's bytes, in the form that the table has. Empty if the file cannot be read.
+/// Returns the checksum (XXH3) of a file's bytes, in the form in which the table stores it. Empty if the file
+/// cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 [[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
-/// Keys of the images of a sweep. Images with equal keys are equal (SweepRow::settings_key).
+/// Keys of the images of a sweep (SweepRow::settings_key). If two keys are equal, so are their images.
 class SweepKeys {
   public:
-    /// `exposure_stops`: exposure of all images; `at`: raster positions to report the CoC of, px.
+    /// `exposure_stops`: exposure of all images. `at`: raster positions, px, at which the CoC is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const;
 
   private:
-    std::string common_;  ///< what all images of the sweep depend on
+    std::string common_;  ///< everything on which all images of the sweep depend
 };
 
-/// Table rows of earlier runs, by file name. They are read from the table `json` and, if this run makes the
-/// whole sweep, also from the tables of all shares, so that a name may have several rows. Empty unless
-/// `settings.resume` is set.
+/// Returns table rows of earlier runs, by file name. They are read from the table `json`. A run of the whole
+/// sweep also reads the tables of its shares (parts that several machines have made), so a name may have
+/// several rows. Empty if `settings.resume` is not set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -31,11 +31,12 @@ void luminances(const float* __restrict rgb, std::size_t width, double* __restri
     }
 }
 
-/// Sum of the squared differences between each pixel of a row and its neighbours to the right and below.
+/// Returns the sum of the squared differences between each pixel of a row and its neighbours to the right and
+/// below.
 POSTLENS_MULTIVERSION
 double squared_steps(const double* here, const double* below, std::size_t width) {
-    // A fixed number of partial sums, so that every instruction set adds in the same order and the result has
-    // the same bits.
+    // The number of partial sums is fixed. Every instruction set therefore adds in the same order and
+    // computes the same bits.
     constexpr std::size_t lanes = 8;
     double sums[lanes] = {};
     const auto step = [&](std::size_t x) {
@@ -66,7 +67,7 @@ FrameDepths frame_depths(FocusFrame& frame) {
         for (int y = begin; y < end; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width);
             for (int x = 0; x < h.width; ++x) {
-                // The first record of a pixel is the primary node of its upper left corner.
+                // The first record of a pixel is the primary node at the pixel's upper left corner.
                 const std::size_t k = rows.band->pixel(x, y);
                 const std::uint32_t first = rows.band->offsets[k];
                 if (first == rows.band->offsets[k + 1]) continue;
@@ -88,7 +89,7 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Rows per block. The luminances of a row are computed twice only at a block's border.
+    // Rows per block. Only at the borders of blocks are the luminances of a row computed twice.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

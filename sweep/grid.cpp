@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Formats values with the fewest digits, 4 or more, that keep them distinct.
+/// Formats values with as few digits as keep them distinct, but at least 4.
 std::vector<std::string> labels_of(const std::vector<double>& values) {
     std::vector<std::string> out;
     for (int digits = 4; digits <= 17; ++digits) {
@@ -25,8 +25,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     return out;
 }
 
-/// Names of impulse responses, which consist of letters, digits, dots and dashes. Names that would be equal
-/// get a number.
+/// Returns names of impulse responses, which consist of letters, digits, dots and dashes. A number is
+/// appended to names that would be equal.
 std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     std::vector<std::string> out;
     for (const Impulse& i : impulses) {
@@ -43,7 +43,7 @@ std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     return out;
 }
 
-/// Names of shutters, e.g. "0to0.02" from 0 s to 0.02 s.
+/// Returns names of shutters, such as "0to0.02" for a shutter that is open from 0 s to 0.02 s.
 std::vector<std::string> labels_of(const std::vector<TimeSpan>& spans) {
     std::vector<std::string> out;
     for (const TimeSpan& s : spans) out.push_back(fmt::format("{:.6g}to{:.6g}", s.open_s, s.close_s));
@@ -67,7 +67,7 @@ void check_not_empty(bool empty, const char* option) {
          "{}: missing (got nothing; expected a list, as the sample file names no value)", option);
 }
 
-/// Builds the name and the caption of an image from the parts of its settings.
+/// Builds the file name and the caption of an image from its settings.
 struct Words {
     std::string name, caption;
     void add(const std::string& part, const std::string& words, bool varies) {

@@ -1,4 +1,4 @@
-// The images of a sweep: every combination of its settings, in order, each with a name.
+// The images of a sweep: one for every combination of its settings, in a fixed order, each with a name.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Values of each setting that a sweep varies. All lists but `shutters` need a value. An exception is an
-/// impulse response of a lens prescription: its focal length replaces `focal_lengths_mm`, and its f-number is
-/// used if `f_numbers` is empty.
+/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value.
+/// Impulse responses of lens prescriptions are an exception: the focal length of the prescription replaces
+/// `focal_lengths_mm`, and its f-number is used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -32,19 +32,20 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Length of a row of the contact sheet: number of values of the fastest setting that varies.
+    /// Length of a row of the contact sheet: the number of values of the fastest varying setting.
     std::size_t row = 1;
 };
 
-/// All combinations of the settings. Impulse responses vary slowest, then shutters, focal lengths and
-/// f-numbers; focus distances vary fastest. A name always has f-number "f" and focus distance "s". It has
-/// focal length "F", shutter "t" and the impulse response only if these vary. Numbers have 4 digits, or as
-/// many as make the values of a list distinct. Throws Error(wrong_arguments) for more than `most_pictures`
-/// images and for a missing list, and the errors of reading a prescription.
+/// Returns all combinations of the settings. Impulse responses vary slowest, then shutters, focal lengths and
+/// f-numbers; focus distances vary fastest. A file name always contains the f-number after "f" and the focus
+/// distance after "s". The focal length after "F", the shutter after "t" and the impulse response are
+/// included only if they vary. Numbers have 4 digits, or as many as keep the values of a list distinct.
+/// Throws Error(wrong_arguments) for more than `most_pictures` images and for a missing list, and the errors
+/// of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
-/// Replaces the conversion in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Empty if the
-/// pattern does not have exactly one conversion.
+/// Replaces the conversion in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Returns an empty
+/// value if the pattern does not contain exactly one conversion.
 [[nodiscard]] std::optional<std::string> numbered_name(const std::string& pattern, std::size_t i);
 
 }  // namespace postlens

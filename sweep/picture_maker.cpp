@@ -129,7 +129,7 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
     // Motion blur may convolve parts of the image instead of averaging views, so its error is predicted
-    // without a number of views.
+    // without knowledge of the number of views.
     predict(out, settings);
     return out;
 }

@@ -1,4 +1,4 @@
-// Makes many images of one sample file; reads and prepares the records once.
+// Makes many images of one sample file. The records are read and prepared only once.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@
 
 namespace postlens {
 
-/// Settings that all images of a sweep share. Names and defaults are those of the command `focus`, or with a
-/// shutter those of `shoot`.
+/// Settings that are common to all images of a sweep. Names and defaults are those of the command `focus`, or
+/// of `shoot` if there is a shutter.
 struct PictureSettings {
-    /// Absent: the usual method for the file (usual_method), or lightfield with a shutter. With a shutter
-    /// only lightfield, hybrid and automatic are allowed.
+    /// If absent: the default method for the file (usual_method), or lightfield if there is a shutter. With a
+    /// shutter, only lightfield, hybrid and automatic are allowed.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -31,8 +31,8 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects, which replaces the file's
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// PSNR that `automatic` aims at, dB. If this and the scene are absent, and there is no shutter,
-    /// `automatic` is the usual method for the file.
+    /// PSNR, dB, that `automatic` must reach. If this and the scene are absent and there is no shutter,
+    /// `automatic` is the default method for the file.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
@@ -46,12 +46,12 @@ struct MadePicture {
     std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes one image after the other. Each is bit-identical to the result of focus_picture, hybrid_picture,
-/// auto_picture or, for f/inf with a shutter, motion_blur for the same settings.
+/// Makes images one at a time. Each is bit-identical to the result of focus_picture, hybrid_picture,
+/// auto_picture or, for f/inf with a shutter, motion_blur with the same settings.
 class PictureMaker {
   public:
     /// Keeps a reference to `file`. Throws Error(wrong_arguments) for a method that does not support a
-    /// shutter and Error(invalid_input) for paths of ids that the file does not have.
+    /// shutter, and Error(invalid_input) for a motion path whose id is not in the file.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;
@@ -63,7 +63,7 @@ class PictureMaker {
 
     [[nodiscard]] const PictureSettings& settings() const { return settings_; }
     [[nodiscard]] FocusMethod method() const { return method_; }
-    /// The frame with its prepared records, for other users of the same records.
+    /// The frame with its prepared records, so that other code can use the same records.
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:

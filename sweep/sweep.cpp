@@ -34,7 +34,7 @@ double seconds_since(Clock::time_point start) {
 
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
-    std::filesystem::create_directory(folder, error);  // creates one level only, as chart does
+    std::filesystem::create_directory(folder, error);  // creates a single level of folders, as `chart` does
     if (!std::filesystem::is_directory(folder)) {
         fail(ExitCode::cannot_write,
              "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
@@ -86,12 +86,12 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images that an earlier run has made are entered in the table first, so that an interruption
-            // does not lose them.
+            // Images of an earlier run are entered in the table first, so that an interruption does not lose
+            // them.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::whole) check_complete();
-            // The contact sheet is encoded while the last images are written.
+            // The contact sheet is encoded while the last images are still being written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
                     const ThreadLimit one(1);
@@ -113,15 +113,15 @@ class Sweep {
     }
 
   private:
-    /// Refuses to overwrite input files: they may lie in the output folder, but not under the
-    /// name of an output.
+    /// Refuses to overwrite input files. They may lie in the output folder, but must not have the name of an
+    /// output.
     void check_outputs(const std::filesystem::path& frame) const {
         std::vector<std::filesystem::path> written{out_.csv, out_.json, folder_ / "contact.png"};
         for (const std::string& name : names_) written.push_back(folder_ / name);
         refuse_overwriting(sweep_inputs(frame, settings_), written);
     }
 
-    /// Whether image i of the sweep belongs to the share that this run makes.
+    /// True if this run makes image i of the sweep. With --share, a run makes only a part of the images.
     [[nodiscard]] bool is_mine(std::size_t i) const { return !settings_.share || settings_.share->has(i); }
     [[nodiscard]] std::size_t pictures_to_make() const {
         std::size_t count = 0;
@@ -129,7 +129,7 @@ class Sweep {
         return count;
     }
 
-    /// Keeps image `i` of an earlier run if it is valid, and reads it into `image` unless that is null.
+    /// Keeps image `i` of an earlier run if it is valid. Reads it into `image` unless that is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(names_[i]);
         if (begin == end) return false;
@@ -205,28 +205,29 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. Two keep all threads busy. One is enough for a large
-    /// frame, whose images need much memory and have work for all threads.
+    /// Number of images that are made at the same time. Two images keep all threads busy. For a large frame
+    /// it is one, because an image then needs much memory and has work for all threads.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Whether the method reads the records that FocusFrame keeps, which several images may read at once.
+    /// True if the method reads the records that FocusFrame keeps. Several images may read these records at
+    /// the same time.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// Greatest number of images that are written to disk at the same time: 1 to 4, limited
-    /// to 64 MiB together.
+    /// Greatest number of images that are written to disk at the same time: 1 to 4, with at most 64 MiB in
+    /// total.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its figures, while the next images are made. This work is a separate job,
-    /// which is not cancelled with the sweep, so that a finished image is kept.
+    /// Writes an image and computes its figures, while the next images are made. This work is a separate job.
+    /// It is not cancelled with the sweep, so a finished image is not lost.
     void start_finishing(std::size_t i, Making made) {
         finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
                                   const ThreadLimit one(1);
@@ -272,10 +273,11 @@ class Sweep {
         return row;
     }
 
-    /// Computes what the figures of all images need: depths, and the gradient energy of the pinhole image.
+    /// Computes data that the figures of all images need: depths, and the gradient energy of the pinhole
+    /// image.
     void prepare() {
-        // The frame of a light field keeps prepared surfaces instead of records, so a second frame reads the
-        // records.
+        // A FocusFrame for the light field keeps prepared surfaces instead of records, so a second FocusFrame
+        // reads the records.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -292,13 +294,13 @@ class Sweep {
                                 .image);
     }
 
-    // Notes the warning about errors of W, the matrix that moves the image of a node with the lens point,
-    // under the same conditions as the command `focus`.
+    // Records the warning about errors of the matrix W, which moves the image of a node with the lens point.
+    // The conditions are those of the command `focus`.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning depends on the lens only by its area, so it is computed once per area.
+        // The warning depends on the lens only through its area, so it is computed once for each area.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -327,7 +329,8 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// Saves finished images after an error. Errors in here are ignored, because the first one is reported.
+    /// Saves finished images after an error. Errors in this function are ignored, because the first error is
+    /// reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
             try {
@@ -360,7 +363,7 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    /// Declared last, so that its work ends before the members that it uses are destroyed.
+    /// This member is declared last, so that its work ends before the members that it uses are destroyed.
     std::deque<Finishing> finishing_;
 };
 

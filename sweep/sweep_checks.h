@@ -1,5 +1,5 @@
-// Checks the settings of a sweep, and derives from them what it reads and writes, before an image is made. An
-// error is Error(wrong_arguments) that names the option.
+// Checks the settings of a sweep before the first image is made, and derives the files that it reads and
+// writes. Errors are Error(wrong_arguments) with the name of the option.
 #pragma once
 
 #include <filesystem>
@@ -14,7 +14,8 @@
 
 namespace postlens {
 
-/// Raster positions, px, at which the sweep reports the CoC: those of the settings, or a 3 x 3 grid.
+/// Returns the raster positions, px, at which the sweep reports the CoC: those of the settings, or a 3 x 3
+/// grid.
 [[nodiscard]] std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h);
 
 /// File names of the images, in the order of the grid.

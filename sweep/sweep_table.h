@@ -1,5 +1,5 @@
-// The table of a sweep, one row per image: as CSV for other tools, and as JSON, from which
-// an interrupted sweep resumes.
+// The table of a sweep, with one row per image. It is written as CSV for other programs and as JSON, from
+// which an interrupted sweep resumes.
 #pragma once
 
 #include <filesystem>
@@ -21,7 +21,7 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Gradient energy of the image / that of the pinhole image; absent if the latter is 0.
+    /// Gradient energy of the image divided by that of the pinhole image. Absent if the latter is 0.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;
@@ -38,17 +38,17 @@ struct SweepTable {
     std::string part;  ///< SweepSettings::part
 };
 
-/// CSV with a header line and one line per image. Columns: file, f_number, focal_length_mm, focus_m,
+/// Returns CSV with a header line and one line per image. Columns: file, f_number, focal_length_mm, focus_m,
 /// shutter_open_s, shutter_close_s, impulse, method, "coc_px X Y" for every position, largest_coc_px,
-/// in_focus_share, sharpness, predicted_db, seconds. An unknown value is empty, infinity is `inf`, and
-/// strings with commas or quotes are quoted [rfc4180].
+/// in_focus_share, sharpness, predicted_db, seconds. An unknown value is empty, and infinity is `inf`.
+/// Strings with commas or quotes are quoted [rfc4180].
 [[nodiscard]] std::string csv_text(const SweepTable& table);
 
 /// The table as JSON. Unknown and infinite values are null.
 [[nodiscard]] std::string json_text(const SweepTable& table);
 
-/// Figures and checksums of each image from the result of `json_text`, by file name. Settings are not read.
-/// Throws Error(invalid_input), whose text begins with `source`, for any other text.
+/// Reads the figures and checksums of each image from a text that `json_text` has written, by file name. Does
+/// not read the settings. Throws Error(invalid_input) for any other text; the message begins with `source`.
 [[nodiscard]] std::map<std::string, SweepRow> rows_of_json(const std::string& text,
                                                            const std::string& source);
 

@@ -66,7 +66,8 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
         fail(ExitCode::wrong_arguments, "{}: range runs backwards (got {}; expected FROM not above TO)",
              option, text);
     }
-    constexpr double missed_stops = 0.1;  // stops; f/11 and f/22 mean 11.31 and 22.63, 0.08 stops more
+    // stops; f/11 and f/22 are nominal values of 11.31 and 22.63, which are 0.08 stops more
+    constexpr double missed_stops = 0.1;
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);
     check_count(option, text, steps + 1);

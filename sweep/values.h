@@ -1,4 +1,4 @@
-// Parses the lists and ranges of a sweep's command-line options.
+// Parses lists and ranges in the command-line options of a sweep.
 #pragma once
 
 #include <cstddef>
@@ -11,33 +11,33 @@
 
 namespace postlens {
 
-/// Greatest number of values of a list or a range, and of all combinations.
+/// Greatest number of values in a list or a range, and greatest number of combinations.
 inline constexpr std::size_t most_pictures = 10000;
 
-/// Every list has the form "ITEM,ITEM,...", where an item is a value or a range and no value occurs twice.
-/// Each function throws Error(wrong_arguments), whose text begins with `option`, for any other text, for an
-/// empty range and for too many values.
+/// Every list has the form "ITEM,ITEM,...". An item is a value or a range, and no value may occur twice. Each
+/// function throws Error(wrong_arguments) for any other text, for an empty range and for too many values; the
+/// message begins with `option`.
 
-/// f-numbers: positive, or `inf` for the pinhole. Ranges are FROM:TO:STEP with STEP in stops ("1/2" or "0.5",
-/// positive) and FROM not above TO. Value i is FROM * 2^(i STEP / 2), not the rounded number that is engraved
-/// on lenses. The last value may exceed TO by up to a tenth of a stop or half a step, whichever is less, so
-/// that 2:11:1 ends at 11.31.
+/// Parses f-numbers: positive numbers, or `inf` for the pinhole. Ranges are FROM:TO:STEP with a positive STEP
+/// in stops ("1/2" or "0.5") and FROM not above TO. Value i is FROM * 2^(i STEP / 2), which differs from the
+/// rounded numbers engraved on lenses. The last value may exceed TO by a tenth of a stop or half a step,
+/// whichever is less. So 2:11:1 ends at 11.31.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
-/// Focus distances s, m: positive, or `inf`. Ranges are FROM:TO:COUNT, rising or falling; COUNT is 2 or more
-/// and includes both ends. The values are uniformly spaced in 1/s, so that the CoC of a fixed point changes
-/// by equal steps.
+/// Parses focus distances s, m: positive numbers, or `inf`. Ranges are FROM:TO:COUNT, rising or falling, with
+/// a COUNT of 2 or more that includes both ends. The values are uniformly spaced in 1/s, so that the CoC of a
+/// fixed point changes in equal steps.
 [[nodiscard]] std::vector<double> focus_list(const std::string& option, std::string_view text);
 
-/// Focal lengths, mm: finite and positive. Ranges are FROM:TO:COUNT, rising or falling; COUNT is 2 or more
-/// and includes both ends. The values are uniformly spaced in their logarithm.
+/// Parses focal lengths, mm: finite positive numbers. Ranges are FROM:TO:COUNT, rising or falling, with a
+/// COUNT of 2 or more that includes both ends. The logarithms of the values are uniformly spaced.
 [[nodiscard]] std::vector<double> focal_length_list(const std::string& option, std::string_view text);
 
 /// Shutters OPEN:CLOSE, s: finite, OPEN not after CLOSE.
 [[nodiscard]] std::vector<TimeSpan> shutter_list(const std::string& option, std::string_view text);
 
-/// Impulse responses in the form of `parse_impulse`. A comma begins the next item only if the name of a kind
-/// follows it, because diffraction's list of wavelengths contains commas as well.
+/// Parses impulse responses in the form of `parse_impulse`. A comma begins the next item only if the name of
+/// a kind follows, because the list of wavelengths of "diffraction" also contains commas.
 [[nodiscard]] std::vector<Impulse> impulse_list(const std::string& option, std::string_view text);
 
 }  // namespace postlens

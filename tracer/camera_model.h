@@ -1,4 +1,4 @@
-// The pinhole (or orthographic) camera at one instant. Maps raster positions to rays.
+// The pinhole (or orthographic) camera at one instant. It maps raster positions to rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,32 +8,32 @@
 
 namespace postlens {
 
-/// Settings of the command line that replace those of the scene's camera.
+/// Command-line settings that replace those of the scene's camera.
 struct CameraOverrides {
     std::optional<int> width, height;
     std::optional<double> film_distance_mm;  ///< from pinhole to film
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. With tangents along the raster's axes (x right, y down), its direction in the camera
-/// frame is (tan_x, -tan_y, -1), normalised.
+/// A ray of the camera. With the tangents tan_x and tan_y along the raster's axes (x right, y down), its
+/// direction in the camera frame is (tan_x, -tan_y, -1), normalised.
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
-    double cos_axis = 1;                        ///< cosine of the angle between direction and optical axis
+    double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis
 };
 
 class CameraModel {
   public:
-    /// Throws Error(wrong_arguments) for overrides out of range, Error(invalid_input) if position, look_at
-    /// and up of the camera do not span a view.
+    /// Throws Error(wrong_arguments) for overrides out of range. Throws Error(invalid_input) if position,
+    /// look_at and up of the camera do not define an orientation.
     CameraModel(const Camera& camera, double time_s, const CameraOverrides& overrides = {});
 
-    /// The ray through a raster position, px, which may lie outside the raster.
+    /// Returns the ray through a raster position, px. The position may lie outside the raster.
     [[nodiscard]] CameraRay ray(double x, double y) const;
-    /// The raster position of a world point, px. Empty if the point is not in front of the pinhole.
+    /// Returns the raster position of a world point, px. Empty if the point is not in front of the pinhole.
     [[nodiscard]] std::optional<glm::dvec2> place(const glm::dvec3& point) const;
-    /// The raster position of a point at infinity in a world direction, px; perspective only. Empty if the
-    /// direction does not point forwards.
+    /// Returns the raster position, px, of a point at infinity in a world direction. Perspective cameras
+    /// only. Empty if the direction does not point forwards.
     [[nodiscard]] std::optional<glm::dvec2> place_at_infinity(const glm::dvec3& direction) const;
 
     int width = 0, height = 0;
@@ -44,8 +44,8 @@ class CameraModel {
     glm::dmat4 world_from_camera{1};
     glm::dmat4 rest_from_camera{1};  ///< world_from_camera without the camera's motion
 
-    /// World directions of the raster axes (x right, y down) and of the optical axis, unit length; and the
-    /// position of the pinhole in the world, m.
+    /// Pose of the camera in the world: unit vectors of the raster axes (x right, y down) and of the optical
+    /// axis, and the position of the pinhole, m.
     glm::dvec3 right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1}, position{0};
 };
 

@@ -1,4 +1,4 @@
-// A scene's exposure: the scale of its light relative to white (docs/exposure.md).
+// The exposure of a scene: the scale of its light relative to white (docs/exposure.md).
 #pragma once
 
 #include <string>
@@ -8,15 +8,16 @@
 
 namespace postlens {
 
-/// Sets the colours of all light in the scene to 2^stops times those of its file. 0 stops give exactly the
-/// file's.
+/// Sets the colours of all light in the scene to 2^stops times those in its file. At 0 stops they equal those
+/// in the file exactly.
 void expose(Scene& scene, double stops);
 
-/// The exposure, stops, of `--exposure auto`: auto_exposure_of (pictures/exposure.h) for the largest colour
-/// channel of each pixel in a preview of the scene. The preview shows the scene's default instant without its
-/// exposure, is 96 px along its longer side, and has one shading tree of at most 5 nodes along a path through
-/// each pixel's centre. The result depends on the aspect ratio of the image but not on its size, and has the
-/// same bits for any number of threads. Throws as find_camera and CameraModel do.
+/// Returns the exposure, stops, of `--exposure auto`: auto_exposure_of (pictures/exposure.h) for the largest
+/// colour channel of each pixel in a preview of the scene. The preview shows the default instant without
+/// exposure. It is 96 px long on its longer side, and traces one shading tree through the centre of each
+/// pixel, with at most 5 nodes along a path. The result depends on the aspect ratio of the image but not on
+/// its size, and has the same bits for any number of threads. Throws the errors of find_camera and
+/// CameraModel.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                                          const CameraOverrides& camera);
 

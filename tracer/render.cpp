@@ -31,7 +31,8 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
-// sums are added sample by sample, so threads and interruptions do not change the bits of the result.
+// sums are added one sample at a time. Threads and interruptions therefore do not change the bits of the
+// result.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -57,8 +58,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // Halves differ only in their seeds. The seeds are hashed, so that neighbouring values of --seed
-            // share no half.
+            // The two halves of the samples differ only in their seeds. The seeds are hashed, so that renders
+            // with neighbouring values of --seed have no half in common.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -68,18 +69,18 @@ class Renderer {
         }
     }
 
-    /// Number of blocks of the samples of a pixel, and number of groups of samples in a block.
+    /// Returns the number of blocks of a pixel's samples, and the number of groups of samples in a block.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks into which the samples of a pixel are divided: all blocks, or those of a share of the
-    /// samples.
+    /// The blocks of a pixel's samples that this run renders. They are all blocks, or some of them if the
+    /// render is divided into parts.
     struct Blocks {
         int begin = 0, end = 0;
-        bool with_open = false;  ///< a block has several groups of samples; blocks are added up
+        bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
     };
     static Blocks blocks_of(const RenderSettings& settings) {
         const auto [blocks, block] = division(settings.spp, settings.halves);
@@ -103,14 +104,15 @@ class Renderer {
     [[nodiscard]] std::size_t tiles() const { return tiles_.size(); }
     [[nodiscard]] const RayCounts& counts() const { return counts_; }
 
-    // Number of samples per pixel of a tile that are done, over all halves, read from its first pixel.
+    // Returns the number of finished samples per pixel of a tile. All pixels of the tile have the same
+    // number, so only the first is read.
     [[nodiscard]] std::uint32_t samples_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
     }
 
-    // Number of rounds of a tile that are done, read from its first pixel. `tile` is an index into the wanted
-    // tiles.
+    // Returns the number of finished rounds of a tile. All pixels of the tile have the same number, so only
+    // the first is read. `tile` is an index into the list of tiles to render.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -120,7 +122,7 @@ class Renderer {
         return done;
     }
 
-    // Traces round `round` of the tiles [begin, end) that have not yet done it.
+    // Traces round `round` of those tiles in [begin, end) that have not finished it.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {
@@ -131,7 +133,7 @@ class Renderer {
                 if (rounds_done(begin + i) == round) trace_tile(begin + i, round, counts[i]);
             });
         } catch (...) {
-            add_up();  // what was traced before an interruption is in the state
+            add_up();  // the state contains the samples that were traced before the interruption
             throw;
         }
         add_up();
@@ -143,7 +145,7 @@ class Renderer {
         return index(x, y);
     }
 
-    // Upper left pixel of a tile; `tile` is its index in the whole image.
+    // Returns the upper left pixel of a tile. `tile` is the index of the tile in the whole image.
     [[nodiscard]] std::pair<int, int> corner(std::size_t tile) const {
         return {static_cast<int>(tile % static_cast<std::size_t>(columns_)) * tile_px,
                 static_cast<int>(tile / static_cast<std::size_t>(columns_)) * tile_px};
@@ -171,8 +173,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of a block begins at 0, so a part of the render that holds only this block has the same
-            // bits.
+            // The sum of a block begins at 0. A part of the render that contains only this block therefore
+            // has the same bits.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -202,14 +204,14 @@ class Renderer {
     int block_groups_;     ///< groups of samples in a block
     int begin_ = 0, end_;  ///< the groups to render
     int columns_;
-    bool is_part_;                    ///< the state keeps the sum of every block apart
-    std::vector<std::size_t> tiles_;  ///< the wanted tiles, as indices in the whole image
+    bool is_part_;                    ///< the state stores the sum of every block separately
+    std::vector<std::size_t> tiles_;  ///< the tiles to render, as indices in the whole image
     std::vector<std::unique_ptr<Sampler>> samplers_;
     std::vector<std::unique_ptr<DistributedTracer>> tracers_;
     RayCounts counts_;
 };
 
-// Traces all rounds that are not done. Calls `pause` several times a second, between parallel loops.
+// Traces all unfinished rounds. Calls `pause` several times a second, between parallel loops.
 void trace_all(Renderer& renderer, const std::function<void()>& pause) {
     std::uint64_t left = 0;
     int first = renderer.rounds();
@@ -228,8 +230,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice takes 0.1 to 0.4 s: long enough to make the cost of starting a loop negligible, short
-            // enough to stop and save promptly.
+            // A slice takes 0.1 to 0.4 s. That is long enough that the cost of starting a loop is negligible,
+            // and short enough that stopping and saving are not delayed.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;

@@ -1,5 +1,5 @@
-// `render`: makes an image by distributed rays over lens and time. It is the reference for post-processed
-// images.
+// `render` makes an image by distributed rays over lens and time. This image is the reference for
+// post-processed images.
 #pragma once
 
 #include <array>
@@ -26,17 +26,17 @@ namespace postlens {
 struct RenderSettings {
     CameraOverrides camera;
     std::string camera_name;       ///< empty: the scene's first
-    std::optional<double> time_s;  ///< instant if there is no shutter; empty: the scene's
+    std::optional<double> time_s;  ///< instant if there is no shutter; if absent, that of the scene
 
-    std::optional<double> focal_length_mm;  ///< F; empty: the film distance of the camera
-    std::optional<double> f_number;         ///< empty: the camera's, or a pinhole if it has none
-    std::optional<double> focus_m;          ///< empty: the camera's
+    std::optional<double> focal_length_mm;  ///< focal length F; if absent, the film distance of the camera
+    std::optional<double> f_number;  ///< if absent, that of the camera, or a pinhole if the camera has none
+    std::optional<double> focus_m;   ///< empty: the camera's
     std::optional<std::pair<double, double>>
-        focus_at;  ///< focuses on a raster position, px; replaces focus_m
+        focus_at;  ///< raster position, px, of the point in focus; replaces focus_m
     Framing framing = Framing::keep;
     std::shared_ptr<const Aperture> aperture;  ///< null: a disc
-    /// A real lens instead of the thin lens. `focal_length_mm` must be empty; without `f_number` the lens is
-    /// wide open.
+    /// A lens prescription, used instead of a thin lens. `focal_length_mm` must then be absent. Without
+    /// `f_number`, the lens is wide open.
     std::shared_ptr<const Prescription> prescription;
 
     std::optional<TimeSpan> shutter;  ///< empty: the exposure is an instant
@@ -45,20 +45,22 @@ struct RenderSettings {
     SamplerKind sampler = SamplerKind::sobol;
     int spp = 64;  ///< samples per pixel; must be even with `halves`
     std::uint64_t seed = 0;
-    bool halves = false;  ///< also makes two images from independent halves of the samples
+    bool halves = false;  ///< also makes two images, from independent halves of the samples
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
     double metres_per_unit = 1;        ///< with which the scene was read; only recorded
     double checkpoint_interval_s = 5;  ///< interval at which the unfinished image is saved
-    /// The crop of the image that is rendered. Tiles of 8 px outside of the crop stay black; the other tiles
-    /// have the same bits as without a crop. Files hold the crop alone (see write_image). A run may be
+    /// The crop of the image that is rendered. Tiles of 8 px outside the crop stay black. The other tiles
+    /// have the same bits as without a crop. Files contain only the crop (see write_image). A run may be
     /// resumed with another crop.
     std::optional<Crop> crop;
-    std::string made_by;    ///< for the files of the pictures (Image::made_by)
-    std::string part_mark;  ///< files are parts with this mark (records/picture_part.h); empty: pictures
-    /// With `part_mark`: the file is a part that holds a share of the samples of every pixel, part
-    /// `sample_share[0]` of `sample_share[1]` (render_state.h), and has no files of halves.
+    std::string made_by;  ///< for the files of the pictures (Image::made_by)
+    /// text stored in each file, which is then a part of a render (records/picture_part.h); if empty, the
+    /// files are images
+    std::string part_mark;
+    /// With `part_mark`: the file contains some of the samples of every pixel, part `sample_share[0]` of
+    /// `sample_share[1]` (render_state.h). Separate files for the two halves of the samples are not written.
     std::optional<std::array<int, 2>> sample_share;
 };
 
@@ -67,29 +69,31 @@ struct RenderResult {
     std::array<Image, 2> halves;  ///< empty without `halves`
     RayCounts rays;               ///< of this run
     bool resumed = false;         ///< the run continued an interrupted one
-    int spp_resumed = 0;          ///< least number of samples per pixel that the interrupted run had done
-    double seconds_render = 0;    ///< time of tracing alone, s
+    int spp_resumed = 0;        ///< least number of samples per pixel that the interrupted run had completed
+    double seconds_render = 0;  ///< time of tracing alone, s
     double focal_length_mm = 0, f_number = 0, focus_m = 0;  ///< values used
-    double motion_error_px = 0;  ///< greatest error of Embree's linear steps of moving meshes
+    double motion_error_px = 0;  ///< greatest error, px, of the linear steps by which Embree moves meshes
 };
 
-/// Number of blocks into which the samples of a pixel are divided, of which a share has some
-/// (distributed/render_state.h). Throws Error(wrong_arguments) if there are more shares than blocks.
+/// Returns the number of blocks into which the samples of a pixel are divided. Each of `shares` parts of a
+/// render consists of some blocks (distributed/render_state.h). Throws Error(wrong_arguments) if there are
+/// more parts than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
 /// Paths of the two files of `halves`: NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
-/// Path of an unfinished image: NAME.partial.exr. Any viewer can show it; further channels hold the sums.
+/// Returns the path of an unfinished image: NAME.partial.exr. Any viewer can display it. Additional channels
+/// contain the sums.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to `path` (and half_paths). The bits are the same for any number of threads, and for a run that
-/// was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range, Error(interrupted)
-/// after writing partial_path, Error(invalid_input) if that file is damaged or has other settings,
-/// Error(out_of_memory), Error(cannot_write).
+/// Renders to the file `path`, and to half_paths. The bits are the same for any number of threads, and for a
+/// run that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
+/// Error(interrupted) after writing partial_path, Error(invalid_input) if that file is damaged or has other
+/// settings, Error(out_of_memory), and Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 
-/// Renders without files and without resuming; for tests and benchmarks.
+/// Renders into memory, without files and without resuming; for tests and benchmarks.
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace postlens

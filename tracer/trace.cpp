@@ -23,8 +23,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Margin around the recorded pixels, px, in which edges are searched. Surfaces that a lens sees past edges
-// beyond the margin only affect the border of the records.
+// Margin around the recorded pixels, px, in which edges are searched. The surfaces that a lens sees past
+// edges outside this margin only affect the border of the records.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -73,7 +73,8 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One instant of a trace: the scene and the camera at that instant, and the hidden surfaces to record.
+// One instant of a trace: the scene and the camera at this instant, and the hidden surfaces that are
+// recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -86,7 +87,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // After this call, hidden surfaces that a lens sees past edges in the window `w` are recorded as well.
+    // After this call, the hidden surfaces that a lens sees past edges in the window `w` are also recorded.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -129,7 +130,7 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Removes the scene's exposure from records, as files hold radiance.
+// Divides the records by the exposure of the scene, because sample files contain radiance.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -147,8 +148,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Radius, m, of the widest lens for which the sample file is made. It is the lens of `for_f_number`, else of
-// the camera's f-number, else of f/1.4.
+// Returns the radius, m, of the widest lens for which the sample file is made: the lens of `for_f_number`,
+// else of the camera's f-number, else of f/1.4.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -157,7 +158,7 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// The overscan, px, that lens and shutter need.
+// Returns the overscan, px, that the lens and the shutter need.
 int overscan_for(const TraceSettings& s, const Instant& instant) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -174,12 +175,13 @@ int overscan_for(const TraceSettings& s, const Instant& instant) {
     return find_overscan(instant.tracer(), camera, lens, instant.motion());
 }
 
-// Lower bound of the memory of a trace, from the buffers that grow with the raster. A trace may need more,
-// but cannot run with less.
+// Returns a lower bound of the memory of a trace, from the buffers that grow with the raster. A trace may
+// need more memory than this, but never less.
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 64;
-    // LensReach stores one inverse depth per pixel and a pyramid of ranges over them.
+    // LensReach stores for each pixel an inverse depth, and ranges of inverse depths in a pyramid over the
+    // pixels.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -308,7 +310,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // The levels must suffice for the narrow objects of all instants, because a file has one grid.
+    // A file has a single grid, so its levels must suffice for the narrow objects at all instants.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =
@@ -342,7 +344,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     Radiance radiance(scene.exposure_stops);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {
-            instant.reset();  // frees its memory before the next instant is built
+            instant.reset();  // frees the memory of this instant before the next one is built
             instant = instant_at(result.instants_s[i]);
             instant->look_through_lens(settings, window);
             writer.next_instant();

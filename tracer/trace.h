@@ -1,4 +1,4 @@
-// `trace`: traces a scene through a pinhole into a sample file.
+// `trace` traces a scene through a pinhole and writes a sample file.
 #pragma once
 
 #include <cstdint>
@@ -21,38 +21,40 @@ struct TraceSettings {
     std::string camera_name;       ///< empty: the scene's first
     std::optional<double> time_s;  ///< empty: the scene's
     SubdivisionSettings subdivision{.levels = 2};
-    /// With `for_f_number`: subdivides cells at the edges of objects to at least `lens_levels`.
-    /// `subdivision.levels` then limits only the subdivision by contrast.
+    /// With `for_f_number`: cells at the edges of objects are subdivided to at least `lens_levels`.
+    /// `subdivision.levels` then limits only subdivision by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    bool seek_small_things = true;  ///< subdivides at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file overwrites two radii. With `for_f_number`, both become the radius of that lens. Without
-    /// it, `lens_radius_m` becomes the radius of the camera's lens, or of a lens of f/1.4 if the camera has
-    /// no f-number; `bend_radius_m` stays.
+    bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
+    /// trace_to_file replaces two radii. With `for_f_number`, both become the radius of that lens. Otherwise
+    /// `lens_radius_m` becomes the radius of the camera's lens, or of a lens of f/1.4 if the camera has no
+    /// f-number, and `bend_radius_m` is kept.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
-        false;  ///< finds the overscan that the lens and shutter below need, by a coarse trace
+        false;  ///< find the overscan that the lens and shutter below need, by a coarse trace
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. Empty: those that motion during
-    /// `for_shutter` may reveal, and those that a lens of `for_f_number` sees past edges; none without both.
+    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent: the surfaces that
+    /// motion during `for_shutter` may reveal and those that a lens of `for_f_number` sees past edges. None
+    /// if both options are absent.
     std::optional<int> hidden_layers;
     bool hidden_auto =
-        false;  ///< `hidden_layers` is empty on purpose: requires `for_shutter` or `for_f_number`
-    /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64, in addition to the
-    /// frame's instant unless it is one of them. 1: only the frame's instant. Empty: as many as the motion
-    /// needs, which requires `for_shutter`.
+        false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
+    /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64. The frame's instant is
+    /// added if it is not one of them. 1: only the frame's instant. If absent: as many as the motion needs,
+    /// which requires `for_shutter`.
     std::optional<int> keys = 1;
-    /// Automatic exposure that is written to the file (tracer/exposure.h); empty: not recorded.
+    /// Automatic exposure, stops, that is written to the file (tracer/exposure.h). If absent, the file
+    /// contains none.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< for the file (SampleHeader::made_by)
-    /// Traces only some rows; the file has rays that hit nothing in the others (trace_share.h).
+    /// Traces only some rows. In the file, the rays of all other rows hit nothing (trace_share.h).
     std::optional<Share> share;
-    /// Called before the records are traced, with the approximate size of the file in bytes
-    /// (tracer/recording/expected_size.h). An exception from it ends the trace. Empty: the size is not
+    /// Function that is called before the records are traced, with the approximate size of the file in bytes
+    /// (tracer/recording/expected_size.h). An exception from it ends the trace. If empty, the size is not
     /// predicted.
     std::function<void(std::uint64_t bytes)> on_expected_bytes;
 };
@@ -61,36 +63,40 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of narrow objects that corners may miss: narrower than the smallest cells, or beyond the limit
-    /// of cells, or all narrow objects if cells are not subdivided.
+    /// Number of narrow objects that all corners may miss: objects narrower than the smallest cells, and
+    /// objects omitted because of the limit of cells. If cells are not subdivided, these are all narrow
+    /// objects.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
-    int keys = 1;                              ///< as set, or as the motion needs
-    std::vector<double> instants_s;            ///< recorded instants: the frame's, then the others
-    std::optional<double> keys_sweep_degrees;  ///< if `keys` follows from the motion: view_sweep_degrees
+    int keys = 1;                    ///< as in the settings, or as the motion needs
+    std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
+    /// set if `keys` was chosen from the motion: view_sweep_degrees
+    std::optional<double> keys_sweep_degrees;
 };
 
-/// Throws Error(out_of_memory), stating the size, if a lower bound of the memory of a trace exceeds the
-/// available memory. trace_to_file checks this as well, with the overscan that it finds.
+/// Throws Error(out_of_memory), with the size, if a lower bound of the trace's memory exceeds the available
+/// memory. trace_to_file checks this too, with the overscan that it has found.
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces `scene` into a sample file at `path`, which holds radiance and the scene's exposure. The file
-/// appears only when it is complete. Throws Error.
+/// Traces `scene` and writes a sample file to `path`. The file contains radiance, and the exposure of the
+/// scene. It appears only when it is complete. Throws Error.
 TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// The header that a trace with these settings writes, without keys; shared with tests and benchmarks.
+/// Returns the header that a trace with these settings writes, without further recorded instants (keys).
+/// Tests and benchmarks use it too.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 
 /// Checks settings of `trace` and `render`. Throws Error(wrong_arguments) if one is out of range.
 void check_tracing(int max_depth, double min_contribution, const std::optional<double>& time_s);
 
-/// Checks a shutter of `trace` or `render`, given by `option`. Throws Error(wrong_arguments).
+/// Checks a shutter of `trace` or `render`; `option` is the name of its option. Throws
+/// Error(wrong_arguments).
 void check_shutter(const char* option, const TimeSpan& shutter);
 
-/// The camera with a name; the first camera for an empty name. Throws Error(wrong_arguments), which lists the
-/// existing names.
+/// Returns the camera with this name, or the first camera if the name is empty. Throws Error(wrong_arguments)
+/// with a list of the existing names.
 [[nodiscard]] const Camera& find_camera(const Scene& scene, const std::string& name);
 
 }  // namespace postlens

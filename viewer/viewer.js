@@ -1,4 +1,4 @@
-// The viewer: translates the user's input into options of the command, requests images and draws them.
+// The viewer. It translates the user's input into options of the command, requests images and draws them.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
@@ -7,13 +7,13 @@ let frame = null;
 
 // ---- Requests -------------------------------------------------------------------------------------------------------
 
-/** f-numbers in steps of a third of a stop, rounded as they are engraved on lenses. */
+/** f-numbers in steps of a third of a stop, rounded as on the aperture rings of lenses. */
 const fNumbers = [1, 1.1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 2.8, 3.2, 3.5, 4, 4.5, 5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 13, 14, 16, 18, 20, 22,
   25, 29, 32, 36, 40, 45];
 const fNumberOf = (step) => fNumbers[Math.min(fNumbers.length - 1, Math.max(0, step))];
 const stepOf = (fNumber) => fNumbers.reduce((best, n, i) => Math.abs(Math.log(n / fNumber)) < Math.abs(Math.log(fNumbers[best] / fNumber)) ? i : best, 0);
 
-/** The focus slider is linear in the inverse distance, from 0.9 times the nearest depth to infinity. */
+/** The focus slider is linear in the inverse distance. It ranges from 0.9 times the nearest depth to infinity. */
 const sliderSteps = 1000;
 const nearest = () => 0.9 * (frame.nearest_m ?? 0.3);
 const focusOf = (t) => t >= sliderSteps ? Infinity : Number((nearest() / (1 - t / sliderSteps)).toPrecision(4));
@@ -31,7 +31,7 @@ function lensOptions(of = lens) {
   return options;
 }
 
-/** Options of the successive requests for an image, from coarse to fine. The last one makes the final image. */
+/** Options of the successive requests for an image, from coarse to fine. The last request makes the final image. */
 function stages() {
   if (!frame.records_kept) return [{}];
   const views = (n) => ({ method: "lightfield", views: String(n) });
@@ -43,7 +43,7 @@ let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
 let generation = 0;  // number of the latest request
 let firstUnderWay = false, refining = false;
-let again = 0;       // time of an input that arrived while the first, coarse image was made; 0: none
+let again = 0;       // time of the input that arrived while the first, coarse image was being made; 0: none
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, lens, frame, generation, working: firstUnderWay || refining }) };
 
@@ -69,8 +69,8 @@ async function askPicture(what, options) {
   return answer && parsePicture(await answer.arrayBuffer());
 }
 
-/** Requests images for the current lens. The first, coarse image is always finished, so that an image is visible while
-    a slider is dragged. The finer ones are cancelled by the next input. */
+/** Requests images for the current lens. The first, coarse image is always finished, so that an image is visible
+    while a slider is dragged. The next input cancels the finer images. */
 async function refocus(input = performance.now()) {
   if (firstUnderWay) {
     again ||= input;
@@ -84,8 +84,8 @@ async function refocus(input = performance.now()) {
     refining = !isFirst;
     say(isFirst ? "" : "finer…");
     let picture = null, failure = null;
-    // Another page of this viewer may cancel the request; the waits are random, so that two pages do not cancel each
-    // other for ever.
+    // Another page of this viewer may cancel the request. The waiting time is random, so that two pages do not cancel
+    // each other forever.
     for (let attempt = 0; attempt < 8 && !picture && !failure && !again && mine === generation; ++attempt) {
       if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
       if (mine !== generation) return;
@@ -95,7 +95,7 @@ async function refocus(input = performance.now()) {
         failure = error;
       }
     }
-    if (mine !== generation) return;  // a newer request replaced this one while it was refined
+    if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
       shown = { ...picture, options: asked };
@@ -115,7 +115,7 @@ async function refocus(input = performance.now()) {
   describe();
 }
 
-/** Prints method, views, stated error and warnings of the displayed image. */
+/** Displays method, views, stated error and warnings of the current image. */
 function describe() {
   if (!shown) return;
   const r = shown.report, parts = [`${r.method ?? ""}${r.views ? `, ${r.views} views` : ""}`];
@@ -124,7 +124,7 @@ function describe() {
   say(parts.join(" · "));
 }
 
-/** Changes the lens and makes the change undoable. */
+/** Changes the lens, and records the change so that it can be undone. */
 function change(what) {
   undoStack.push({ ...lens });
   if (undoStack.length > 200) undoStack.shift();
@@ -164,7 +164,7 @@ async function compareWith(what) {
   drawSoon();
 }
 
-/** Requests ray-traced images with independent seeds until 1024 samples per pixel, and displays their running mean. */
+/** Requests ray-traced images with independent seeds, up to 1024 samples per pixel, and displays their running mean. */
 async function traceRays() {
   const mine = ++raysGeneration;
   const options = lensOptions();
@@ -193,7 +193,7 @@ const floatOf = (bits) => halfTable[bits];
 const valuesOf = (p, k) => p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.floats[3 * k + 2]]
   : [floatOf(p.halves[3 * k]), floatOf(p.halves[3 * k + 1]), floatOf(p.halves[3 * k + 2])];
 
-/** CoC diameter per difference of inverse depths, px m: diameter of the aperture times film distance in px. */
+/** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
   return lens.focalLength / lens.fNumber * frame.film_distance_mm / 1000 / frame.pixel_pitch_mm;
 }
@@ -201,9 +201,9 @@ const inverseFocus = () => lens.focus === Infinity ? 0 : 1 / lens.focus;
 const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"];
 const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
 
-/** Per-pixel values, 0 to 1, of the modes "unsure" and "noise". "unsure" is the square root of the share of view samples
-    that rays replaced. "noise" is the noise of the views, from 60 dB (0) to 30 dB (1). Both exist only for images by
-    auto with the scene. */
+/** Per-pixel values, 0 to 1, for the modes "unsure" and "noise". "unsure" is the square root of the fraction of the
+    pixel that was computed by rays. "noise" is the noise of the light field, from 60 dB (0) to 30 dB (1). Both exist
+    only for images that the method auto has made with the scene. */
 function shares(mode) {
   const { width, height, rayShare, report } = shown, out = new Float32Array(width * height);
   if (mode === "unsure" && rayShare) for (let k = 0; k < out.length; ++k) out[k] = Math.sqrt(floatOf(rayShare[k]));
@@ -215,16 +215,16 @@ function shares(mode) {
   }
   return out;
 }
-let sharesOf = {};  // {picture, mode, values}: the image and mode for which `values` were computed
+let sharesOf = {};  // {picture, mode, values}: image and mode for which `values` were computed
 function sharesNow(mode) {
   if (sharesOf.picture !== shown || sharesOf.mode !== mode) sharesOf = { picture: shown, mode, values: shares(mode) };
   return sharesOf;
 }
-const sharpPx = 1.5;  // px; a CoC up to this diameter is drawn as in focus
+const sharpPx = 1.5;  // px; a pixel is drawn as in focus if its CoC has at most this diameter
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 
-/** Position of the image in the window: device px per image px, and the position of its upper left corner, device px. */
+/** The image in the window: its scale, device px per image px, and the position of its upper left corner, device px. */
 const view = { scale: 0, x: 0, y: 0, fits: true };
 
 function fitView() {
@@ -327,7 +327,7 @@ class GlPainter {
   }
 }
 
-/** Draws what the WebGL painter draws, pixel by pixel on the CPU, for browsers without WebGL2. */
+/** Draws the same as the WebGL painter, but pixel by pixel on the CPU, for browsers without WebGL2. */
 class PlainPainter {
   constructor(context) { this.context = context; }
   paint(s) {
@@ -440,7 +440,8 @@ async function tellPixel(at) {
 async function focusAt(at) {
   try {
     if (!frame.records_kept) {
-      // The depth of the pixel is the focus distance of an image of that pixel alone, with --focus-at on itself.
+      // The depth of a pixel is the focus distance of an image that consists of this pixel and is focused on it by
+      // --focus-at.
       const { focus: _, ...options } = lensOptions(), corner = at.map(Math.floor);
       const one = await askPicture("picture", { ...options, "focus-at": at.map((v) => v.toFixed(2)).join(","), crop: [...corner, 1, 1].join(",") });
       if (one) change({ focus: one.report.focus_m === null ? Infinity : Number(one.report.focus_m.toPrecision(4)) });
@@ -460,7 +461,7 @@ async function focusAt(at) {
 
 // ---- Saving ---------------------------------------------------------------------------------------------------------
 
-/** The command line that makes the displayed image. */
+/** Returns the command line that makes the displayed image. */
 function commandLine() {
   const quote = (text) => /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
   const options = shown.options, words = ["postlens", options.shutter ? "shoot" : "focus", quote(frame.file), "-o", "picture.exr"];
@@ -476,7 +477,7 @@ async function copyCommand() {
     await navigator.clipboard.writeText(text);
     say(`copied: ${text}`);
   } catch {
-    say(text);  // the user copies the text by hand
+    say(text);  // the user can copy the text by hand
   }
 }
 
@@ -561,7 +562,7 @@ function expose(by) {
   $("exposure").dispatchEvent(new Event("input"));
 }
 
-/** Connects a slider to the lens. One drag is one step of undo. */
+/** Connects a slider to the lens. One drag is a single step of undo. */
 function slider(id, apply) {
   let before = null;
   $(id).addEventListener("input", () => {

@@ -31,7 +31,8 @@ void check_limits(const CompareLimits& limits) {
     }
 }
 
-// Checks, from the headers only, that all images have the size of the reference and fit into memory.
+// Reads only the headers of the files. Checks that all images have the size of the reference and fit into
+// memory.
 void check_files(const CompareCommandOptions& o) {
     const ImageSize size = read_image_size(o.reference);
     int pictures = 2;
@@ -157,7 +158,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // A difference of four standard errors occurs by chance once in 16000 comparisons.
+    // A difference of more than four standard errors occurs by chance only once in 16000 comparisons.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -193,7 +194,8 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// The exposure at which all images are compared: the option's, else the reference's, else the image's.
+// The exposure at which all images are compared: that of the option, else that of the reference, else that of
+// the image.
 class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
@@ -214,7 +216,7 @@ class Exposer {
     double stops_;
 };
 
-// Writes the map of error causes, and reports each cause's share of the error.
+// Writes the map of error causes, and reports for each cause the fraction of the error that it explains.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     LensOptions lens = o.lens;
@@ -273,7 +275,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The images are read again here, because the comparison needs most of the memory and frees its
+        // The images are read again, because the comparison needs most of the memory and has freed its
         // images.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));

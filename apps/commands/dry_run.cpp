@@ -26,16 +26,16 @@ struct Cost {
     std::uint64_t memory_bytes = 0;
 };
 
-/// Seconds as a linear function of the number of samples or views.
+/// Seconds of a run as a linear function of the number of samples or views.
 struct Line {
     double fixed_s = 0, each_s = 0;
-    int measured = 1;  ///< largest number of samples or views that was run
+    int measured = 1;  ///< largest number of samples or views that was measured
     std::uint64_t memory_bytes = 0;
     [[nodiscard]] Cost at(double amount) const { return {fixed_s + each_s * amount, memory_bytes}; }
 };
 
-/// Indices of at most `most` of `count` items. They are evenly spaced and include the first and the last
-/// item.
+/// Returns the indices of at most `most` of `count` items. They are evenly spaced and include the first and
+/// the last item.
 std::vector<int> spread(int count, int most) {
     std::vector<int> out;
     const int n = std::min(count, most);
@@ -45,7 +45,7 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Cost of item i, by linear interpolation between the measured items.
+/// Returns the cost of item i by linear interpolation between the measured items.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -62,7 +62,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws what the command would refuse before its work, as far as the parts that are run differ in it.
+    /// Throws the errors that the command itself would report before its work and that the measured parts do
+    /// not report.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -113,8 +114,8 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command with the additional words `more`, and with `amount` samples or views if it has such
-    /// an option. Returns the measured cost.
+    /// Runs the command with the additional words `more` and measures its cost. If the command has an option
+    /// for the number of samples or views, `amount` is its value.
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -138,7 +139,7 @@ class Measured {
         return run(more, amount, fs::path(work_.output).extension().string());
     }
 
-    /// Throws the error with which a run of the command has ended.
+    /// Throws the error with which a child process of the command has ended.
     [[noreturn]] static void refuse(const ChildResult& child, const fs::path& log) {
         constexpr std::uintmax_t longest = 1'000'000;
         const std::string said = read_text_file(log, longest);
@@ -151,13 +152,13 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Measures the command with some number of samples or views, and with twice that number. Begins with a
-    /// 16th of `amount`, and doubles it until the two times differ by more than `clear_s`, because smaller
-    /// differences may be noise.
+    /// Measures the command with a number of samples or views, and with twice that number. The number begins
+    /// at a 16th of `amount` and is doubled until the two times differ by more than `clear_s`. A smaller
+    /// difference may be noise.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // Even, because --halves divides it by two.
+        // The number is even, because --halves divides the samples into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -190,8 +191,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // The cost with all samples or views is assumed to differ between frames by the same factor as
-            // the measured cost.
+            // Frames may differ in cost. Their cost with all samples or views is assumed to differ by the
+            // same factor as the measured cost.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -205,10 +206,9 @@ class Measured {
         return out;
     }
 
-    /// Costs of the tasks of a sweep. First measures the sweep of a single image: its seconds, minus those
-    /// that the table states for the image, are the fixed cost of a task. Then measures one or two sweeps of
-    /// a few evenly spaced images each, at least four if there are as many. They give the cost of each
-    /// further image.
+    /// Costs of the tasks of a sweep. A sweep of a single image is measured first: its total time minus the
+    /// time of the image itself is the fixed cost of a task. Then one or two sweeps of evenly spaced images,
+    /// at least four in total if there are as many, determine the cost of each further image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -243,8 +243,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A share stores the sums of each of its blocks of samples separately, which needs more memory than
-        // an undivided run.
+        // A share of the samples stores separate sums for each of its blocks of samples. It therefore needs
+        // more memory than an undivided run.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -258,8 +258,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A share has fewer rows than the whole image, so it is measured with more samples or views in about
-        // the same time.
+        // A share of the rows takes less time than the whole image. It can therefore be measured with more
+        // samples or views.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

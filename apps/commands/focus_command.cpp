@@ -50,8 +50,8 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vector<Warning>& out) {
     const SufficientRange& range = h.sufficient;
-    // Apertures are compared by diameter, because the f-number in the sample file refers to the file's film
-    // distance instead of the focal length.
+    // Apertures are compared by their diameters. The f-number in the sample file refers to the film distance
+    // instead of the focal length, so f-numbers cannot be compared.
     const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
@@ -84,7 +84,8 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
-    // With --salvage the input is a sample file, even if its header is damaged.
+    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
+    // it.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);

@@ -39,9 +39,9 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to the stacks of an image, in their order. Edge pixels that show several
-/// surfaces are split first in all images, so that each surface of an edge is compared with the next image at
-/// its own depth.
+/// Adds the images of --behind, nearest first, as further layers to every pixel of an image. Edge pixels that
+/// mix several surfaces are first split into those surfaces in all images, so that each surface is composited
+/// at its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -67,8 +67,7 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
-/// Blends the pinhole image and the blurred image by the matte. Where the matte is 0, the pinhole image
-/// remains.
+/// Blends the pinhole image and the blurred image by the matte. A matte of 0 selects the pinhole image.
 void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
     for (std::size_t i = 0; i < matte.size(); ++i) {
         const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };
@@ -84,7 +83,7 @@ void check_passes(const FocusOptions& options) {
     check_exr_path(options.output, "passes");
 }
 
-/// Multiplies the colours by the exposure of the option; returns its stops.
+/// Multiplies the colours by the exposure of the option. Returns the exposure in stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
     if (stops == 0) return 0;
@@ -93,7 +92,7 @@ double expose(ForeignPicture& picture, const ExposureOption& asked) {
     return stops;
 }
 
-/// What `info` reports about a part of an OpenEXR file.
+/// JSON that `info` reports for one part of an OpenEXR file.
 nlohmann::ordered_json part_json(const ForeignPart& part) {
     return {{"name", part.name},
             {"view", part.view},
@@ -167,7 +166,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The focal length of a lens prescription does not describe the camera that rendered the image.
+    // The focal length of a lens prescription is not that of the camera that rendered the image, so it is not
+    // copied.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -266,7 +266,7 @@ CommandResult foreign_info(const std::string& input) {
     try {
         channels = find_foreign_channels(file, {});
     } catch (const Error&) {
-        return out;  // an image without colour channels is valid as well
+        return out;  // an image without colour channels is valid too
     }
     const ForeignCamera camera = foreign_camera(file, channels.part, {});
     out.json["colour"] = channels_json(channels);

@@ -8,7 +8,8 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // With --salvage the input is a sample file, even if its header is damaged.
+    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
+    // it.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign);
     const Damage damage = damage_rule(options.salvage);

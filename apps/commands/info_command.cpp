@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Number of layers: the visible one and all down to the deepest hidden layer with a
-// record. Reads all records.
+// Number of layers in the file, from the visible layer 0 to the deepest hidden layer with a record. Reads all
+// records.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

@@ -22,7 +22,8 @@ PartFacts facts_of(const std::string& name) {
     return out;
 }
 
-/// The command of the parts, without its output. Only commands that join items are run.
+/// Returns the words of the command that made the part, without the output. Throws an error for a command
+/// whose parts are not items such as the images of a sweep.
 std::vector<std::string> words_in(const PartFacts& part) {
     const Json words = part.mark.value("words", Json());
     const bool texts = words.is_array() && !words.empty() &&

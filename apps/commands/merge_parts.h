@@ -1,5 +1,5 @@
-// The parts that `merge` joins, with any contents: finds out which share each part is, and whether the parts
-// belong to the same command.
+// The parts that `merge` joins: the result files of shares of a command. These functions read the number of
+// the share from each part and check that all parts belong to the same command.
 #pragma once
 
 #include <map>
@@ -13,8 +13,8 @@ namespace postlens {
 
 using Json = nlohmann::ordered_json;
 
-/// Reads the share from the mark of a part (mark_of in share.h). Throws Error(invalid_input) for a mark that
-/// postlens has not written.
+/// Reads the number of the share from `mark`, the JSON that describes a part (mark_of in share.h). Throws
+/// Error(invalid_input) if postlens has not written this JSON.
 [[nodiscard]] Share share_in(const Json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -24,14 +24,15 @@ struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of t
     Share share;
 };
 
-/// Throws Error(invalid_input) if two parts are not from shares of the same command.
+/// Throws Error(invalid_input) if the two parts come from different commands.
 void check_same_work(const PartFacts& first, const PartFacts& other);
 
-/// The parts that were found, by share. Throws Error(invalid_input) if two parts have the same share.
+/// The parts that were found, in the order of their shares. Throws Error(invalid_input) if two parts contain
+/// the same share.
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Numbers of the shares whose parts are missing. Throws if there are any, unless `partial` is set.
+    /// Returns the numbers of the shares that have no part. Throws if there are any, unless `partial` is set.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:
@@ -41,11 +42,12 @@ class FoundParts {
 /// "0/8, 3/8"; a long list is cut short.
 [[nodiscard]] std::string listed(const std::vector<int>& shares, int count);
 
-/// Joins parts of a trace, which are sample files, to the sample file of the undivided trace.
+/// Joins the parts of a trace, which are sample files, into the sample file that an undivided trace would
+/// write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
 /// Joins the results that the shares of a sweep or a chart have written into one folder. The parts are the
-/// tables of the shares, FOLDER/*.I-of-N.json; the output is the folder.
+/// tables FOLDER/*.I-of-N.json, one per share. The joined result is written to the same folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// Exposure at which radiance is read as it is stored, in stops.
+/// Exposure, stops, at which radiance is read without a change.
 constexpr double as_stored = 0;
 
 PartFacts facts_of(const std::string& name, const SampleFileReader& file) {

@@ -25,7 +25,7 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// Name of the method used for one object. `automatic` means that no method was used.
+// Name of the method that blurred one object. `automatic` means that the object was not blurred.
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -68,8 +68,8 @@ void refuse_for_pictures(bool given, const char* option) {
          option);
 }
 
-/// Reports what both kinds of input have in common: warnings, exit code and the JSON keys
-/// that scripts rely on.
+/// Reports the results that sample files and images of other programs have in common: warnings, exit code,
+/// and the JSON keys that scripts rely on.
 CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
                      std::vector<Warning> warnings = {}) {
     CommandResult out;
@@ -142,7 +142,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Motion blur with rays where the views are unsure: what `shoot` makes of a lens that is a pinhole.
+/// Makes motion blur with traced rays for samples that the records do not determine. Runs `shoot` with a
+/// pinhole lens.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -174,7 +175,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // The focus distance of a pinhole has no effect, but a lens needs one.
+    // A focus distance must be set even for a pinhole, where it has no effect.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     if (o.settings.views) shoot.focus.views = *o.settings.views;
     return run_shoot(shoot);
@@ -203,7 +204,8 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // With --salvage the input is a sample file, even if its header is damaged.
+    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
+    // it.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
     if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-// Writes the explanation image, whose hue shows the method per pixel: blue scattered, grey light field, red
-// traced again. Its brightness is that of the image. With the method auto, the light field is brighter in
-// tiles that average more views (reprojections to a lens point).
+// Writes the explanation image. Its hue shows the method in each pixel: blue for scattered, grey for light
+// field, red for rays. Its brightness is that of the image. With the method auto, tiles of the light field
+// that average more views (reprojections to a lens point) are brighter.
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -21,7 +21,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // The brightness factor of the light field grows from 1/4 for 16 views to 2 for 2048 views.
+            // The brightness factor of the light field is 1/4 for 16 views and increases to 2 for 2048 views.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }
@@ -30,7 +30,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Reads the scene. Checks the output files first, so that a wrong name is reported before the work.
+// Reads the scene in which rays are traced. Checks the output files first, so that a wrong name is reported
+// before the long work.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

@@ -1,4 +1,4 @@
-// Helpers that `focus`, `shoot` and `sweep` share for the method auto and for error prediction.
+// Helpers for the method auto and for error prediction, which `focus`, `shoot` and `sweep` use.
 #pragma once
 
 #include "apps/command.h"
@@ -7,14 +7,14 @@
 
 namespace postlens {
 
-/// Runs auto with the scene of `retrace`, adds the scene's warnings, writes the explanation image if
-/// `retrace` names one, and sets the exit code if the target PSNR is not met. `picture` is the output file;
-/// an error is thrown if the scene refers to it.
+/// Runs the method auto with the scene of `retrace` and adds the scene's warnings. Writes the explanation
+/// image if `retrace` names one. Sets the exit code if the image does not reach the target PSNR. Throws an
+/// error if the scene refers to the output file `picture`.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
-/// `--predict`: adds the predicted error of an image to the result.
+/// Adds the predicted error of an image to the result, for the option `--predict`.
 void report_prediction(const PredictedError& predicted, CommandResult& out);
-/// The figures that `--json` lists for `auto` in addition to those of every image.
+/// The numbers that `--json` lists only for the method auto.
 [[nodiscard]] nlohmann::ordered_json auto_json(const AutoResult& result);
 
 }  // namespace postlens

@@ -6,8 +6,9 @@
 namespace postlens {
 namespace {
 
-// Diameters, px, of the elliptical circle of confusion. They are the singular values of gain * 2R * (I/s -
-// W), for a lens of radius R focused at distance s and a node of matrix W.
+// The two diameters, px, of an elliptical circle of confusion. They are the singular values of gain * 2R *
+// (I/s - W). Here R is the lens radius, m, s the focus distance, m, W the matrix of the node, 1/m, and gain a
+// scale, px m.
 struct CocAxes {
     double longer_px, shorter_px;
 };
@@ -54,7 +55,7 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     return line + "\n";
 }
 
-// The lens of options and file; empty, so that no CoC is shown, if they do not define one.
+// Returns the lens from the options and the file. Empty if they do not define one; no CoC is then shown.
 std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFileReader& file) {
     const SampleHeader& h = file.header();
     if (h.projection == Projection::orthographic) return std::nullopt;
@@ -71,7 +72,7 @@ CommandResult run_records(const RecordsOptions& options) {
     const SampleFileReader file(options.input, damage_rule(options.salvage), 0.0);  // 0 stops: radiance
     const SampleHeader& h = file.header();
     const auto lens = lens_of(options.lens, file);
-    const double limit = 1e6;  // px; larger than any raster, and still representable as int
+    const double limit = 1e6;  // px; larger than any raster, but representable as an int
     if (std::abs(options.at.first) > limit || std::abs(options.at.second) > limit) {
         fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{})", options.at.first,
              options.at.second);

@@ -18,7 +18,8 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// The values of the options. An absent option has the value of the sample file.
+/// Returns the lists of values from the options. If an option is absent, the list is the value in the sample
+/// file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
@@ -85,7 +86,7 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
              fmt::format("{} of {} pictures: {}", w.pictures, result.table.rows.size(), w.worst.text),
              w.worst.share});
     }
-    // Settings for which the trace does not suffice are counted and reported as one warning.
+    // Settings for which the sample file does not suffice are counted and reported as one warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {
@@ -142,7 +143,7 @@ CommandResult run_sweep(const SweepOptions& o) {
         out.warnings.push_back({"contact_sheet", fmt::format("of {} pictures no contact sheet is made",
                                                              result.table.rows.size())});
     }
-    // --strict ignores exposure warnings, which concern only how the images are displayed.
+    // --strict ignores exposure warnings, because they only concern how the images are displayed.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))
         out.exit_code = ExitCode::shortfall;

@@ -11,7 +11,7 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists as typed; absent: the value of the sample file.
+    /// Lists of values, as typed. An absent list is the value in the sample file.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file
@@ -23,7 +23,7 @@ struct SweepOptions {
     bool strict = false;
 };
 
-/// Number of pictures of a sweep. Throws as run_sweep does for wrong options.
+/// Returns the number of images of a sweep. Throws the errors of run_sweep for wrong options.
 [[nodiscard]] std::size_t pictures_of(const SweepOptions& options);
 [[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
 

@@ -15,7 +15,8 @@ namespace postlens {
 
 namespace {
 
-// Warns of ids whose shapes move differently, because the header stores one motion per id.
+// Adds a warning for each id whose shapes have different motions, because the header stores only one motion
+// per id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
@@ -36,8 +37,8 @@ void check_room(std::uint64_t bytes, const std::string& output) {
                  "expected enough, a smaller --size or --subdivide, or --force to try all the same");
 }
 
-// True if the disk has so much room that the size of the file need not be predicted: usual traces need far
-// less than 16 KiB per pixel.
+// True if the free disk space is ample: more than 16 KiB per pixel, which is far more than usual traces need.
+// The size of the file is then not predicted.
 bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
     constexpr double ample_bytes_per_px = 16384;
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
@@ -75,7 +76,7 @@ CommandResult run_trace(const TraceOptions& options) {
     std::optional<std::uint64_t> expected_bytes;
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
-        require_trace_memory(scene, settings, options.output);  // the preview pass needs much memory too
+        require_trace_memory(scene, settings, options.output);  // the preview pass needs much memory as well
         const TracePlan p = plan_trace(scene, settings, options.target_db);
         settings = p.settings;
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},

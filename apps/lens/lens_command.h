@@ -21,7 +21,7 @@ struct LensCommandOptions {
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 
-/// Options that `lens show`, `trace` and `fit` share: a lens prescription and its settings.
+/// Options that `lens show`, `trace` and `fit` have in common: a lens prescription and its settings.
 struct PrescriptionOptions {
     std::string input;
     std::optional<double> f_number, focus_m, wavelength_nm;
@@ -58,8 +58,8 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
-/// Settings of the lens of the options. An absent `focus_m` leaves the focus to the
-/// prescription, or to infinity.
+/// Returns the settings of the traced lens. If the option `focus_m` is absent, the focus is that of the
+/// prescription, or infinity.
 [[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
                                                       double film_radius_mm);
 

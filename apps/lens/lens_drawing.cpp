@@ -17,7 +17,8 @@ constexpr Drawing::Colour black{30, 30, 30}, grey{150, 150, 150}, light{225, 225
 constexpr std::array<Drawing::Colour, 5> ray_colours{
     {{0, 114, 178}, {0, 158, 115}, {213, 94, 0}, {204, 121, 167}, {120, 94, 40}}};
 
-// The smallest step between ticks that is 1, 2 or 5 times a power of ten and not below `span` / `count`.
+// Returns the smallest step between ticks that is not below `span` / `count` and is 1, 2 or 5 times a power
+// of ten.
 double round_step(double span, double count) {
     const double raw = span / count, power = std::pow(10, std::floor(std::log10(raw)));
     for (const double f : {1.0, 2.0, 5.0}) {
@@ -32,7 +33,7 @@ Drawing draw_section(const LensSection& section, const Prescription& lens, const
     constexpr double width = 1200, margin = 24, caption = 44;
     const double z0 = section.front_z_mm, z1 = section.film_z_mm + 0.03 * (section.film_z_mm - z0);
     const double height_mm = std::max(section.height_mm, 1e-6);
-    // The lens is drawn as wide as the image allows, but at most about 900 px high.
+    // The drawing of the lens fills the width of the image, but is at most about 900 px high.
     const double scale = std::min((width - 2 * margin) / (z1 - z0), 425 / height_mm);
     const double middle = margin + height_mm * scale;
     Drawing out(static_cast<int>(width), static_cast<int>(2 * middle + caption));
@@ -120,7 +121,7 @@ Drawing draw_curves(const std::vector<Curve>& curves, const std::string& x_title
         }
         const double step = round_step(high - low, 4), x_step = round_step(right_x, 8);
         low = std::floor(low / step + 1e-9) * step;
-        high = std::ceil(high / step - 0.02) * step;  // tolerates a curve slightly above the top line
+        high = std::ceil(high / step - 0.02) * step;  // tolerate a curve slightly above the top line
         const auto at = [&](double x, double y) {
             return Point{left + x / right_x * (width - left - right),
                          y0 + (high - y) / (high - low) * height};

@@ -1,4 +1,4 @@
-// Drawings of lenses: the cross-section with its rays, spot diagrams, curves over the field.
+// Drawings of lenses: cross-sections with rays, spot diagrams, and curves over the field of view.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The meridional section, with the scene on the left. Ticks on the axis mark the pupils.
+/// Draws the meridional section of the lens, with the scene on the left. Ticks on the axis mark the pupils.
 [[nodiscard]] Drawing draw_section(const LensSection& section, const Prescription& lens,
                                    const TracedLens& traced);
 
@@ -18,14 +18,14 @@ struct Spot {
     std::vector<glm::dvec2> points_mm;  ///< positions in the upright image: x to the right, y up
     double rms_mm = 0;
 };
-/// Spot diagrams side by side, at a common scale that a scale bar shows.
+/// Draws spot diagrams side by side. All have the same scale, which a scale bar shows.
 [[nodiscard]] Drawing draw_spots(const std::vector<Spot>& spots);
 
 struct Curve {
     std::string title, unit;
     std::vector<double> x, y;
 };
-/// Plots the curves one below the other, over a common x axis.
+/// Plots the curves one below the other. They have a common x axis.
 [[nodiscard]] Drawing draw_curves(const std::vector<Curve>& curves, const std::string& x_title);
 
 }  // namespace postlens

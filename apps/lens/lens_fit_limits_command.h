@@ -1,5 +1,5 @@
-// `lens fit --pairs` fits a thin lens to measured CoCs; `lens fit --sharp` finds one for a
-// range of sharp depths.
+// Two commands that need no lens prescription: `lens fit --pairs` fits a thin lens to measured circles of
+// confusion, and `lens fit --sharp` finds the lens that keeps a range of depths sharp.
 #pragma once
 
 #include <optional>
@@ -25,10 +25,10 @@ struct LensFitLimitsOptions {
 /// Parses a sensor size, mm, such as "36x24". Throws Error(wrong_arguments).
 [[nodiscard]] std::pair<double, double> parse_sensor(const std::string& option, const std::string& text);
 
-/// `lens fit --picture --frame`: estimates the lens with which the image was made.
+/// Runs `lens fit --picture --frame`, which estimates the lens with which an image was made.
 [[nodiscard]] CommandResult run_lens_fit_picture(const LensFitLimitsOptions& options);
 
-/// `lens fit --pairs` or `--sharp`. Requires exactly one of `pairs` and `sharp`.
+/// Runs `lens fit --pairs` or `lens fit --sharp`. Requires exactly one of `pairs` and `sharp`.
 [[nodiscard]] CommandResult run_lens_fit_limits(const LensFitLimitsOptions& options);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// `lens psf`: the impulse response of a lens, and the f-number from which diffraction dominates.
+// The command `lens psf`. It computes the impulse response of a lens, and the f-number above which
+// diffraction dominates.
 #pragma once
 
 #include <optional>

@@ -15,8 +15,8 @@ double degrees(double tangent) {
     return std::atan(tangent) * 180 / std::numbers::pi;
 }
 
-// Tangent of the field angle at which to draw the edge of the field: that of the film, else of the file, else
-// of a normal lens. It is reduced until light passes through the lens.
+// Returns the tangent of the field angle for the outermost rays of the drawing. The angle comes from the film
+// width, else from the file, else from a normal lens. It is reduced until light passes through the lens.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {
@@ -44,8 +44,8 @@ nlohmann::ordered_json numbers_json(const FirstOrder& f) {
             {"film_distance_mm", json_number(f.film_distance_mm)}};
 }
 
-// Field of view, degrees, on a film of the given width. It follows from traced chief rays, and so includes
-// distortion.
+// Returns the field of view, degrees, on a film of the given width. It includes distortion, because it is
+// computed from traced chief rays.
 std::optional<double> traced_field_deg(const TracedLens& traced, double film_width_mm) {
     try {
         return 2 * degrees(lens_model_range(traced, 1, 2, 0.5 * film_width_mm, 2).tangents.back());
@@ -79,8 +79,8 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Only a converging lens can be focused, stopped down and drawn. A diverging one
-    // has first-order data only.
+    // Only a converging lens can be focused, stopped down and drawn. For a diverging lens only the
+    // first-order data are reported.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));
         const double ratio = f.f_number / traced->f_number();

@@ -62,7 +62,7 @@ FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, in
         square +=
             static_cast<double>(out.mesh.weight[k]) * glm::dot(p - out.centroid_mm, p - out.centroid_mm);
         out.largest_mm = std::max(out.largest_mm, glm::length(p));
-        out.spot.points_mm.push_back(-p);  // the lens inverts its image; the diagram is upright
+        out.spot.points_mm.push_back(-p);  // the lens inverts its image, but the diagram is upright
     }
     out.rms_mm = std::sqrt(square / sum);
     out.spot.rms_mm = out.rms_mm;
@@ -82,8 +82,8 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     return out;
 }
 
-// Height on the film, mm from the centre, of the chief ray with the given field tangent; NaN
-// if there is none.
+// Returns the height of a chief ray on the film, mm from the centre, for the tangent of its field angle. NaN
+// if no ray passes.
 double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     const auto aim = traced.aim_at_stop(depth_m, {0, tangent});
     if (!aim) return NAN;
@@ -112,14 +112,14 @@ struct FieldCurves {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm,
                          double axis_area_mm2) {
     FieldCurves out;
-    // Paraxial scale of the image, from a chief ray near its centre.
+    // The paraxial scale of the image is computed from a chief ray near its centre.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;
     try {
         edge = lens_model_range(traced, 1, 2, film_radius_mm, 2).tangents.back();
     } catch (const Error&) {
-        edge = std::min(edge, 1.5);  // no chief ray reaches the film's edge: keep the paraxial estimate
+        edge = std::min(edge, 1.5);  // no chief ray reaches the film's edge, so keep the paraxial estimate
     }
     PupilMesh mesh;
     for (int i = 0; i < curve_points; ++i) {
@@ -153,8 +153,8 @@ void write_curves(const std::string& path, const FieldCurves& c) {
                               "field, degrees"));
 }
 
-// Writes the impulse responses of all fields side by side, in squares of the same size centred
-// on the chief ray.
+// Writes the impulse responses of all fields side by side. Each is in a square of the same size, centred on
+// its chief ray.
 void write_impulse(const std::string& path, const TracedLens& traced, double depth_m,
                    const std::vector<FieldResult>& fields, double pitch_mm) {
     std::vector<ResponseGrid> grids;

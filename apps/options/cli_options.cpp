@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Inserts the bounds into a help text after its first clause, before the default.
+/// Inserts the range of accepted values into a help text, after its first clause and before the default.
 std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     const std::string text = bounds.text();
     if (text.empty()) return help;
@@ -17,8 +17,8 @@ std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     return help.substr(0, at) + ", " + text + help.substr(at);
 }
 
-/// Adds an option that stores parse(name, text) in `to` after checking the bounds. `To` is a number
-/// or an optional number.
+/// Adds an option that checks the bounds of parse(name, text) and stores it in `to`. `To` is a number or an
+/// optional number.
 template <typename To, typename Parse>
 CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::string& help,
                      const OptionRange& bounds, const Parse& parse) {
@@ -121,7 +121,7 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
         ->type_name("X,Y,W,H");
 }
 
-// `source`: help text that says where a value comes from if its option is absent.
+// `source`: end of the help texts, which states where an absent value comes from.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
     number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,

@@ -1,4 +1,4 @@
-// Options that several subcommands share, and helpers that parse option values. Only cli*.cpp include this
+// Options that several subcommands have, and helpers that parse option values. Only cli*.cpp include this
 // header, because CLI11 is slow to compile.
 #pragma once
 
@@ -18,8 +18,9 @@
 
 namespace postlens {
 
-// Add a numeric option that is parsed by the functions of apps/numbers.h (inf, bounds, messages) instead of
-// CLI11's. The help text states the bounds. They are checked even if the option has no effect.
+// Adds a numeric option that the functions of apps/numbers.h parse instead of CLI11's: they allow inf, check
+// bounds and name the option in messages. The help text states the bounds, which are checked even if the
+// option has no effect.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite = false);
@@ -32,7 +33,7 @@ CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& t
 inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
     depth_counts{.low = 2, .high = DepthLevels::most_depths};
 
-/// Adds an option OPEN:CLOSE, s, where OPEN is not after CLOSE.
+/// Adds an option OPEN:CLOSE, two instants in s. OPEN must not be after CLOSE.
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
@@ -41,9 +42,10 @@ void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
-/// Adds --exposure. `absent`: text of the help that says what the default is.
+/// Adds --exposure. `absent`: part of the help text that states the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt, for commands that read the scene of a sample file. `when` begins the help text.
+/// Adds --lumens-per-watt to commands that read the scene of a sample file. `when` is the beginning of the
+/// help text.
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
@@ -54,7 +56,7 @@ void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds the options of the impulse response, for focus and render. `real_lenses`: allows lens prescriptions.
+/// Adds the options of the impulse response for focus and render. `real_lenses`: allow lens prescriptions.
 void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);

@@ -146,7 +146,8 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([o, &app, &common] {
         o->settings.join = common.join;
-        // CLI11's options no longer exist when the command runs.
+        // The lambda copies the options, because the option objects of CLI11 no longer exist when the command
+        // runs.
         common.run = [o, dry = common.dry_run, asked = asked_for(app), words = words_of(app)] {
             SweepSettings& s = o->settings;
             if (dry) {

@@ -1,4 +1,4 @@
-// The options that divide the work of a command: frames, shares, and what they would take.
+// Options that divide the work of a command into frames or shares, or predict its cost.
 #include <limits>
 
 #include "apps/numbers.h"

@@ -52,11 +52,12 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// --share. `what`: text of the help that says what is divided into shares without --frames.
+/// Adds --share. `what`: text for the help about the items or rows that are divided into shares without
+/// --frames.
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
-/// --frames, --keep and, for commands whose frames are instants, --fps.
+/// Adds --frames and --keep. Commands whose frames are instants also get --fps.
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// The command for which --dry-run predicts the tasks, from its parsed options.
+/// Returns the command for which --dry-run predicts the tasks, with its parsed options.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-// A mark tags an option, for example as one that names a file. CLI11 has no tags, so a mark is a named check
-// that accepts every text.
+// Options are tagged with marks, for example to show that an option names a file. CLI11 has no tags, so a
+// mark is a named check that accepts every text.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -78,7 +78,7 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                            .path = path,
                            .written = written,
                            .numbered = positional || written,
-                           // In the name of a scene, # is an ordinary character (frame_commands.cpp).
+                           // In the file name of a scene, # is an ordinary character (frame_commands.cpp).
                            .hashes = option->get_name() != "scene"});
         }
     }
@@ -90,7 +90,8 @@ AskedFor asked_for(CLI::App& app) {
     if (!inner.empty()) return asked_for(*inner.front());
     AskedFor out;
     out.command = app.get_name();
-    // Options that change where, how fast or with which messages a result is made, but not the result itself.
+    // These options change where or how fast the result is computed and which messages are printed, but not
+    // the result itself.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -102,7 +103,7 @@ AskedFor asked_for(CLI::App& app) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // Other options name the same file for every frame (frame_commands.cpp).
+        // All options but these name the same file for every frame (frame_commands.cpp).
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);
@@ -144,7 +145,8 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // What begins with a dash would be taken for an option if it stood by itself.
+            // A separate word that begins with a dash would be parsed as an option, so it is attached to the
+            // option's name.
             if (option->get_positional())
                 out.push_back(text);
             else

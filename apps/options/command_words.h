@@ -1,5 +1,5 @@
-// Finds what a command line names: the files that it reads and writes, and the options that determine its
-// result. Also repeats the command line for `merge` and --dry-run.
+// Finds the files that a command line reads and writes, and the options that determine its result. Also
+// repeats the command line for `merge` and --dry-run.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,19 +12,20 @@
 namespace postlens {
 
 /// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`, an object or
-/// its mask), so that files_of finds the file. A command that writes files marks all such options. Return the
-/// option.
+/// its mask), so that files_of finds the file. A command that writes files must mark all such options. Both
+/// functions return the option.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
-/// The files that are named by the marked options of the parsed subcommand.
+/// Returns the files that the marked options of the parsed subcommand name.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// The options of the parsed subcommand, and the files that it reads.
+/// Returns the options of the parsed subcommand and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& app);
 
-/// The words of the command line without --share, --dry-run, --json and the options that name outputs.
+/// Returns the words of the command line without --share, --dry-run, --json and the options that name
+/// outputs.
 [[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
 
 }  // namespace postlens

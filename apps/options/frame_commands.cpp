@@ -15,7 +15,7 @@ namespace {
 
 constexpr double default_fps = 24;
 
-/// Instant of a frame on the scene's clock, s: frame / fps, plus the offset --time.
+/// Returns the instant of a frame on the scene's clock, s: frame / fps, plus the offset --time.
 double time_of(const FrameOptions& options, int frame, const std::optional<double>& time_s) {
     return frame / options.fps.value_or(default_fps) + time_s.value_or(0);
 }
@@ -29,7 +29,7 @@ std::optional<TimeSpan> moved(std::optional<TimeSpan> span, double by_s) {
     return span;
 }
 
-/// The raster of a sample file, or of an image of another program.
+/// Returns the raster size of a sample file, or of an image of another program.
 ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
     if (salvage || !is_foreign(input)) {
         const SampleFileReader file(input, damage_rule(salvage));
@@ -40,7 +40,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Without a range of frames, a share is some rows of the image: sets the crop and the mark of the part.
+/// Limits a command without --frames to its share of the rows. Sets the crop, and the text that identifies
+/// the result for `merge`.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -54,8 +55,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Refuses --share for `auto` with a target or a scene, because `auto` then decides by errors that it
-/// measures on the whole image. `decides`: whether it does.
+/// Refuses --share if `decides` is true: if the method auto measures errors on the whole image, because it
+/// has a target error or a scene.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -66,13 +67,14 @@ void refuse_shared_target(const FrameOptions& frames, bool decides, const Retrac
     if (retrace.explain) fail(ExitCode::wrong_arguments, "--share: not with --explain");
 }
 
-/// Replaces the exposure `auto` by that of the first frame, so that a sequence does not flicker.
+/// Replaces the exposure `auto` by the automatic exposure of the first frame, so that a sequence does not
+/// flicker.
 ExposureOption of_first_frame(const ExposureOption& asked, const std::function<double()>& stops) {
     if (!asked.automatic) return asked;
     return {.stops = stops()};
 }
 
-/// The input file of the first frame. `hashes`: # stands for the frame number.
+/// Returns the input file of the first frame. `hashes`: # is a placeholder for the frame number.
 std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
     return FrameName(name, hashes).of(frames.frames->front());
 }
@@ -97,7 +99,7 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
-/// The files of an image's depths, ids and motion vectors, from the options.
+/// Returns the files with depths, ids and motion vectors of an image, from the options.
 std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
     return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
 }
@@ -107,7 +109,7 @@ void set_passes(ForeignChoice& choice, const FrameFiles& files) {
     choice.ids_file = files.passes[1];
 }
 
-/// The options for the first frame, with its number in the file names.
+/// Returns the options with the file names of the first frame.
 ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     if (!frames.frames) return choice;
     for (std::filesystem::path* file : {&choice.depth_file, &choice.ids_file})
@@ -115,7 +117,7 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// The options that hold the exposure and the description of the output.
+/// Returns the struct of the options that contains the exposure and the description of the output.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -125,8 +127,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// Runs a command for each frame, with options that `adapt` changes, or once without --frames. The commands
-/// trace and render also get the instant of the frame.
+/// Runs a command once for each frame, after `adapt` has changed its options, or a single time without
+/// --frames. The commands trace and render also receive the instant of the frame.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -142,7 +144,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // `auto` is that of the first frame, which need not be among the options of this one.
+            // The exposure `auto` is computed from the first frame, so it is stated even if this run does not
+            // make that frame.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };
@@ -178,7 +181,7 @@ CommandResult run_frames(const FrameOptions& frames, const RenderOptions& asked)
     RenderOptions options = asked;
     if (frames.shared && !frames.frames) {
         check_exr_path(options.output, "parts");
-        options.shared = frames.shared;  // run_render divides, once it has read the scene
+        options.shared = frames.shared;  // run_render divides the work after it has read the scene
     }
     options.exposure = exposure_of_first_scene(frames, asked);
     return each_frame(frames, {options.scene, options.output, {}, options.settings.halves, {}}, options,

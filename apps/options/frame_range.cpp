@@ -43,7 +43,8 @@ bool taken(std::string_view& text, char c) {
     return true;
 }
 
-/// Length of the placeholder at the front of the text, and its number of digits; 0 if there is none.
+/// Returns the length of the placeholder at the front of the text, and its number of digits; 0 if there is
+/// none.
 std::pair<std::size_t, int> place_of_number(std::string_view text) {
     if (text.starts_with("%d")) return {2, 1};
     const bool zeros = text.size() >= 4 && text[0] == '%' && text[1] == '0' && text[2] >= '1' &&
@@ -60,7 +61,8 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // An incomplete file lacks the rows written last, so only the last row of each instant is read.
+        // The last rows are written last. To detect an incomplete file, it suffices to read the last row of
+        // each instant.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -77,22 +79,24 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Text of a fingerprint. An option need not be UTF-8.
+/// Text of the fingerprint. Invalid UTF-8 is allowed, because an option may contain any bytes.
 std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? ""
                              : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// Why an output is not what a command would make: the first setting that differs; empty if none does.
+/// Returns why an output must be made again: the first setting that differs from the command. Empty if all
+/// settings agree.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // As it would be written, for texts that are not UTF-8.
+    // `made_by` is converted to text and back, so that invalid UTF-8 is replaced as in the file.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// The warnings of all frames: one for each code, with the text of the first frame that has it.
+/// Collects the warnings of all frames: one for each code, with the text of the first frame that has this
+/// code.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {
@@ -276,7 +280,7 @@ CommandResult run_frame_range(
         if (out.exit_code == ExitCode::ok) out.exit_code = one.exit_code;
         if (!options.speak) continue;
         fmt::print("frame {}: {}\n", frame, one.text);
-        std::fflush(stdout);  // shows progress, because a range may take hours
+        std::fflush(stdout);  // shows progress, because a range of frames may take hours
     }
     out.warnings = warnings.list();
     out.json = {{"frames", std::move(frames)}, {"kept", kept}};

@@ -24,7 +24,7 @@ class FilesSeen {
     }
 
   private:
-    std::unordered_map<std::string, const NamedFile*> first_;  ///< first use of each file, by identity
+    std::unordered_map<std::string, const NamedFile*> first_;  ///< first use of each file, by its identity
 };
 
 }  // namespace
@@ -37,7 +37,8 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // An input without a placeholder is the same file in every frame; such an output is refused later.
+        // An input without a placeholder is the same file in every frame. An output without one is refused
+        // later.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

@@ -1,4 +1,4 @@
-// Per pixel, the inverse focus distance that brings the object in the pixel into focus.
+// For each pixel, the inverse of the focus distance at which the object in the pixel is in focus.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Values of the brightest visible node of every pixel, row by row.
+/// Values of the brightest visible node in each pixel, row by row.
 struct ImageDepths {
-    /// Inverse focus distance, 1/m, that brings the node into focus. A reflection in a curved mirror has two
-    /// such distances, of which this is the mean. Negative if no focus distance up to infinity brings the
-    /// node into focus, as for some reflections.
+    /// Inverse focus distance, 1/m, at which the node is in focus. The image in a curved mirror has two such
+    /// distances; this is the mean of their inverses. Negative if the node is never in focus, up to infinity,
+    /// as for some reflections.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object; 0: nothing was hit
 };

@@ -5,7 +5,7 @@
 
 namespace postlens {
 
-/// Serves the viewer until the job is cancelled, and prints its address on standard output. Throws
+/// Serves the viewer until the job is cancelled. Prints its address on standard output. Throws
 /// Error(wrong_arguments) if the port is in use, and the errors of opening the frame.
 [[nodiscard]] CommandResult run_view(const ViewOptions& options);
 

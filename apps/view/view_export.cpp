@@ -29,7 +29,7 @@ std::string data_uri(const std::string& type, const std::string& bytes) {
     return "data:" + type + ";base64," + text;
 }
 
-/// Scales an image down by an integer factor: each pixel is the mean of by x by pixels.
+/// Scales an image down by the integer factor `by`: each pixel is the mean of by x by pixels.
 Image shrunk(const Image& from, int by) {
     if (by == 1) return from;
     Image out(from.width / by, from.height / by);
@@ -45,7 +45,8 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Focus distances, m, from near to far, at uniform quantiles of the pixels' inverse depths; may be infinite.
+/// Returns focus distances, m, from near to far. They are evenly spaced quantiles of the pixels' inverse
+/// depths, and may be infinite.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -58,8 +59,8 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// The depth map that the user clicks on, a quarter as wide and high as the image. 255 is
-/// the greatest inverse depth.
+/// Returns the depth map on which the user clicks. It is a quarter as wide and high as the image. A value of
+/// 255 is the greatest inverse depth.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
@@ -80,7 +81,7 @@ EncodedPicture depth_map(const std::vector<float>& inverse, int width, int heigh
     return out;
 }
 
-/// Number of images of a page, and the factor by which they are scaled down.
+/// Number of images on the page, and the factor by which they are scaled down.
 struct Plan {
     int focus_distances = 9, f_numbers = 3, shrunk_by = 1;
     [[nodiscard]] int pictures() const { return focus_distances * f_numbers; }
@@ -101,11 +102,12 @@ class Exporter {
         const auto open = kept_->at(std::nullopt);
         const SampleHeader& h = open->file.header();
         std::vector<float> inverse = image_depths(open->file).inverse_per_m;
-        // Negative values, behind infinity, are set to 0, because a lens focuses at infinity at most.
+        // Negative values, which lie behind infinity, are set to 0, because a lens can focus at infinity at
+        // most.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         const double f_number = h.f_number && std::isfinite(*h.f_number) ? *h.f_number : 2.8;
-        // The size of all images in bytes is estimated from one image at the middle focus distance.
+        // The total size of all images, bytes, is estimated from one image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
@@ -169,7 +171,7 @@ class Exporter {
         data["depths"] =
             data_uri("image/png", png_file(depth_map(inverse, h.width, h.height, greatest), "depths"));
         std::string json = data.dump();
-        // Escapes '<', because a name could contain the end tag of the script element.
+        // Escapes '<', because a name could otherwise contain the end tag of the script element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
             json.replace(at, 1, "\\u003c");
         std::string page(page_file("export.html")->text);

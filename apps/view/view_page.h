@@ -1,4 +1,4 @@
-// The files of the viewer's page, which are compiled into the program from viewer/.
+// The files of the viewer's page. They lie in viewer/ and are compiled into the program.
 #pragma once
 
 #include <optional>

@@ -20,7 +20,7 @@ std::string random_token() {
     return out;
 }
 
-/// True for a loopback name with any port, because a tunnel by `ssh -L` may use another port than the server.
+/// True for a loopback address with any port. A tunnel by `ssh -L` may use another port than the server.
 bool is_local(const std::string& host) {
     const std::size_t colon = host.rfind(':');
     const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
@@ -29,7 +29,7 @@ bool is_local(const std::string& host) {
     return name == "127.0.0.1" || name == "localhost" || name == "[::1]";
 }
 
-/// True if the request comes from the viewer's own page, or from the browser's address bar.
+/// True if the request comes from the viewer's own page or from the address bar of the browser.
 bool is_ours(const httplib::Request& request) {
     const std::string host = request.get_header_value("Host");
     if (!is_local(host)) return false;
@@ -56,7 +56,8 @@ struct ViewServer::Impl {
     httplib::Server server;
     std::string token = random_token(), address;
 
-    /// The part of a path after "/TOKEN/"; empty for a wrong token. The comparison takes constant time.
+    /// Returns the part of a path after "/TOKEN/"; empty if the token is wrong. The comparison takes constant
+    /// time, so that its duration does not reveal the token.
     [[nodiscard]] std::optional<std::string> behind_token(const std::string& path) const {
         if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/')
             return std::nullopt;
@@ -102,7 +103,8 @@ struct ViewServer::Impl {
 
 ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<Impl>()) {
     httplib::Server& server = impl_->server;
-    // An idle connection occupies a thread until its timeout, hence many threads and a short timeout.
+    // An idle connection occupies a thread until its timeout, so there are many threads and the timeout is
+    // short.
     constexpr std::size_t threads = 32;
     constexpr time_t patience_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // NOLINT: the server deletes it
@@ -111,8 +113,8 @@ ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // FD_CLOEXEC: the browser does not inherit the socket. SO_REUSEADDR only, without SO_REUSEPORT: the port
-    // is not shared with another program.
+    // FD_CLOEXEC keeps the browser process from inheriting the socket. SO_REUSEPORT is not set, so no other
+    // program can share the port.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

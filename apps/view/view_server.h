@@ -1,4 +1,4 @@
-// The viewer's HTTP server, which answers only requests of the viewer's own page.
+// The viewer's HTTP server. It answers only requests from the viewer's own page.
 #pragma once
 
 #include <memory>
@@ -8,11 +8,12 @@
 
 namespace postlens {
 
-/// Serves the page and a session's replies on 127.0.0.1. Every URL path begins with a random token. Requests
-/// of other sites, with a foreign Host or Origin, are refused. The page loads nothing from other servers.
+/// Serves the page and the replies of a session on 127.0.0.1. Every URL path begins with a random token.
+/// Requests from other sites, which have a foreign Host or Origin, are refused. The page loads nothing from
+/// other servers.
 class ViewServer {
   public:
-    /// Binds the port (0: any free one). Throws Error(wrong_arguments) if it is in use.
+    /// Binds the port; 0 selects any free one. Throws Error(wrong_arguments) if the port is in use.
     ViewServer(ViewSession& session, int port);
     ~ViewServer();
     ViewServer(const ViewServer&) = delete;

@@ -50,7 +50,7 @@ ViewReply picture_reply(const ParsedCommand& command) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page draws only the noise of the light field per tile, so the rest of the plan is dropped.
+        // The page only draws the noise of each tile of the light field, so the rest of the plan is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -75,7 +75,8 @@ ViewReply picture_reply(const ParsedCommand& command) {
     return out;
 }
 
-/// The options of `focus` and `shoot` that the page may set. None of them names a file.
+/// The options of `focus` and `shoot` that the page may set. None of them names a file, so the page cannot
+/// access other files.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
         "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
@@ -132,7 +133,7 @@ ViewReply ViewSession::frame() const {
     return {.body = json.dump()};
 }
 
-/// Cancels the slot's current request, and runs `make` in its place.
+/// Cancels the current request of the slot, and runs `make` in its place.
 ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) {
     const auto job = std::make_shared<Job>(JobSettings{.threads = options_.threads});
     {
@@ -192,7 +193,7 @@ ViewReply ViewSession::rays(const ViewParameters& parameters) {
             check_value(name, value);
             words.push_back(option(name, value));
         }
-        // The raster and the field of view are those of the frame, even if the scene's camera differs.
+        // Raster and field of view are those of the frame, even if the camera of the scene differs.
         const Json& frame = info_.json;
         const int width = frame["width"].get<int>();
         words.push_back(option("size", fmt::format("{}x{}", width, frame["height"].get<int>())));
@@ -217,7 +218,8 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
         if (parameters.contains("focus") && parameters.at("focus") != "inf")
             options.lens.focus_m = number_of(parameters, "focus");
         const Json json = run_records(options).json;
-        // Merges the nodes of all samples that have the same object and path.
+        // One visible surface of a pixel: the nodes of all its samples with the same object and path are
+        // merged.
         struct Seen {
             double light = 0, inverse_depth = 0;
             const Json* node = nullptr;
@@ -251,7 +253,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
             Json node = *s->node;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // null means infinity, which is also the best focus for an image behind infinity.
+            // null means infinity. An image behind infinity is also sharpest with the focus at infinity.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));

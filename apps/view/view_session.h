@@ -1,5 +1,5 @@
-// Answers the requests of the viewer's page. The page asks for images of one frame, which the commands
-// `focus`, `shoot` and `render` make, and for the nodes of the shading trees in a pixel.
+// Answers the requests of the viewer's page. The page requests images of one frame, made by the commands
+// `focus`, `shoot` and `render`, and the nodes of the shading trees in a pixel.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@ namespace postlens {
 
 struct ViewOptions {
     std::string input;
-    std::optional<std::string> scene;  ///< for the method auto and for rays
+    std::optional<std::string> scene;  ///< scene in which the method auto and `render` trace rays
     int port = 0;                      ///< 0: any free one
     bool open = false;                 ///< open the page in the desktop's browser
     int threads = 0;
@@ -32,34 +32,37 @@ struct ViewReply {
     std::string body;
 };
 
-/// Answers requests from any thread. A request for an image cancels an older one that is still being
-/// computed. Errors become replies: status 400 with {"error": text}, or 409 if the work was cancelled.
+/// Answers requests from any thread. A request for an image cancels an older request that is still being
+/// computed. Errors become replies with status 400 and {"error": text}, or with status 409 if the work was
+/// cancelled.
 class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);
 
-    /// What the page needs at its start: size, camera, lens, file names.
+    /// The data that the page needs at its start: size, camera, lens, file names.
     [[nodiscard]] ViewReply frame() const;
-    /// An image by `focus`, or by `shoot` if the parameters have a shutter. The body has the length of a JSON
-    /// text in bytes (32 bits, little endian), the text, zeros up to a multiple of 4, and RGB as half floats,
-    /// row by row. If has_ray_share is true in the JSON, one half float per pixel follows: the share of its
-    /// view samples that rays replaced.
+    /// Returns an image by `focus`, or by `shoot` if the parameters have a shutter. The body has four parts:
+    /// the length of a JSON text in bytes (32 bits, little endian), the text, zeros up to a multiple of 4
+    /// bytes, and RGB as half floats, row by row. If has_ray_share is true in the JSON, one half float per
+    /// pixel follows: the fraction of the pixel that was computed by rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// An image by `render` of the scene, in the format of `picture`. Cancels only older requests for rays.
+    /// Returns an image by `render` of the scene, in the format of `picture`. Cancels only older requests for
+    /// rays.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// The visible nodes of a pixel, merged by object and path and sorted by their share of the pixel's
-    /// light, each with the focus distance that brings it into focus. Parameters x and y, px.
+    /// Returns the visible nodes of a pixel, each with the focus distance that brings it into focus. Nodes of
+    /// the same object and path are merged. The nodes are sorted by their fraction of the pixel's light.
+    /// Parameters: x and y, px.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// For the brightest visible node of every pixel (ImageDepths): all ids (32 bits each), then all inverse
-    /// focus distances (half floats, 1/m).
+    /// Returns the ids (32 bits each) of the brightest visible node in all pixels, then the inverse focus
+    /// distances of these nodes (half floats, 1/m); see ImageDepths.
     [[nodiscard]] ViewReply depths();
-    /// The file that the command would write. Its format is the parameter `format`, png or exr.
+    /// Returns the file that the command would write. The parameter `format` is png or exr.
     [[nodiscard]] ViewReply save(const ViewParameters& parameters);
     /// Cancels all work.
     void stop();
 
   private:
-    /// Requests of one kind, of which one runs at a time.
+    /// Requests of one kind. Only one of them runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`

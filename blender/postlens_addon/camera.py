@@ -1,4 +1,4 @@
-"""Converts Blender's camera to options of postlens. This module does not depend on operators or panels."""
+"""Converts Blender's camera to options of postlens. This module does not depend on Blender's operators or panels."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ class CameraError(Exception):
 
 @dataclass(frozen=True)
 class Film:
-    """The size of an image in pixels, and the film and film distance of its camera. Pixels are square."""
+    """The size of an image in pixels, and the film width and film distance of its camera. Pixels are square."""
 
     width_px: int
     height_px: int
@@ -24,14 +24,15 @@ class Film:
         return self.distance_mm / self.width_mm * self.width_px
 
     def with_margin(self, margin_px):
-        """The film of the same camera, enlarged by `margin_px` pixels on every side."""
+        """The film enlarged by `margin_px` pixels on every side, for the same camera."""
         width = self.width_px + 2 * margin_px
         return Film(width, self.height_px + 2 * margin_px, self.width_mm * width / self.width_px, self.distance_mm)
 
 
 @dataclass(frozen=True)
 class Lens:
-    """The camera's lens. Distances are along the camera's axis in metres; one Blender unit is a metre, as in Cycles."""
+    """The lens of the camera. Distances are in metres along the camera's axis. One Blender unit is one metre, as in
+    Cycles."""
 
     focal_length_mm: float
     f_number: float
@@ -45,18 +46,20 @@ class Lens:
         return self.focal_length_mm * 1e-3 / (2 * self.f_number)
 
     def coc_radius_px(self, distance_m, film):
-        """Radius, px, of the circle of confusion at `distance_m` (may be infinite). Positive behind the focus."""
+        """Radius, px, of the circle of confusion at `distance_m` (may be infinite). It is positive behind the focus
+        distance."""
         return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
 
     def distance_in_front_m(self, radius_px, film):
-        """The distance in front of the focus, m, at which circles of confusion have the radius `radius_px`."""
+        """The distance, m, in front of the focus plane at which circles of confusion have the radius `radius_px`."""
         return 1 / (1 / self.focus_m + radius_px / (self.aperture_radius_m * film.pixels_per_radian))
 
     def options(self):
         impulse = "disc"
         if self.blades >= 3:
-            # At rotation 0, Cycles' aperture polygon has the middle of a side on the right, and its rotation
-            # turns towards the top. postlens measures the angle of a corner, and turns towards the bottom.
+            # With rotation 0, the aperture polygon of Cycles has the middle of a side on the right. A positive rotation
+            # turns it towards the top. postlens measures the angle of a corner and turns towards the bottom, so the
+            # sign and the offset change.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]
@@ -87,7 +90,7 @@ def film_of(scene, camera):
 
 
 def lens_of(camera, depsgraph):
-    """The lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is not above 0."""
+    """The lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is 0 or less."""
     evaluated = camera.evaluated_get(depsgraph)
     dof = evaluated.data.dof
     focus_m = dof.focus_distance
@@ -105,7 +108,7 @@ def lens_of(camera, depsgraph):
 
 
 def depths_of(thing, camera, depsgraph):
-    """Nearest and farthest distance along the camera's axis of an object's bounding box, in Blender's unit."""
+    """Nearest and farthest distance of an object's bounding box along the camera's axis, in Blender's units."""
     evaluated = thing.evaluated_get(depsgraph)
     to_camera = camera.evaluated_get(depsgraph).matrix_world.inverted_safe() @ evaluated.matrix_world
     depths = [-(to_camera @ Vector(corner)).z for corner in evaluated.bound_box]

@@ -8,7 +8,7 @@ import threading
 
 
 class CommandError(Exception):
-    """The command failed; the text is its error message."""
+    """The command has failed. The text of the exception is its error message."""
 
 
 class Cancelled(Exception):
@@ -16,7 +16,8 @@ class Cancelled(Exception):
 
 
 def find(path):
-    """Path of the program: `path`, or `postlens` on the search path. Raises CommandError if there is no program."""
+    """Path of the program: `path` if it is given, else `postlens` on the search path. Raises CommandError if there is
+    no program."""
     program = path or shutil.which("postlens") or ""
     if not program or not os.access(program, os.X_OK) or os.path.isdir(program):
         raise CommandError(

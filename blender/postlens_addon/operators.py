@@ -43,7 +43,7 @@ def show(path):
 
 
 class Pictures:
-    """Base of both operators. Makes one image after the other, so that Blender stays responsive between images."""
+    """Base class of both operators. Makes one image at a time, so that Blender stays responsive between images."""
 
     animation: BoolProperty(name="All frames", default=False, description="Every frame of the scene's range")
 
@@ -55,7 +55,7 @@ class Pictures:
         self.job, self.made, self.count = job, self.make(job), 0
 
     def step(self):
-        """Makes the next image. Returns whether more images follow."""
+        """Makes the next image. Returns true if more images follow."""
         try:
             _, path = next(self.made)
         except StopIteration:

@@ -1,4 +1,5 @@
-"""Renders the input of postlens: a pinhole image with passes, and a second image without the near objects."""
+"""Renders the input of postlens: a pinhole image with passes, and a second image from which near objects are
+omitted."""
 
 import contextlib
 import math
@@ -10,8 +11,8 @@ from . import camera as cameras
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin around the frame, as a share of the frame's shorter side. Light that the lens spreads into the
-# frame from beyond the margin is not rendered, and is estimated from the pixels inside.
+# Largest margin around the frame, as a fraction of the frame's shorter side. The light that the lens spreads into the
+# frame from beyond this margin is not rendered. It is estimated from the pixels within the margin.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
@@ -19,7 +20,8 @@ VISIBLE_RADIUS_PX = 1.0
 
 @contextlib.contextmanager
 def kept(*places):
-    """Restores properties after the body. `places`: pairs of a Blender object and the names of its properties."""
+    """Restores properties after the body of the `with` statement. `places`: pairs of a Blender object and the names of
+    its properties."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
     try:
         yield
@@ -39,7 +41,8 @@ def nearest_depth(scene, camera, depsgraph):
 
 
 def margin_px(scene, camera, depsgraph, lens, film):
-    """Number of pixels to render beyond the frame on each side, because the lens spreads their light into it."""
+    """Number of pixels to render beyond the frame on each side. The lens spreads the light of these pixels into the
+    frame."""
     nearest = lens.coc_radius_px(nearest_depth(scene, camera, depsgraph), film)
     farthest = lens.coc_radius_px(math.inf, film)
     widest = int(WIDEST_MARGIN * min(film.width_px, film.height_px))
@@ -47,13 +50,14 @@ def margin_px(scene, camera, depsgraph, lens, film):
 
 
 def hidden_before(scene, camera, depsgraph, distance_m):
-    """Objects that lie entirely nearer than a distance; objects that extend beyond it, such as a floor, do not."""
+    """Objects that lie entirely nearer than `distance_m`. An object that extends beyond it, such as a floor, is not
+    returned."""
     return [o for o in shapes(scene) if o.visible_camera and cameras.depths_of(o, camera, depsgraph)[1] < distance_m]
 
 
 @contextlib.contextmanager
 def pinhole(scene, camera, film, vectors):
-    """Sets up the scene for the body: a pinhole without shutter, the given film, and the passes that postlens needs."""
+    """Within the body, the scene has a pinhole without shutter, the given film, and the passes that postlens needs."""
     render, data = scene.render, camera.data
     layers = [(layer, ("use_pass_z", "use_pass_vector", "use_pass_cryptomatte_object", "pass_cryptomatte_depth"))
               for layer in scene.view_layers]  # fmt: skip
@@ -68,8 +72,8 @@ def pinhole(scene, camera, film, vectors):
         *layers,
     ):  # fmt: skip
         scene.camera = camera
-        # A camera shift is a share of the larger side of the frame. The margin changes that side, so the shift
-        # is converted.
+        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin changes that
+        # side, so the shift is converted.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -91,7 +95,7 @@ def pinhole(scene, camera, film, vectors):
 
 
 def render_to(scene, path):
-    """Renders a still image and writes it to `path`. Raises RuntimeError with Blender's message."""
+    """Renders a still image and writes it to `path`. Raises RuntimeError with Blender's error message."""
     os.makedirs(os.path.dirname(path), exist_ok=True)
     scene.render.filepath = path
     bpy.ops.render.render(write_still=True, scene=scene.name)
@@ -99,7 +103,7 @@ def render_to(scene, path):
 
 @contextlib.contextmanager
 def without(objects):
-    """Makes these objects invisible to camera rays in the body. Light, shadows and reflections still include them."""
+    """In the body, these objects are invisible to camera rays. Light, shadows and reflections still include them."""
     with kept(*((o, ("visible_camera",)) for o in objects)):
         for o in objects:
             o.visible_camera = False

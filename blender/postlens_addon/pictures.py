@@ -11,7 +11,7 @@ from . import command, passes
 
 @dataclass
 class Job:
-    """The frames to make images of, and the settings of these images."""
+    """The frames of which images are made, and the settings of these images."""
 
     scene: object
     folder: str
@@ -60,7 +60,8 @@ def widest_margin(job):
 
 
 def farthest_split(job):
-    """The distance, m, such that objects before it are left out of the second image; the farthest over all frames."""
+    """The distance, m, before which objects are omitted from the second image: the farthest such distance of all
+    frames."""
     if job.behind_distance_m > 0:
         return job.behind_distance_m
     farthest = 0
@@ -92,7 +93,8 @@ def layer_words(scene):
 
 
 def focus_words(job, made, lens, output, moved=""):
-    """Words of the command. `moved`: the front image after motion blur; it has a single layer and no depths or ids."""
+    """Words of the focus command. `moved`: the front image after motion blur, which has a single layer and no depths or
+    ids."""
     film, margin, layer = made.film, made.margin_px, layer_words(job.scene)
     words = ["focus", moved or made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
     words += ["--film-distance", f"{film.distance_mm:.9g}", "--metres-per-unit", "1", "--z", "axial"]
@@ -109,7 +111,8 @@ def focus_words(job, made, lens, output, moved=""):
 
 
 def blur_motion(job, made, frame):
-    """Applies motion blur to the front image by its motion vectors, before the lens. Returns the path of the result."""
+    """Applies motion blur to the front image by its motion vectors, before the lens is applied. Returns the path of the
+    result."""
     shutter = job.scene.render.motion_blur_shutter
     # Blender's shutter interval is centred on the frame by default.
     begin = {"START": 0.0, "CENTER": -shutter / 2, "END": -shutter}[
@@ -130,7 +133,7 @@ def take_warnings(job, frame, said):
 
 
 def focus_frames(job):
-    """Makes the images; yields (frame, path) for each. Raises CameraError, CommandError, Cancelled, RuntimeError."""
+    """Makes the images and yields (frame, path) for each. Raises CameraError, CommandError, Cancelled, RuntimeError."""
     start = job.scene.frame_current
     try:
         margin, split = widest_margin(job), farthest_split(job)
@@ -151,7 +154,7 @@ def focus_frames(job):
 
 
 def trace_frames(job):
-    """Exports each frame as glTF, and traces and focuses it with postlens; yields (frame, path)."""
+    """Exports each frame as glTF, traces and focuses it with postlens, and yields (frame, path)."""
     start = job.scene.frame_current
     try:
         for i, frame in enumerate(job.frames):

@@ -1,4 +1,5 @@
-"""Tests the add-on in Blender without a window: images against Cycles' lens, cameras, restored settings, failures.
+"""Tests the add-on in Blender without a window: images compared with Cycles' lens, cameras, restored settings,
+failures.
 
     blender -b --factory-startup -noaudio --python-exit-code 1 -P addon_test.py -- POSTLENS [TEST...]
 """
@@ -70,8 +71,8 @@ class Addon(unittest.TestCase):
         self.assertGreater(found["two"], found["flat"] + 2)
 
     def test_blades_turn_and_squeeze_as_in_cycles(self):
-        # The image of a small light source out of focus has the shape of the aperture. It is upright behind the
-        # focus.
+        # The image of a small light source out of focus has the shape of the aperture. Behind the focus distance this
+        # shape is upright.
         scene = self.scene("160x90", 64, f_number=0.25, focus_m=1.2)
         ball = next(o for o in scene.objects if o.name.startswith("light at 9 m"))
         for other in list(scene.objects):
@@ -112,8 +113,8 @@ class Addon(unittest.TestCase):
                     self.assertAlmostEqual(wide.width_mm / wide.width_px, film.width_mm / film.width_px)
 
     def test_what_is_beyond_the_frame_is_the_same_view(self):
-        # Tests a margin with a shifted sensor: the inner part of the pinhole image with margin equals the
-        # pinhole image without margin.
+        # Tests a margin with a shifted sensor. The inner part of the pinhole image with the margin must equal the
+        # pinhole image without it.
         from postlens_addon import camera as cameras
         from postlens_addon import passes
 
@@ -127,7 +128,7 @@ class Addon(unittest.TestCase):
         for name, margin in (("exact", 0), ("wide", 13)):
             program("focus", self.path(name + ".exr"), "-o", self.path(name + ".png"), *flat, "--overscan", str(margin))
         said = program("compare", self.path("wide.png"), self.path("exact.png"))
-        self.assertGreater(said["psnr_db"], 24)  # 16 samples per pixel at other positions: edges have a noise of 1/8
+        self.assertGreater(said["psnr_db"], 24)  # 16 samples per pixel at other positions: the noise at edges is 1/8
 
     def test_the_focus_object_counts_along_the_axis(self):
         from postlens_addon import camera as cameras
@@ -147,7 +148,7 @@ class Addon(unittest.TestCase):
         before = all_settings(scene)
         bpy.ops.postlens.focus()
         self.assertEqual(all_settings(scene), before)
-        # Settings are restored even if the render or the command fails.
+        # The settings must be restored even if the render or the command fails.
         os.chmod(self.path("front.0000.exr"), 0o400)
         scene.postlens.folder = "/dev/null/nowhere"
         self.fails(bpy.ops.postlens.focus)

@@ -56,7 +56,7 @@ class Program:
         return json.loads(done.stdout)
 
     def psnr_db(self, picture, halves):
-        """The error of an image without the noise of the reference, which is measured from two independent halves."""
+        """PSNR of an image without the noise of the reference, which is measured from its two independent halves."""
         said = self("compare", picture, halves[0], "--noise", halves[1])
         return said["psnr_above_noise_db"], said["noise_psnr_db"]
 

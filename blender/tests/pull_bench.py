@@ -2,8 +2,9 @@
 
     blender -b --factory-startup -noaudio --python-exit-code 1 -P pull_bench.py -- POSTLENS [SIZE [FRAMES]]
 
-Cycles' error falls with the square root of its samples. So the time that Cycles needs for the error of postlens is
-the time of the reference, multiplied by the squared error of the reference and divided by that of postlens.
+The error of Cycles is inversely proportional to the square root of its samples. Cycles would therefore reach the error
+of postlens in this time: the time of the reference, times the squared error of the reference, divided by the squared
+error of postlens.
 """
 
 import os

@@ -1,4 +1,4 @@
-// Runs every atlas case of a folder; an interrupted run resumes after its last finished case.
+// Runs all atlas cases of a folder. An interrupted run resumes after its last finished case.
 #pragma once
 
 #include <filesystem>
@@ -17,7 +17,7 @@ struct AtlasEntry {
 
 struct AtlasRun {
     std::vector<AtlasEntry> entries;  ///< sorted by name
-    std::size_t kept = 0;             ///< number of cases whose results are an earlier run's
+    std::size_t kept = 0;             ///< number of cases whose results come from an earlier run
     std::vector<std::string> broken;  ///< "CASE: METHOD: ..." for each failed expectation
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
@@ -26,9 +26,9 @@ struct AtlasRun {
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
 /// Runs all cases of the folder `cases`. After each case it writes cases/NAME.json and atlas_strip(NAME) into
-/// `folder`, which is created if its parent exists. Unless `restart` is set, results of an earlier run with
-/// the same atlas_key are kept. Throws Error(interrupted), which leaves the finished cases on disk, and the
-/// errors of read_atlas_case and run_atlas_case.
+/// `folder`, which is created if its parent exists. Results of an earlier run with the same atlas_key are
+/// kept, unless `restart` is set. Throws the errors of read_atlas_case and run_atlas_case, and
+/// Error(interrupted), after which the results of finished cases remain.
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
                                  bool restart);
 

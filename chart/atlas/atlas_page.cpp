@@ -18,7 +18,7 @@ std::string codes(const std::vector<std::string>& warnings, const char* quote) {
     return fmt::format("{0}{1}{0}", quote, fmt::join(warnings, fmt::format("{0}, {0}", quote)));
 }
 
-/// Name of a method with those of its settings that the case sets.
+/// Returns the name of a method with the settings that the case changes.
 std::string label(const AtlasMethod& m) {
     std::string out = m.name;
     if (m.views) out += fmt::format(", {} views", *m.views);
@@ -64,7 +64,7 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Table rows of the method under test, of the method that corrects its error (if the case has one) and of
+/// Table rows for the tested method, for the method that corrects its error (if the case has one), and for
 /// the pinhole image.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
@@ -92,8 +92,8 @@ std::string noise_text(const AtlasResult& r) {
 
 constexpr const char* heading = "# An atlas of failure\n\n";
 
-/// Converts Markdown to HTML. Only paragraphs, bullet lists and headings are supported; the
-/// introduction uses nothing else.
+/// Converts Markdown to HTML. Supports only what the introduction contains: paragraphs, bullet lists and
+/// headings.
 std::string html_of(const std::string& markdown) {
     std::string out, paragraph;
     const auto flush = [&] {

@@ -8,12 +8,12 @@
 
 namespace postlens {
 
-/// Markdown: the introduction, a table of all cases, then the cases grouped by cause, each with its image
-/// strip (a link to atlas_strip), sentences and figures.
+/// Returns Markdown: the introduction, a table of all cases, and the cases grouped by cause. Each case has
+/// its image strip (a link to atlas_strip), sentences and figures.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
-/// The atlas of failure with the content of atlas_markdown, as one HTML page with embedded images. `folder`
-/// is the output folder of run_atlas. Throws Error(invalid_input) if an image cannot be read.
+/// Returns the content of atlas_markdown as one HTML page with embedded images. `folder` is the output folder
+/// of run_atlas. Throws Error(invalid_input) if an image cannot be read.
 [[nodiscard]] std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder);
 
 }  // namespace postlens

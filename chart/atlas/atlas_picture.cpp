@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t method_seed = 2;  // differs from the seed of the reference, which is 1
+constexpr std::uint64_t method_seed = 2;  // must differ from the seed of the reference, which is 1
 
 FocusMethod focus_method(const std::string& name) {
     if (name == "scatter") return FocusMethod::scatter;

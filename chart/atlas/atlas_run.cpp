@@ -21,8 +21,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t reference_seed = 1;
 constexpr int gap_px = 4;
-// Least channel value that is accepted. Rounding of float sums may make a channel that should be 0 negative,
-// down to this value.
+// Least channel value that is accepted. A channel that should be 0 may become negative, down to this value,
+// when float sums are rounded.
 constexpr double least_allowed = -1e-5;
 
 double sum_of(const Image& image) {
@@ -70,8 +70,8 @@ class CaseRun {
     }
 
   private:
-    // Traces the sample file for the given settings. The file is kept until other settings are needed,
-    // because the method under test and the method that corrects its error often have the same settings.
+    // Traces the sample file for the given settings. The file is kept until a method needs other settings,
+    // because the tested method and the method that corrects its error often have the same settings.
     const fs::path& traced(const AtlasTrace& trace) {
         if (trace_path_.empty() || !(trace == trace_)) {
             if (!trace_path_.empty()) fs::remove(trace_path_);
@@ -224,7 +224,7 @@ std::string codes(const std::vector<std::string>& warnings) {
 }
 
 void check(const AtlasMethod& m, const AtlasFigures& f, std::vector<std::string>& out) {
-    // The comparisons are negated so that a NaN fails every expectation.
+    // The comparisons are negated so that a NaN also fails each expectation.
     if (!(f.error.psnr_db >= m.at_least_db))
         out.push_back(fmt::format("{}: PSNR (got {:.2f} dB; expected {} or more)", m.name, f.error.psnr_db,
                                   m.at_least_db));

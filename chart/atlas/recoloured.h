@@ -1,5 +1,5 @@
-// Replaces the radiance of a frame by an image, so that a method can add a second blur to an image that is
-// blurred already.
+// Replaces the radiance of a frame by that of an image, so that a method can blur an image that is already
+// blurred.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,10 @@
 
 namespace postlens {
 
-/// Writes to `path` a sample file with depths and ids of the pixel corners of `file` and radiance of `image`,
-/// which has the size of the frame. The radiance at a corner is the mean of the four pixels around it. The
-/// file has no subdivision, layers, reflected or refracted nodes, overscan or keys. Throws Error.
+/// Writes a sample file to `path`. Depths and ids are those of the pixel corners in `file`. The radiance at a
+/// corner is the mean of the four pixels of `image` around it; `image` must have the size of the frame. The
+/// file has only one instant, and no subdivision, hidden layers, reflected or refracted nodes, or overscan.
+/// Throws Error.
 void write_recoloured(const SampleFileReader& file, const Image& image, const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// An 8-bit sRGB image to draw on with OpenCV. Used by cause_picture.cpp, error_map.cpp, side_by_side.cpp
-// and sweep/contact_sheet.cpp only.
+// An 8-bit sRGB image on which OpenCV draws. Only cause_picture.cpp, error_map.cpp, side_by_side.cpp and
+// sweep/contact_sheet.cpp use it.
 #pragma once
 
 #include <array>
@@ -20,18 +20,19 @@ class Canvas {
     /// Fills a rectangle, clipped at the border of the canvas.
     void fill(int x, int y, int width, int height, Rgb8 colour);
     void dot(int x, int y, Rgb8 colour);
-    /// Copies an image to top left corner (x, y). It must lie within the canvas.
+    /// Copies an image to the canvas, with its top left corner at (x, y). The image must lie within the
+    /// canvas.
     void picture(int x, int y, const EncodedPicture& picture);
     /// Writes ASCII text in white; (x, y) is the left end of its baseline. Capitals are 9 px high at
     /// `scale` 1.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
-    /// Scene-linear values that `write_image` encodes to the bytes of the canvas.
+    /// Returns the canvas as scene-linear values, which `write_image` encodes to the same bytes.
     [[nodiscard]] Image image() const;
     [[nodiscard]] EncodedPicture encoded() const;
 
   private:
-    cv::Mat pixels_;  // CV_8UC3 in the order red, green, blue
+    cv::Mat pixels_;  // CV_8UC3, with the channels in the order red, green, blue
 };
 
 }  // namespace postlens

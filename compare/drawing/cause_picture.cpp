@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// One colour per cause: grey for none, the palette of Okabe and Ito, and white for the last.
+// One colour per cause: grey for "none", then the palette of Okabe and Ito, and white for the last cause.
 constexpr std::array<Rgb8, error_causes> colours{{{90, 90, 90},
                                                   {213, 94, 0},
                                                   {0, 114, 178},

@@ -1,4 +1,4 @@
-// Image of a CauseMap (why pixels are wrong), with a legend.
+// Draws a CauseMap (the cause of the error in each pixel) as an image with a legend.
 #pragma once
 
 #include "pictures/image.h"
@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// Shows each wrong pixel in the colour of its cause, over the reference in grey. A legend below names the
-/// causes with their shares of the squared error. Scene-linear, for `write_image`. Colour-blind readers can
-/// distinguish the colours.
+/// Shows each pixel with an error in the colour of its cause, over the reference in grey. The legend below
+/// lists the causes with their fractions of the squared error. The values are scene-linear, for
+/// `write_image`. Colour-blind readers can distinguish the colours.
 [[nodiscard]] Image cause_picture(const CauseMap& causes, const Image& reference);
 
 }  // namespace postlens

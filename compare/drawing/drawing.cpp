@@ -19,7 +19,7 @@ cv::Scalar scalar(Drawing::Colour c) {
     return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
 }
 
-// Fixed-point coordinates for OpenCV, clamped to 1e5 px so that they fit into an int.
+// Converts coordinates to fixed point for OpenCV. They are clamped to 1e5 px, so that they fit into an int.
 cv::Point fixed(Drawing::Point p) {
     static constexpr double far = 1e5;
     const auto to = [](double v) {
@@ -46,7 +46,8 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // Control characters and non-ASCII bytes, which a name may hold, would make the XML invalid.
+                // Control characters and non-ASCII bytes are replaced, because they would make the XML
+                // invalid. File names may contain such bytes.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }

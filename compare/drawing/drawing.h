@@ -1,4 +1,5 @@
-// Drawings of optics and curves from lines, areas and text, written as SVG or as an image.
+// Drawings of optics and curves. They consist of lines, areas and text, and are written as SVG or as an
+// image.
 #pragma once
 
 #include <array>
@@ -11,8 +12,8 @@
 
 namespace postlens {
 
-/// A figure on a white background. Coordinates are px from its top left corner, y down. Later calls draw over
-/// earlier ones.
+/// A figure on a white background. Coordinates are in px from its top left corner, with y down. Each call
+/// draws over the earlier ones.
 class Drawing {
   public:
     using Colour = std::array<std::uint8_t, 3>;
@@ -28,7 +29,8 @@ class Drawing {
     /// Draws a filled and outlined polygon of 3 points or more.
     void area(std::vector<Point> points, Colour fill, Colour edge, double width_px = 1);
     void dot(Point at, double radius_px, Colour colour);
-    /// Writes ASCII text; `at` lies on its baseline, `size_px` is 1.4 times the height of the capitals.
+    /// Writes ASCII text whose baseline begins, ends or is centred at `at`. `size_px` is 1.4 times the height
+    /// of the capitals.
     void text(Point at, double size_px, const std::string& words, Anchor anchor = Anchor::start);
 
     [[nodiscard]] std::string svg() const;
@@ -51,10 +53,10 @@ class Drawing {
 };
 
 /// Throws Error(wrong_arguments) unless the file name ends in .svg or in a suffix that `write_image`
-/// supports. `others` names further suffixes in the message.
+/// supports. `others` lists further suffixes for the error message.
 void check_drawing_path(const std::filesystem::path& path, const char* others = "");
 
-/// Writes the format that the suffix of the file name selects. Throws Error(cannot_write).
+/// Writes the drawing in the format that the suffix of the file name selects. Throws Error(cannot_write).
 void write_drawing(const std::filesystem::path& path, const Drawing& drawing);
 
 }  // namespace postlens

@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb8 background{24, 24, 24}, not_a_number{255, 0, 255};
 constexpr int least_width_px = 440, legend_px = 60, margin_px = 10;
 
-// Text grows with the image, so that it stays legible when the whole image is fitted to a screen.
+// The text grows with the image, so that it stays legible if the whole image is fitted to a screen.
 double text_scale(int width) {
     return std::clamp(width / 1280.0, 1.0, 8.0);
 }
@@ -33,7 +33,8 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Position on the logarithmic scale, 0 to 1, of a difference in 8-bit steps.
+// Returns the position, 0 to 1, of a difference on the logarithmic scale. The difference is measured in 8-bit
+// steps.
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

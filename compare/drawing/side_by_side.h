@@ -1,4 +1,4 @@
-// Two images, the map of their differences and a table of errors, as one image.
+// Combines two images, the map of their differences and a table of errors in one image.
 #pragma once
 
 #include <string>
@@ -11,11 +11,13 @@ namespace postlens {
 /// Texts in rows and columns; the first row is the heading.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// Size of the `side_by_side` of images of this size. `lines` counts the lines of text and the table's rows.
+/// Returns the size of the `side_by_side` of images of this size. `lines` is the number of text lines plus
+/// the table's rows.
 [[nodiscard]] ImageSize side_by_side_size(ImageSize pictures, std::size_t lines);
 
 /// Shows image, reference and `error_map` from left to right, each below its name. The table and the lines
-/// follow below; lines that are too long are clipped. Scene-linear, for `write_image`. The sizes must agree.
+/// follow below. Lines that are too long are clipped. The result is scene-linear, for `write_image`. Image
+/// and reference must have the same size.
 [[nodiscard]] Image side_by_side(const Image& image, const Image& reference, const TextTable& table,
                                  const std::vector<std::string>& lines);
 

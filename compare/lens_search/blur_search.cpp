@@ -13,16 +13,18 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// The diameters of circles of confusion (CoC) that the search tests are spaced by 0.5 px up to 8 px. Beyond
-/// that, each diameter is larger than the last by a 16th.
+/// Spacing of the diameters of circles of confusion (CoC) that the search tests: 0.5 px up to 8 px. Above 8
+/// px, each diameter is a 16th larger than the one before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of compared pixels. More do not improve a search whose apertures differ by about a tenth.
+/// Largest number of compared pixels. More pixels do not improve a search whose apertures are about a tenth
+/// apart.
 constexpr std::size_t most_pixels = 12000;
-/// Residual above which the error grows linearly instead of quadratically. The model of blur has errors of
-/// about this size beside depth edges.
+/// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the errors of the
+/// blur model are about this large.
 constexpr double linear_from = 0.1;
 
-/// Luminances and inverse depths (1/m), each a mean over a block of `factor` x `factor` pixels.
+/// Luminances and inverse depths (1/m) of an image reduced in size. Each value is a mean over a block of
+/// `factor` x `factor` pixels.
 struct Reduced {
     cv::Mat pinhole, picture, inverse_depth;
 };
@@ -51,7 +53,8 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
     return out;
 }
 
-/// Kernel of a uniform disc, with sum 1. A pixel's weight is the share of its 8 x 8 points inside the disc.
+/// Kernel of a uniform disc, with the sum 1. The weight of a pixel is the fraction of its 8 x 8 points that
+/// lie inside the disc.
 cv::Mat disc(double diameter_px) {
     const int reach = static_cast<int>(std::ceil(diameter_px / 2));
     cv::Mat out = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
@@ -81,8 +84,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared robust residuals: one per blur diameter for each pixel of a subset. A lens selects the
-/// diameter of each pixel.
+/// Table of squared robust residuals: for each of the compared pixels, one per blur diameter. A lens selects
+/// one diameter for each pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -110,8 +113,8 @@ class RoughModel {
         });
     }
 
-    /// RMS of the residuals for a lens. `gain_px`: CoC diameter per difference of inverse depths, px m, with
-    /// the aperture included.
+    /// Returns the RMS of the residuals for a lens. `gain_px`: CoC diameter per difference of inverse depths,
+    /// px m, which includes the aperture.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -169,8 +172,7 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // If neighbours on the grid have equal errors, only the first of them counts as a
-                    // minimum.
+                    // If neighbours on the grid have equal errors, only the first is treated as a minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -1,4 +1,4 @@
-// Starting points for the search for a lens: a grid of lenses, tested with a rough model of blur.
+// Finds starting points for the search for a lens, by testing a grid of lenses with a simple model of blur.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The two parameters of a lens that determine its blur while the field of view stays the same.
+/// The two parameters of a lens that determine its blur if the field of view does not change.
 struct LensPlace {
     double aperture_mm = 0;          ///< F / n, > 0
     double inverse_focus_per_m = 0;  ///< 1 / s, 0 or more
@@ -20,13 +20,13 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Local minima of the error of a rough model of blur over a grid of about 4,000 lenses, smallest error
-/// first; at least one. The model blurs each pixel of the pinhole image with a uniform disc of the pixel's
-/// own circle of confusion (CoC), as if all its neighbours lay at its depth. The residuals of some 60
-/// diameters are computed once, so that a lens costs one look-up per pixel. The grid covers apertures whose
-/// largest CoC is 0.7 px to a quarter of the image's width. It covers focus distances s whose 1/s lies in the
-/// range of recorded inverse depths or beyond by up to half of that range at either end. Images wider than
-/// 256 px are reduced first.
+/// Returns the local minima of the error over a grid of about 4,000 lenses, smallest error first; at least
+/// one. The error is that of a simple model of blur: each pixel of the pinhole image is blurred by a uniform
+/// disc with the diameter of its circle of confusion (CoC), as if all its neighbours had its depth. The
+/// residuals of about 60 diameters are computed once, so that a lens costs one look-up per pixel. The
+/// apertures of the grid have a largest CoC of 0.7 px to a quarter of the image's width. Its inverse focus
+/// distances cover the range of recorded inverse depths, extended by half of that range at either end. Images
+/// wider than 256 px are reduced first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

@@ -12,13 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Number of depths of `focus`, large enough that its image changes smoothly with the lens.
+/// Number of depths of `focus`. It is so large that the image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the difference in the logarithm of the aperture over which a derivative is taken; see
-/// `lens_from_picture`.
+/// Half the step of the central differences by the logarithm of the aperture; see `lens_from_picture`.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Size of the cache: the images of two lenses, each with the four images of its derivatives.
+/// Size of the cache: the images of two lenses, and for each of them the four images of its derivatives.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -55,8 +54,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver works with the logarithm of the aperture, so an aperture that it returns to differs by
-    // rounding.
+    // The solver works with the logarithm of the aperture. If it returns to an earlier aperture, the value
+    // may therefore differ by rounding.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -65,7 +64,7 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // The field of view stays that of the file, so that only F / n matters and F can be any number.
+    // The field of view stays that of the file. Then only the ratio F / n matters, and F can be any number.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

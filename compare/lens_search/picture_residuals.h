@@ -1,4 +1,5 @@
-// Residuals per pixel between `focus` through a lens and an image, with their derivatives by the lens.
+// Residuals per pixel between an image and the result of `focus` through a lens, and their derivatives by the
+// lens parameters.
 #pragma once
 
 #include <deque>
@@ -15,23 +16,27 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. Progress counts the images that `focus` makes, up to `expected_pictures`.
+    /// Keeps a reference to `file`. The progress counts the images that `focus` makes, up to
+    /// `expected_pictures`.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Selects the pixels that all further residuals use. `pixels` has one entry per pixel of the image, 0
-    /// for unused ones.
+    /// Selects the pixels that all further residuals use. `pixels` has one entry per pixel of the image, and
+    /// 0 for unused pixels.
     void use(const std::vector<char>& pixels);
     /// Number of residuals, one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Robust residuals of `focus` through a lens; above `linear_from` they count linearly.
+    /// Writes the robust residuals of `focus` through a lens to `out`. Above `linear_from` they count
+    /// linearly.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Derivatives of the residuals by the logarithm of the aperture and by 1/s (1/m) for the focus distance
-    /// s, interleaved. `focus_step_per_m`: half the difference in 1/s over which they are taken.
+    /// Writes the derivatives of the residuals, alternately by the logarithm of the aperture and by the
+    /// inverse focus distance 1/s (1/m). `focus_step_per_m`: half the difference in 1/s over which the
+    /// derivatives are taken.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// The robust residuals of any image, and of a constant image of the median tone, instead of `focus`.
+    /// Computes the robust residuals of any image instead of a result of `focus`. The second function does so
+    /// for a constant image of the median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -49,7 +54,8 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of focused images, newest last. The solver returns to lenses that it has evaluated before.
+    /// Cache of focused images, newest last. It is useful because the solver returns to lenses that it has
+    /// evaluated before.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

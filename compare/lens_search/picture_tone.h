@@ -1,4 +1,4 @@
-// Values that are compared when a lens is fitted to an image: luminance on a partly logarithmic scale.
+// The tone that is compared when a lens is fitted to an image: luminance on a partly logarithmic scale.
 #pragma once
 
 #include <algorithm>
@@ -6,8 +6,9 @@
 
 namespace postlens {
 
-/// log(1 + Y / 0.18), with the Rec.709 luminance Y; negative Y counts as 0. The scale is linear in dark
-/// areas, whose noise is uniform, and logarithmic above middle grey, so that bright emitters do not dominate.
+/// log(1 + Y / 0.18) for the Rec.709 luminance Y, where a negative Y counts as 0. The scale is linear in dark
+/// areas, whose noise is uniform. Above middle grey it is logarithmic, so that bright light sources do not
+/// dominate.
 inline double picture_tone(double luminance) {
     constexpr double middle_grey = 0.18;
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
@@ -18,7 +19,7 @@ inline double luminance_of(const float* rgb) {
            0.0722 * static_cast<double>(rgb[2]);
 }
 
-/// Robust residual: half its square is Huber's loss [huber1964], which is linear above `linear_from`.
+/// Robust residual. Half its square is Huber's loss [huber1964], which grows linearly above `linear_from`.
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);
     return a <= linear_from ? residual

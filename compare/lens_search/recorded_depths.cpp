@@ -9,19 +9,19 @@ namespace {
 
 /// Rows read at a time.
 constexpr int rows_per_band = 64;
-/// Change of the diameter of the circle of confusion (CoC) within a pixel, px, from which the pixel counts as
-/// a depth edge.
+/// A pixel counts as a depth edge if the diameter of the circle of confusion (CoC) changes within the pixel
+/// by at least this much, px.
 constexpr double edge_px = 1;
-/// Margin that is added to the radius of a circle of confusion, px. It is half the diagonal of the emitting
-/// pixel and of the receiving pixel, 1.41 px in all, rounded up.
+/// Margin, px, that is added to the radius of a circle of confusion. It is half the diagonal of the emitting
+/// pixel plus half that of the receiving pixel, 1.41 px in total, rounded up.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(x);
 }
 
-/// Adds a record to the pixel that contains it. A record on a pixel's border also counts for the pixels on
-/// the other side.
+/// Adds a record to the pixel that contains it. A record on the border of a pixel is also added to the pixel
+/// on the other side.
 void add(RecordedDepths& out, const Record& r, int x, int y) {
     const float inverse = 1 / r.z;
     for (int py = y - (r.y == static_cast<float>(y) ? 1 : 0); py <= y; ++py) {

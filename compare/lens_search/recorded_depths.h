@@ -1,4 +1,4 @@
-// Range of depths in each pixel of a sample file, and the pixels in which `focus` is reliable.
+// The range of depths in each pixel of a sample file. It determines the pixels in which `focus` is reliable.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Range of the inverse depths, 1/m, of the surfaces that are seen directly in each pixel and on its border,
-/// row by row.
+/// The range of inverse depths, 1/m, of the surfaces that are seen directly in each pixel and on its border.
+/// One entry per pixel, row by row.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
     std::vector<float> nearest_per_m, farthest_per_m;  ///< farthest <= nearest; 0 where nothing was hit
@@ -23,10 +23,10 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Marks with 1 the pixels that receive no light from the neighbourhood of a depth edge or from beyond the
-/// recorded area. No hidden surface is disoccluded in such pixels and no light is missing, so `focus` is as
-/// accurate there as the samples. A depth edge is a pixel over which the diameter of the circle of confusion
-/// (CoC) changes by 1 px or more. The light of an edge reaches as far as the larger of its CoC radii.
+/// Returns 1 for the pixels that receive no light from near a depth edge or from beyond the recorded area. In
+/// these pixels no hidden surface becomes visible and no light is missing, so `focus` is as accurate as the
+/// samples. A depth edge is a pixel in which the diameter of the circle of confusion (CoC) changes by 1 px or
+/// more. Its light reaches as far as the larger of its CoC radii.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

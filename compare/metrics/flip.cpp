@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-// The normal half floats, from 2^-14 to 2^16, span 30 stops. Darker luminances need no exposure of their own.
+// The normal half floats, from 2^-14 to 2^16, span 30 stops. Luminances below this range need no exposures of
+// their own.
 constexpr double most_stops = 30;
 
 // Rec.709 luminance [itu-bt709]. Negative channels count as 0.
@@ -17,7 +18,7 @@ double luminance(const float* p) {
     return 0.2126 * positive(p[0]) + 0.7152 * positive(p[1]) + 0.0722 * positive(p[2]);
 }
 
-// Median; for an even number of values, the mean of the two middle ones. Reorders `values`.
+// Returns the median; for an even number of values, the mean of the two middle ones. Reorders `values`.
 double median(std::vector<double>& values) {
     const std::size_t half = values.size() / 2;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(half);
@@ -65,7 +66,7 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // If start and stop are equal, all exposures give the same errors, and one is enough.
+    // If start and stop are equal, all exposures have the same errors, so one exposure suffices.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)

@@ -7,8 +7,8 @@
 #include "compare/metrics/fast_math.h"
 #include "core/multiversion.h"
 
-// Stands before loops over planes that do not overlap. They have more pointers than the compiler checks for
-// overlap, so that it would not vectorise them by itself.
+// This macro precedes loops over planes that do not overlap. The loops use more pointers than the compiler
+// checks for overlap, so without it they would not be vectorised.
 #if defined(__clang__)
 #define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -20,12 +20,12 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-// Coefficients of the tone curve of [narkowicz2016]. Its argument is scaled by 0.6, without which it does not
-// match the ACES curve.
+// Coefficients of the tone curve of [narkowicz2016]. Its argument is scaled by 0.6, because the curve does
+// not match the ACES curve otherwise.
 constexpr double tone_n2 = 0.6 * 0.6 * 2.51, tone_n1 = 0.6 * 0.03;
 constexpr double tone_d2 = 0.6 * 0.6 * 2.43, tone_d1 = 0.6 * 0.59, tone_d0 = 0.14;
 
-// Samples a function of the distance from the centre tap, in px, at 2 radius + 1 taps.
+// Samples `function` at 2 radius + 1 taps. Its argument is the distance from the centre tap, px.
 template <typename Function>
 std::vector<double> taps_of(int radius, const Function& function) {
     std::vector<double> taps;
@@ -33,7 +33,7 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps so that the positive ones sum to `share` and the negative ones, if any, to -share.
+// Scales the taps so that the positive ones sum to `share`, and the negative ones, if any, to -share.
 Plane normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -54,10 +54,11 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Each Gaussian is a sqrt(pi/b) exp(-pi^2 x^2 / b), x in degrees [andersson2020, table 1 and eq. 4].
+    // Each Gaussian is a sqrt(pi/b) exp(-pi^2 x^2 / b), with x in degrees [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
-    // Width of the detector of edges and points, in degrees, from peak to trough [andersson2020, sec. 4.2].
+    // Width, degrees, of the detector of edges and points, measured from peak to trough [andersson2020, sec.
+    // 4.2].
     constexpr double detector_width = 0.082;
     const double sigma = 0.5 * detector_width * pixels_per_degree;
     const auto colour_radius =
@@ -111,7 +112,8 @@ double flip_tone_curve_inverse(double level) {
 
 namespace {
 
-// Linear Rec.709 to X, Y, Z, each divided by that of white (D65), and back [iec61966-2-1]. Rows sum to 1.
+// Convert linear Rec.709 to X, Y, Z, each divided by that of white (D65), and back [iec61966-2-1]. The rows
+// of both matrices sum to 1.
 constexpr float white_x = 0.9504559F, white_z = 1.0890578F;
 constexpr std::array<float, 9> xyz_from_rgb{0.4123908F / white_x, 0.3575843F / white_x, 0.1804808F / white_x,
                                             0.2126390F,           0.7151687F,           0.0721923F,
@@ -152,7 +154,7 @@ inline float clamp01(float v) {
     return std::min(std::max(v, 0.0F), 1.0F);
 }
 
-// One image's tile after filtering: colours in L*a*b*, and the strengths of edges and points.
+// A tile of one image after filtering: its colours in L*a*b*, and the strengths of edges and points.
 struct Seen {
     Plane lightness, a, b, edges, points;
     Seen()
@@ -245,7 +247,8 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     filter(s.in[1], filters.red_green, filters.red_green, s.out[1]);
     filter(s.in[2], filters.blue_yellow_1_row, filters.blue_yellow_1_column, s.out[2]);
     filter(s.in[2], filters.blue_yellow_2_row, filters.blue_yellow_2_column, s.out[3]);
-    // The vertical edge and point detectors share one Gaussian pass along rows.
+    // The edge detector and the point detector both need the same Gaussian along rows for their vertical
+    // parts, so it is computed once.
     filter_rows(s.in[0], s.rows, filters.gauss, s.half);
     filter_columns(s.half, filters.edge, s.out[5]);
     filter_columns(s.half, filters.point, s.out[7]);
@@ -254,11 +257,12 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Raises each value of `errors` to the FLIP error of this pair of tiles if that is greater
-// [andersson2020, sec. 4.1.3, 4.2 and 4.3].
+// Sets each value of `errors` to the FLIP error of this pair of tiles, if that is greater [andersson2020,
+// sec. 4.1.3, 4.2 and 4.3].
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, Plane& errors) {
-    // The greatest colour distance is that between green and blue. 0.4 of it becomes a colour error of 0.95.
+    // The greatest possible colour distance is that between green and blue. A distance of 0.4 times this
+    // maximum becomes a colour error of 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
     const float knee = 0.4F * greatest;
     const float slope1 = 0.95F / knee, slope2 = 0.05F / (greatest - knee);
@@ -289,7 +293,7 @@ void flip_errors(const Image& reference, const Image& test, const PixelMask& usa
         Tile a, b;
         load(reference, usable, x0, y0, filters.radius, a);
         load(test, usable, x0, y0, filters.radius, b);
-        if (a == b) return;  // the errors are 0, as `map` already says
+        if (a == b) return;  // the errors are 0, which `map` already contains
         Scratch scratch(filters.radius);
         Seen seen_a, seen_b;
         Plane errors(tile_width * tile_height, 0.0F);

@@ -14,7 +14,7 @@ double square(double v) {
     return v * v;
 }
 
-// Relative squared error of one pixel, as the mean over its three channels.
+// Returns the relative squared error of one pixel, the mean over its three channels.
 double relative_squared_error(const float* a, const float* b) {
     double sum = 0;
     for (int c = 0; c < 3; ++c) {
@@ -24,7 +24,8 @@ double relative_squared_error(const float* a, const float* b) {
     return sum / 3;
 }
 
-// Mean squared difference over the channels of the pixels that `mask` counts; `pixels` is their number.
+// Returns the mean squared difference over the channels of the pixels that `mask` counts. `pixels` is the
+// number of these pixels.
 double mean_squared(const Image& a, const Image& b, const PixelMask& mask, double pixels) {
     const auto width = static_cast<std::size_t>(a.width);
     const double sum = sum_of_rows(a.height, [&](std::size_t y) {
@@ -39,7 +40,8 @@ double mean_squared(const Image& a, const Image& b, const PixelMask& mask, doubl
     return sum / (3 * pixels);
 }
 
-// Mean of the values without the `dropped` greatest ones. The values are added in their given order.
+// Returns the mean of the values without the `dropped` greatest ones. The values are added in the given
+// order.
 double trimmed_mean(const std::vector<double>& values, std::size_t dropped) {
     if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
     const std::size_t kept = values.size() - dropped;

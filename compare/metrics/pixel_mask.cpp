@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Smallest number of rows per task: one row of a small image is less work than scheduling it.
+// Smallest number of rows per task. A single row of a small image takes less time than scheduling a task.
 constexpr std::size_t grain_rows = 8;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Separable filters over a tile of an image, shared by FLIP and SSIM.
+// Separable filters over a tile of an image, which FLIP and SSIM use.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace postlens {
 
-/// Size of a tile of results, px; a filter of radius r reads r px more on every side. The planes of a tile
-/// fit into a core's cache: with r = 10, one plane is 50 kB.
+/// Size, px, of a tile of results. A filter of radius r also reads r px beyond each side. The planes of a
+/// tile fit into the cache of a core: for r = 10, a plane has 50 kB.
 inline constexpr int tile_width = 128, tile_height = 64;
 
-/// Calls body(x0, y0) for the tiles that cover width x height, in parallel.
+/// Calls body(x0, y0), in parallel, for each of the tiles that cover width x height.
 template <typename Body>
 void for_each_tile(int width, int height, const Body& body) {
     const int columns = (width + tile_width - 1) / tile_width,
@@ -25,15 +25,15 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile, row by row. For a filter of radius r it has tile_height + 2r rows, of tile_width +
-/// 2r values before the filter along rows and of tile_width values after it.
+/// One channel of a tile, row by row. For a filter of radius r there are tile_height + 2r rows. A row has
+/// tile_width + 2r values before the filter along rows, and tile_width values after it.
 using Plane = std::vector<float>;
 
-/// Filters along rows: `in` has rows of tile_width + taps - 1 values, `out` receives rows of tile_width
-/// values. The filter is a correlation, out[x] = sum_k taps[k] in[x + k].
+/// Filters along rows. `in` has rows of tile_width + taps - 1 values; `out` receives rows of tile_width
+/// values. The filter is a correlation: out[x] = sum_k taps[k] in[x + k].
 void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& out);
 
-/// Filters along columns: `in` has tile_height + taps - 1 rows of tile_width values, `out` receives
+/// Filters along columns. `in` has tile_height + taps - 1 rows of tile_width values; `out` receives
 /// tile_height rows.
 void filter_columns(const Plane& in, std::span<const float> taps, Plane& out);
 

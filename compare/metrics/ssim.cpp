@@ -31,10 +31,9 @@ float luma(const float* p) {
     return 0.2126F * p[0] + 0.7152F * p[1] + 0.0722F * p[2];
 }
 
-// The moments from which SSIM is computed, for two images a and b. With d = a - b the two factors of SSIM are
-// 1
-// - mean(d)^2 / (...) and 1 - var(d) / (...). This form equals the usual one, but does not subtract large
-// sums, so nearly equal images lose no digits.
+// The moments from which the SSIM of two images a and b is computed. With d = a - b, the two factors of SSIM
+// are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This form equals the usual one but does not subtract
+// large sums, so nearly equal images lose no digits.
 struct Moments {
     Plane a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

@@ -5,11 +5,11 @@
     picture = frame.focus(f_number=1.4, focus_m=2)
     picture.save("focused.png")
 
-trace(scene) traces a scene into a Frame. open(path) opens a sample file or another program's picture as a Frame.
-A Frame makes pictures: focus(), motionblur(), shoot(), sweep(), image(). render(scene, spp=...) renders the
-reference by distributed rays, and compare(a, b) measures the error of a picture. The module lens computes circles
-of confusion, depths of field and impulse responses. run() runs any other command. Arguments are the command's
-options with units in their names: --focus is focus_m.
+trace(scene) traces a scene and returns a Frame. open(path) opens a sample file, or the picture of another program, as a
+Frame. A Frame makes pictures: focus(), motionblur(), shoot(), sweep(), image(). render(scene, spp=...) renders the
+reference by distributed rays, and compare(a, b) measures the error of a picture. The module lens computes circles of
+confusion, depths of field and impulse responses. run() runs any other command. Arguments are named like the options of
+the command, with the unit at the end: --focus is focus_m.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ __all__ = [
 def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
     """Runs any command, as on the command line: run("chart", "scene.toml", "-o", "folder").
 
-    Returns the command's JSON report (--json), with its readable text as report["text"] and its exit code as
-    report["exit_code"]. Raises an exception if the command fails.
+    Returns the JSON report of the command (--json). report["text"] is its text for people, and report["exit_code"] its
+    exit code. Raises an exception if the command fails.
     """
     return run_words([str(word) for word in words], None, threads, progress)[0]

@@ -1,4 +1,4 @@
-"""Runs commands with Python values as options: keyword arguments become the words of a command line."""
+"""Runs commands with options from Python: keyword arguments are converted to the words of a command line."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from ._errors import ArgumentError, Error, PostlensWarning, error_of
 
 Progress = Optional[Callable[[float, float], object]]
 PathLike = Union[str, "os.PathLike[str]"]
-#: The JSON report of a command (--json). The warnings in it are also issued by warnings.warn.
+#: The JSON report of a command (--json). Its warnings are also issued by warnings.warn.
 Report = dict[str, Any]
 
 _separators = {"size": "x", "shutter": ":", "for_shutter": ":"}
-_repeated = {"behind", "holdout", "keep_sharp"}  #: options that are repeated, with one value each time
+_repeated = {"behind", "holdout", "keep_sharp"}  #: options that may be given several times, with one value each
 _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
 
 
 def option_name(keyword: str) -> str:
-    """The option for a keyword, as `--focus` for `focus_m`: names of options have no units."""
+    """Returns the option for a keyword, for example `--focus` for `focus_m`: options have no units in their names."""
     for unit in _units:
         if keyword.endswith(unit):
             keyword = keyword[: -len(unit)]
@@ -49,7 +49,7 @@ def _text(keyword: str, value: object) -> str:
 
 
 def words_of(options: Mapping[str, object]) -> list[str]:
-    """The command-line words of an option. None and False give no words; True gives a flag without value."""
+    """Returns the command-line words of an option. None and False yield no words, True a flag without a value."""
     words: list[str] = []
     for keyword, value in options.items():
         if value is None or value is False:
@@ -74,7 +74,7 @@ def path_text(what: str, path: object) -> str:
 
 
 def _in_keywords(text: str, options: Mapping[str, object]) -> str:
-    """An error message with keywords instead of options: `--focus: ...` becomes `focus_m: ...`."""
+    """Replaces the options in an error message by keywords: `--focus: ...` becomes `focus_m: ...`."""
     keywords = {option_name(keyword): keyword for keyword in options}
 
     def keyword(found: re.Match[str]) -> str:
@@ -88,7 +88,7 @@ _folder = os.path.dirname(__file__)
 
 
 def _users_level() -> int:
-    """The stacklevel with which warnings.warn reports the line of user code that called this package."""
+    """Returns the stacklevel with which warnings.warn reports the line of the user's code that called this package."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _folder:
         level, frame = level + 1, frame.f_back
@@ -102,9 +102,10 @@ def run_words(
     progress: Progress = None,
     kept: Optional["_postlens.KeptFrame"] = None,
 ) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
-    """Runs a command in this process. Returns its report, and the pictures that it returns instead of writing files.
+    """Runs a command in this process. Returns its report and the pictures that it does not write to files.
 
-    options: keyword arguments, whose words follow `words`. Errors and warnings name options by their keywords.
+    `options` are keyword arguments; their words are appended to `words`. Errors and warnings contain keywords instead
+    of options.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")

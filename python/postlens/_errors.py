@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Error(Exception):
-    """An error, described in one line. `exit_code` is the exit code of the command."""
+    """An error, described in one line. `exit_code` is the exit code that the command would return."""
 
     exit_code: int = 3
 
@@ -40,8 +40,8 @@ class Cancelled(Error):
 
 
 class PostlensWarning(UserWarning):
-    """A warning of a command, for example about an assumption. `code` is one word, as in the command's JSON. `share`
-    is the share of the pixels that the warning concerns, 0 if it is not known."""
+    """A warning of a command, for example about an assumption. `code` is one word, as in the command's JSON. `share` is
+    the fraction of the pixels that the warning concerns, or 0 if it is not known."""
 
     def __init__(self, text: str, code: str = "", share: float = 0.0) -> None:
         super().__init__(text)
@@ -55,7 +55,7 @@ _of_code: dict[int, type[Error]] = {
 
 
 def error_of(exit_code: int, text: str) -> Error:
-    """Called by the extension: the exception for one of the command's exit codes."""
+    """Returns the exception for an exit code of the command. Called by the extension module."""
     error = _of_code.get(exit_code, Error)(text)
     error.exit_code = exit_code
     return error

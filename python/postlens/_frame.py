@@ -1,4 +1,4 @@
-"""Frames: sample files and other programs' pictures, from which pictures are made."""
+"""Frames: sample files and pictures of other programs, from which pictures are made."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._picture import Picture
 
 Span = tuple[float, float]
 Exposure = Union[float, str, None]
-#: Arguments of functions that are not options of the command.
+#: Function arguments that are not options of the command.
 _not_options = {"self", "threads", "progress"}
 
 
@@ -24,7 +24,8 @@ def picture_of(
     options: dict[str, Any],
     kept: Optional["_postlens.KeptFrame"] = None,
 ) -> Picture:
-    """Runs a command and returns its picture in memory. `options`: the caller's arguments, as locals() returns them."""
+    """Runs a command and returns its picture in memory. `options` are the caller's arguments, as locals() returns
+    them."""
     asked = {k: v for k, v in options.items() if k not in _not_options}
     report, pictures = run_words(words, asked, options["threads"], options["progress"], kept)
     made = [Picture(array, stops, report, passes) for array, stops, passes in pictures]
@@ -33,10 +34,10 @@ def picture_of(
 
 
 class Frame:
-    """A sample file, or another program's picture with depth, from which pictures are made.
+    """A sample file, or a picture of another program with depth, from which pictures are made.
 
-    The records, which all pictures share, stay in memory between pictures. One frame makes one picture at a time.
-    Several frames can make pictures at once in several threads.
+    The records stay in memory, and all pictures use them. A frame makes one picture at a time. Several frames can make
+    pictures at the same time in several threads.
     """
 
     def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
@@ -135,22 +136,24 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a lens.
 
-        f_number: aperture number n; math.inf: a pinhole. Default: the file's.
-        focus_m, focus_at: the focus distance, m, or a pixel (x, y) to focus on.
-        focal_length_mm: focal length F. The field of view stays the same unless framing="lens".
+        f_number: f-number n; math.inf for a pinhole. Default: that of the file.
+        focus_m, focus_at: the focus distance, m, or the pixel (x, y) to focus on.
+        focal_length_mm: focal length F. It does not change the field of view, unless framing="lens".
         method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole".
-        views: number of lens points from which lightfield and hybrid reproject the records.
-        target_db: the PSNR that "auto" aims at. scene: the scene that the frame was traced from. It allows rays
-            where the records do not suffice; the error of the picture is then measured (Picture.stated_db).
-        impulse: the image of a point out of focus: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
+        views: number of lens points to which lightfield and hybrid reproject the records.
+        target_db: the PSNR, dB, that "auto" must reach.
+        scene: the scene from which the frame was traced. Rays then replace view samples that the records do not
+            determine, and the error of the picture is measured (Picture.stated_db).
+        impulse: the image of a point that is out of focus: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
         behind: pictures of the same camera that lie behind this one, nearest first; behind_layer: their layer.
-        holdout, keep_sharp, matte: objects in another program's picture, by name, number or mask file;
-            focus_offset: metres by object; passes: of "coc", "sides", "cryptomatte", "error": Picture.passes.
+        holdout, keep_sharp, matte: objects in a picture of another program, by name, number or mask file.
+        focus_offset: offset of the focus by object, m. passes: any of "coc", "sides", "cryptomatte", "error"; they are
+            returned in Picture.passes.
         layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px, z:
-            how to read another program's picture, see docs/inputs.md.
-        threads: number of threads; 0: all. progress: called as progress(fraction, seconds_left) during the work.
-            An exception from it stops the work and is raised here.
+            how to read a picture of another program, see docs/inputs.md.
+        threads: number of threads; 0: all. progress: function that is called as progress(fraction, seconds_left) during
+            the work. If it raises an exception, the work stops and the exception is raised here.
 
         Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's message.
         """
@@ -188,7 +191,7 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a lens and an open shutter.
 
-        shutter: (open, close), s on the scene's clock; default: the file's exposure. shutter_curve: "box",
+        shutter: (open, close), s on the scene's clock; default: the exposure in the file. shutter_curve: "box",
         "triangle" or a file. paths: a file with the motion of objects. Other arguments are as in focus().
         """
         return picture_of(self._words("shoot"), locals(), self._kept)
@@ -226,8 +229,8 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a pinhole and an open shutter.
 
-        shutter: (open, close), s on the scene's clock. For a picture with motion vectors it is in frames: 0 is this
-            frame, 1 the next. method: "convolve", "lightfield" or "auto".
+        shutter: (open, close), s on the scene's clock. For a picture with motion vectors the unit is a frame: 0 is
+            this frame, 1 the next. method: "convolve", "lightfield" or "auto".
         vectors, vector_scale, vector_offset, vectors_file: how to read motion vectors, see docs/motion_vectors.md.
         Other arguments are as in focus().
         """
@@ -243,9 +246,9 @@ class Frame:
         shutter: Union[Span, Sequence[Span], None] = None,
         **options: Any,
     ) -> Iterator[Picture]:
-        """Yields a picture for every combination of the values. The values of the last argument change fastest.
-        The records stay in memory. Other options are as in focus(), or with a shutter as in shoot().
-        Picture.geometry has the settings of each picture."""
+        """Yields a picture for every combination of the values. The values of the last argument change fastest. The
+        records stay in memory between pictures. Other options are those of focus(), or of shoot() if a shutter is
+        given. Picture.geometry contains the settings of each picture."""
         if isinstance(shutter, tuple) and len(shutter) == 2 and not isinstance(shutter[0], (tuple, list)):
             shutter = [shutter]  # type: ignore[list-item]
         axes: dict[str, Sequence[Any]] = {}
@@ -267,8 +270,8 @@ class Frame:
         return pictures()
 
     def records(self, *, key: int = 0) -> "_postlens.Records":
-        """Reads the records of one of the file's instants (0: the frame's own). Returns numpy columns that are views
-        of one array, so nothing is copied. Colours are radiance."""
+        """Reads the records of one of the recorded instants; 0 is the frame's own. Returns numpy columns that are
+        views of one array, so nothing is copied. Colours are radiance."""
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, int) or key < 0:
@@ -276,14 +279,15 @@ class Frame:
         return _postlens.read_records(self._path, key, self._salvage)
 
     def tree_at(self, x: float, y: float, **options: Any) -> Report:
-        """The shading trees at a pixel, as `postlens records --json`: the point samples with their weights, each with
-        its nodes. A node has path, id, name, z', W, and the CoC if arguments or file define the lens."""
+        """Returns the shading trees at a pixel, as `postlens records --json` does: its point samples with their
+        weights, each with its nodes. A node has path, id, name, z' and W. It also has a CoC if the arguments or
+        the file define the lens."""
         return run_words(self._words("records"), {"at": (x, y), **options})[0]
 
 
 def open(path: PathLike, *, salvage: bool = False) -> Frame:
-    """Opens a sample file, or another program's OpenEXR picture. salvage: reads the undamaged rows of a damaged sample
-    file."""
+    """Opens a sample file, or an OpenEXR picture of another program. salvage: read the undamaged rows of a damaged
+    sample file."""
     return Frame(path, salvage=salvage)
 
 
@@ -318,10 +322,10 @@ def trace(
 ) -> Frame:
     """Traces a scene through a pinhole, once for all lenses.
 
-    output: the sample file to write; without it a temporary file that is removed with the Frame.
-    size: (width, height), px; default: the camera's.
+    output: the sample file to write. Without it, a temporary file is written, which is removed with the Frame.
+    size: (width, height), px; default: that of the camera.
     for_f_number, for_focus_m, for_shutter: the lens and shutter for which the records must suffice.
-    plan: chooses subdivision, hidden layers, overscan and keys for target_db.
+    plan: choose subdivision, hidden layers, overscan and recorded instants for target_db.
     `postlens trace --help` describes the other arguments.
 
     Returns the Frame. Its trace_report is the report of `postlens trace --json`.
@@ -381,8 +385,8 @@ def render(
 ) -> Picture:
     """Renders the reference by distributed rays over lens and time.
 
-    spp: samples per pixel. halves: also keeps two pictures from independent halves of the samples (Picture.halves),
-    from which the noise can be measured. Other arguments are as in Frame.focus() and trace().
+    spp: samples per pixel. halves: also keep two pictures of independent halves of the samples (Picture.halves). Their
+    difference measures the noise. Other arguments are as in Frame.focus() and trace().
     """
     options = dict(locals())
     return picture_of(["render", path_text("scene", options.pop("scene"))], options)

@@ -37,9 +37,9 @@ class Picture:
 
     array: float32 (height, width, 3), or 4 with alpha; scene-linear, radiance times 2^exposure_stops; row 0
         at the top. It belongs to the picture and may be changed.
-    exposure_stops: the exposure of the array; None if it is not known, as for another program's PNG.
-    report: the command's JSON report (--json), as a dict.
-    passes: further channels by name, float32 (height, width); ids of a Cryptomatte are the bits of the floats.
+    exposure_stops: the exposure of the array; None if it is not known, as for a PNG file of another program.
+    report: the JSON report of the command (--json), as a dict.
+    passes: further channels by name, float32 (height, width). The ids of a Cryptomatte are the bits of the floats.
     """
 
     def __init__(
@@ -57,29 +57,30 @@ class Picture:
 
     @property
     def stated_db(self) -> Optional[float]:
-        """PSNR against the exact picture, dB, measured with rays while the picture was made (methods hybrid and auto
-        with a scene). None if it was not measured."""
+        """PSNR against the exact picture, dB. It is measured with rays while the picture is made (methods hybrid and
+        auto with a scene). None if it was not measured."""
         return self.report.get("stated_db")
 
     @property
     def stated_range_db(self) -> Optional[tuple[float, float]]:
-        """The 95 % confidence interval of stated_db, dB; None if the error was not measured."""
+        """The 95 % confidence interval of stated_db, dB. None if the error was not measured."""
         low, high = self.report.get("stated_low_db"), self.report.get("stated_high_db")
         return None if low is None else (low, float("inf") if high is None else high)
 
     @property
     def target_met(self) -> bool:
-        """False if target_db was not met, or with strict=True if the sample file does not suffice for the settings."""
+        """False if the picture does not reach target_db. With strict=True, also False if the sample file does not
+        suffice."""
         return bool(self.report.get("exit_code", 0) == 0)
 
     @property
     def warnings(self) -> list[dict[str, Any]]:
-        """The warnings, each with its code, its text and the share of the pixels that it concerns."""
+        """The warnings, each with its code, its text and the fraction of the pixels that it concerns."""
         return list(self.report.get("warnings", []))
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """Lens, shutter and method with which the picture was made. Names include units."""
+        """The lens, shutter and method with which the picture was made. Names of values include their units."""
         return {key: self.report[key] for key in _geometry_keys if self.report.get(key) is not None}
 
     @property
@@ -87,7 +88,7 @@ class Picture:
         return self.array.shape
 
     def save(self, path: PathLike) -> None:
-        """Writes .exr (scene-linear), .png, .tif or .jpg (sRGB, clamped). A failure leaves no incomplete file."""
+        """Writes .exr (scene-linear), or .png, .tif or .jpg (sRGB, clamped). A failure leaves no incomplete file."""
         _postlens.write_picture(
             path_text("path", path), pixels_of("array", self.array), self.exposure_stops
         )
@@ -105,13 +106,13 @@ class Picture:
 
 
 def read_picture(path: PathLike) -> Picture:
-    """Reads a picture from any file that OpenImageIO supports, as scene-linear values."""
+    """Reads a picture from any file that OpenImageIO supports, and converts it to scene-linear values."""
     array, stops = _postlens.read_picture(path_text("path", path))
     return Picture(array, stops)
 
 
 class _AsFiles:
-    """Writes pictures and arrays to temporary files, for commands that read files."""
+    """Writes pictures and arrays to temporary files for the command `compare`, which reads files."""
 
     def __init__(self) -> None:
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
@@ -154,13 +155,13 @@ def compare(
     """Measures the error of a picture against its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
 
     image, reference: a Picture, an array (height, width, 3 or 4) of float32 or float64, or a file.
-    noise: an independent render of the reference. With it, the reference's noise is subtracted from the error.
-    pinhole: the picture without a lens. It adds errors of only the pixels that the lens changes.
-    map, side_by_side: image files to write that show the differences.
-    exposure: stops or "auto", the exposure at which all pictures are compared; default: the reference's.
+    noise: an independent render of the reference. If given, the noise of the reference is subtracted from the error.
+    pinhole: the picture without a lens. If given, errors of only the pixels that the lens changes are added.
+    map, side_by_side: image files to write; both show the differences.
+    exposure: the exposure at which all pictures are compared, stops or "auto"; default: that of the reference.
 
-    Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json`.
-    Raises ArgumentError for wrong shapes or types, InputError for unequal sizes.
+    Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json` does.
+    Raises ArgumentError for wrong shapes or types, and InputError for unequal sizes.
     """
     with _AsFiles() as files:
         options = {

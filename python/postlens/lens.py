@@ -19,7 +19,7 @@ def coc(
     coc_limit_mm: Optional[float] = None,
     pixel_pitch_um: Optional[float] = None,
 ) -> Report:
-    """The circle of confusion of a point at depth_m: coc_mm, coc_px and the depth of field (Potmesil and
+    """Returns coc_mm and coc_px, the circle of confusion of a point at depth_m, and the depth of field (Potmesil and
     Chakravarty 1981)."""
     return run_words(["lens", "coc"], locals())[0]
 
@@ -32,7 +32,7 @@ def dof(
     coc_limit_mm: Optional[float] = None,
     pixel_pitch_um: Optional[float] = None,
 ) -> Report:
-    """The depth of field, the range of depths that appear sharp: near_m, far_m (None: infinity), hyperfocal_m."""
+    """Returns the range of depths that appear sharp: near_m, far_m (None: infinity) and hyperfocal_m."""
     return run_words(["lens", "dof"], locals())[0]
 
 
@@ -50,7 +50,7 @@ def psf(
     cats_eye: Optional[float] = None,
     spherical: Optional[float] = None,
 ) -> Picture:
-    """The impulse response: the image of one scene point, as energy per pixel, the same in all three channels."""
+    """Returns the impulse response (image of one scene point): energy per pixel, the same in all three channels."""
     options: dict[str, Any] = dict(locals())
     with tempfile.TemporaryDirectory(prefix="postlens-") as folder:
         path = os.path.join(folder, "psf.exr")
@@ -71,7 +71,8 @@ def prescription(
     film_width_mm: Optional[float] = None,
     output: Optional[PathLike] = None,
 ) -> Report:
-    """Focal lengths, pupils and more of a lens prescription (.dat, .zmx, .seq, .toml). output: file for its drawing."""
+    """Returns focal lengths, pupils and more of a lens prescription (.dat, .zmx, .seq, .toml). output: file for its
+    drawing."""
     options = dict(locals())
     words = ["lens", "show", path_text("path", options.pop("path"))]
     return run_words(words, options)[0]

@@ -1,4 +1,5 @@
-"""What goes wrong is one clear line, of the right kind; nothing half-written stays."""
+"""Tests that a failure raises the right kind of exception with one clear line of text, and leaves no incomplete
+file."""
 
 import math
 import os

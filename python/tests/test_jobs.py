@@ -58,7 +58,8 @@ def test_ctrl_c_stops_soon_and_leaves_no_file(tmp_path):
             print(time.monotonic() - asked[0])
         """)
     run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    # Cancellation is specified to take 0.3 s. The limit is higher for a loaded machine; the whole trace takes minutes.
+    # Cancellation may take 0.3 s. The limit is higher, because the machine may be loaded. The whole trace takes
+    # minutes.
     assert float(run.stdout) < 10
     assert os.listdir(tmp_path) == []
 
@@ -131,7 +132,7 @@ def test_a_thousand_pictures_take_no_more_memory(frame):
     for _ in range(1000):
         picture()
     gc.collect()
-    # An image of the crop has 12 kB, so a leak of all thousand images would be 12 MB.
+    # An image of the crop has 12 kB. If all thousand images leaked, memory would grow by 12 MB.
     assert resident_bytes() - before < 6e6
 
 

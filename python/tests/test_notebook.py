@@ -1,4 +1,4 @@
-"""The notebook in samples/notebooks runs from top to bottom and shows its pictures."""
+"""Tests that the notebook in samples/notebooks runs from top to bottom and shows its pictures."""
 
 import json
 import subprocess
@@ -18,7 +18,8 @@ def test_the_notebook_runs(tmp_path):
     outputs = [output for cell in cells for output in cell.get("outputs", [])]
     assert sum("image/png" in output.get("data", {}) for output in outputs) == 8
     text = "".join("".join(output.get("text", [])) for output in outputs)
-    # The printed stated errors equal the measured ones within 1 dB, plus 0.5 dB for the noise of the reference rays.
+    # The stated and the measured errors that the notebook prints must agree within 1 dB, plus 0.5 dB for the noise of
+    # the reference.
     pairs = [line.split() for line in text.splitlines() if line.startswith("stated")]
     assert len(pairs) == 4
     for _, stated, _, _, measured, _ in pairs:

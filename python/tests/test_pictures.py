@@ -1,4 +1,4 @@
-"""Pictures, frames and figures: what the module gives is what the command gives."""
+"""Tests that the module returns the same pictures, frames and figures as the command."""
 
 import gc
 import inspect
@@ -22,7 +22,7 @@ def test_a_picture_has_the_bits_of_the_command(frame, frame_path, command, tmp_p
         [command, "focus", frame_path, "-o", out, "--f-number", "1.4", "--focus", "2", "--quiet"], check=True
     )
     assert np.array_equal(picture.array, postlens.read_picture(out).array)
-    # The second image is made from the records that the frame keeps in memory.
+    # The second image must be equal although it is made from the records that the frame keeps in memory.
     assert np.array_equal(picture.array, frame.focus(f_number=1.4, focus_m=2).array)
     picture.save(tmp_path / "saved.jpg")  # written by the extension module, which has OpenImageIO
     assert postlens.read_picture(tmp_path / "saved.jpg").shape == picture.shape
@@ -58,8 +58,8 @@ def test_what_is_stated_holds(frame, bars):
     assert low < picture.stated_db < high and picture.stated_db > 35
     reference = postlens.render(bars, size=(96, 54), spp=4096, f_number=1.4, focus_m=2, seed=7)
     measured = postlens.compare(picture, reference)
-    # The noise of 4096 rays per pixel adds at most 3 % to an error of 35 dB, and the stated interval is a 95 % one;
-    # the margin of 1 dB covers both.
+    # The noise of 4096 rays per pixel adds at most 3 % to an error of 35 dB. The stated interval has a confidence of 95
+    # %. The margin of 1 dB covers both.
     assert low - 1 < measured["psnr_db"] < high + 1
     assert frame.focus(f_number=2, focus_m=2).stated_db is None
 
@@ -123,7 +123,7 @@ def test_records_are_views(frame):
     assert records.w.shape == (len(records), 2, 2)
     assert not records.x.flags.owndata and not records.x.flags.writeable
     assert records.x.dtype == np.float32 and records.id.dtype == np.uint32 and records.mark.dtype == np.uint8
-    # The shading tree at a pixel has the same nodes as the arrays.
+    # The shading tree at a pixel must have the same nodes as the arrays.
     tree = frame.tree_at(40, 20)
     corner = [s for s in tree["samples"] if (s["x"], s["y"]) == (40, 20)][0]["nodes"][0]
     k = (20 - records.y_begin) * records.columns + 40 - records.x_begin
@@ -180,7 +180,7 @@ def test_png_in_a_notebook(frame):
 
 
 def test_keywords_are_the_commands_options(command):
-    """Every option of a command that makes a picture has its keyword, and no keyword is without an option."""
+    """Tests that every option of a command that makes a picture has a keyword, and that every keyword has an option."""
     from postlens._command import option_name
 
     left_out = {"--help", "--json", "--quiet", "--output", "--frames", "--keep", "--fps", "--resume",

@@ -124,8 +124,8 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // Part 0, 1 or 2 of key k: for cubic splines tangent in, value, tangent out. Other curves only have part
-    // 1, the value.
+    // Returns one part of key k. The parts of a cubic spline are 0 (incoming tangent), 1 (value) and 2
+    // (outgoing tangent). Other curves have only the value.
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};
         const std::size_t from = (cubic ? 3 * k + part : k) * components;
@@ -146,7 +146,7 @@ std::array<double, 4> GltfCurve::at(double time_s) const {
         for (std::size_t i = 0; i < components; ++i) v[i] = (1 - t) * a[i] + t * b[i];
         return v;
     }
-    // Cubic Hermite interpolation; tangents are per second [gltf2, appendix C.4].
+    // Cubic Hermite interpolation. The tangents are slopes per second [gltf2, appendix C.4].
     const auto leaving = value(k, 2), arriving = value(k + 1, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t i = 0; i < components; ++i) {

@@ -15,7 +15,8 @@ namespace fs = std::filesystem;
 constexpr std::string_view glb_magic = "glTF";
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 
-// Reads a little-endian word. The format and all machines that postlens is built for are little-endian.
+// Reads a little-endian word. No conversion is needed, because all supported machines are little-endian as
+// well.
 std::uint32_t word(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -122,8 +123,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // Extensions of materials change the appearance but not the geometry, so unknown ones cause a note
-    // instead of an error.
+    // Required extensions of materials change the appearance but not the geometry, so unknown ones cause a
+    // note instead of an error.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {

@@ -1,4 +1,4 @@
-// A glTF 2.0 document [gltf2] and its binary data: a .gltf with files or data URIs, or a .glb.
+// A glTF 2.0 document [gltf2] with its binary data: a .gltf with files or data URIs, or a .glb.
 #pragma once
 
 #include <deque>
@@ -17,8 +17,8 @@ struct GltfDocument {
     std::filesystem::path path;
     std::string file;  ///< the path, for error messages
     nlohmann::json json;
-    std::deque<std::string> bytes;          ///< the file itself, then the files and data URIs it refers to
-    std::vector<std::string_view> buffers;  ///< each of the length that the document states
+    std::deque<std::string> bytes;  ///< the file itself, then the files and data URIs to which it refers
+    std::vector<std::string_view> buffers;  ///< each has the length that the document states
     std::vector<ReferredFile> files;        ///< for the scene's SHA-256
 
     GltfDocument() = default;
@@ -29,25 +29,27 @@ struct GltfDocument {
     GltfDocument& operator=(GltfDocument&&) = delete;
 
     [[nodiscard]] JsonPlace root() const { return {file, json, ""}; }
-    /// The bytes of a buffer view; `index` must be in range.
+    /// Returns the bytes of a buffer view. `index` must be in range.
     [[nodiscard]] std::string_view view(std::size_t index) const;
-    /// Number of elements of an array of the document; 0 if there is no such array.
+    /// Returns the number of elements in an array of the document; 0 if there is no such array.
     [[nodiscard]] std::size_t count(const char* array) const;
-    /// Element `index` of an array of the document; it must exist.
+    /// Returns element `index` of an array of the document. The element must exist.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// The bytes of a data URI, or of a file in the scene's folder or below, which is added to `files`.
-    /// `place` is the JSON object that refers to it, for error messages. Throws Error(invalid_input) for
-    /// every other URI, for a path that leads out of the folder, and for a file that cannot be read.
+    /// Returns the bytes of a data URI, or of a file. A file must lie in the scene's folder or below, and is
+    /// added to `files`. `place` is the JSON object that contains the URI, for error messages. Throws
+    /// Error(invalid_input) for any other URI, for a path that leads out of the folder, and for a file that
+    /// cannot be read.
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 
-/// Largest size of a file, and of all buffers of a document together, bytes.
+/// Largest size, bytes, of a file, and of all buffers of a document in total.
 inline constexpr std::uintmax_t largest_gltf_bytes = std::uintmax_t{1} << 31;
 
-/// Reads `path` into the empty `out`. The first bytes decide whether it is a .glb or JSON. Throws
-/// Error(invalid_input) "FILE: PLACE ..." for invalid files, for buffers that are missing or shorter than
-/// stated, for a version other than 2 and for a required extension that is not supported.
+/// Reads `path` into `out`, which must be empty. The first bytes determine whether the file is a .glb or
+/// JSON. Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, or a buffer that is missing or
+/// shorter than stated. Also throws it for a version other than 2, and for a required extension that is not
+/// supported.
 void read_gltf_document(const std::filesystem::path& path, GltfDocument& out);
 
 }  // namespace postlens

@@ -109,8 +109,8 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // In KHR_materials_ior, an index of refraction of 0 means that the surface is a mirror at all
-            // angles, which postlens does not support.
+            // In KHR_materials_ior, an index of refraction of 0 describes a mirror at all angles. postlens
+            // does not support that.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;
@@ -153,7 +153,8 @@ class MaterialReader {
         if (m.has("occlusionTexture")) notes_.add("an occlusionTexture is left out");
     }
 
-    // The decoded image of a texture. Null, with a note, if it has no image of a known kind.
+    // Returns the decoded image of a texture. If the texture has no image of a known kind, makes a note and
+    // returns null.
     const RawImage* image_of(const JsonPlace& info) {
         const std::size_t texture = info.required(info.index("index", d_.count("textures")), "index");
         const JsonPlace t = d_.item("textures", texture);

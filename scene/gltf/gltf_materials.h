@@ -12,12 +12,12 @@ namespace postlens {
 
 struct GltfMaterials {
     std::vector<Material> materials;  ///< one per material of the document
-    std::vector<UvSource> uvs;        ///< per material, the texture coordinates that its textures use
+    std::vector<UvSource> uvs;        ///< for each material, the texture coordinates that its textures use
 };
 
-/// All materials, converted to Whitted's model (scene/metallic_roughness.h). Textures are used for colour and
-/// emission; those of metallic, roughness and transmission are replaced by their means. Everything that is
-/// left out causes a note. Throws Error(invalid_input).
+/// Reads all materials and converts them to Whitted's model (scene/metallic_roughness.h). Textures are read
+/// for colour and emission. Those of metallic, roughness and transmission are replaced by their means.
+/// Everything that is omitted causes a note. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The set of texture coordinates that a material uses, and the transform of KHR_texture_transform that is
-/// applied to them, with v running downwards.
+/// The set of texture coordinates that a material uses, and their transform by KHR_texture_transform, in
+/// which v runs downwards.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -26,9 +26,9 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty: the default material
 };
 
-/// The primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without area and
-/// morph targets are left out with a note. `uvs`: per material of the document, the texture coordinates that
-/// its textures use. Throws Error(invalid_input).
+/// Returns the primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without
+/// area and morph targets are omitted with a note. `uvs`: for each material of the document, the texture
+/// coordinates that its textures use. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

@@ -1,4 +1,4 @@
-// The node tree of a glTF document, with the position and the motion of each node.
+// The nodes of a glTF document as a tree, with the position and the motion of each node.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A node of the scene that is shown. `frame` is the nearest animated node, which is the node itself or an
-/// ancestor. The node does not move relative to it.
+/// A node that belongs to the displayed scene. `frame` is the nearest animated node: the node itself or an
+/// ancestor. The node does not move relative to `frame`.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations
@@ -22,29 +22,31 @@ struct GltfNode {
 
 class GltfNodes {
   public:
-    /// The nodes of the document's scene (the default scene, else the first), parents before children.
-    /// Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) if there is no scene, if
-    /// the nodes do not form trees, or if a chain of ancestors has more than 256 animated nodes.
+    /// Reads the nodes of the default scene, or of the first scene if there is no default. Parents precede
+    /// their children. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) if there
+    /// is no scene, if the nodes do not form trees, or if a chain of ancestors has more than 256 animated
+    /// nodes.
     GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNodeCurves> curves,
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-    /// The placement in the world, at an instant, of the animated node `frame`.
+    /// Returns the placement of the animated node `frame` in the world at an instant.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// The instants of the keys of the animated node `frame` and of its animated ancestors, ascending.
+    /// Returns the instants of the keys of the animated node `frame` and of its animated ancestors,
+    /// ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// The greatest error, relative to its size, of the placement of the animated node `frame` at the
-    /// instants of its keys. The error arises because a placement (translation, rotation, scale) cannot
-    /// represent shear.
+    /// Returns the greatest error of the placement of the animated node `frame` at the instants of its keys,
+    /// relative to the size of the placement. The error is due to shear, which a placement (translation,
+    /// rotation, scale) cannot represent.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:
     struct Frame {
         std::optional<std::size_t> above;  // the nearest animated ancestor
-        Placement above_from_parent;       // constant transform between this node's parent and `above`
-        double shear = 0;                  // error from shear in that transform and in the node's own
-        Placement own;                     // the node's placement relative to its parent, at rest
-        int depth = 0;                     // number of animated nodes from the root to this one
+        Placement above_from_parent;       // constant transform from this node's parent to `above`
+        double shear = 0;  // error due to shear in above_from_parent and in the node's own transform
+        Placement own;     // the node's placement relative to its parent, at rest
+        int depth = 0;     // number of animated nodes from the root to this one
     };
     void add(std::size_t index, const GltfNode* parent, double unit);
     [[nodiscard]] Decomposed placed(std::size_t frame, double time_s) const;

@@ -5,10 +5,10 @@
 
 namespace postlens {
 
-/// Reads a .gltf or .glb: meshes, nodes, cameras, lights, materials, and the animations of nodes as keyed
-/// motion. docs/mesh_scenes.md describes the conversion and what is left out (with a note). Every node with a
-/// mesh becomes an object with its own id; nodes with the same mesh share its triangles. Throws
-/// Error(invalid_input) "FILE: PLACE ...".
+/// Reads a .gltf or .glb: meshes, nodes, cameras, lights, materials, and animations of nodes as keyframes of
+/// a motion. docs/mesh_scenes.md describes the conversion, and the contents that are omitted with a note.
+/// Every node with a mesh becomes an object with its own id. Nodes with the same mesh share its triangles.
+/// Throws Error(invalid_input) "FILE: PLACE ...".
 [[nodiscard]] Scene read_gltf_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

@@ -19,7 +19,7 @@ std::string shown(const json& value) {
     return std::string("an ") + (value.is_array() ? "array" : value.is_object() ? "object" : "empty value");
 }
 
-// The parser's message without the error number in front, as printable ASCII of at most 200 characters.
+// Returns the message of the parser without its error number, as printable ASCII of at most 200 characters.
 std::string one_line(const json::exception& error) {
     std::string text = error.what();
     const auto end = text.find("] ");
@@ -32,7 +32,7 @@ std::string one_line(const json::exception& error) {
 }
 
 // Limits nesting depth and number of values before parsing, by counting brackets, commas and colons outside
-// of strings. With the parser's callback, every element of an array would cost a scan of the whole array.
+// strings. A callback of the parser is not used, because it would scan the whole array for each element.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
     std::size_t values = 0;
@@ -63,7 +63,8 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // Catches more than parse_error: a number beyond the range of double throws out_of_range.
+        // Also catches errors other than parse_error: a number beyond the range of double throws
+        // out_of_range.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

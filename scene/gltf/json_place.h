@@ -1,4 +1,5 @@
-// Reads JSON from untrusted files. Every access is checked, and errors name the position in the document.
+// Reads JSON from untrusted files. Every access is checked, and error messages contain the position in the
+// document.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +14,14 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) if it is no valid JSON, nests deeper than 128 levels or has
-/// more than 4 million values (a value takes about 100 bytes of memory).
+/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested deeper than 128
+/// levels or has more than 4 million values. (A value needs about 100 bytes of memory.)
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
-/// A JSON value and its position in the document, e.g. "materials[2].emissiveFactor". Keeps references to the
-/// document and the file's name. The accessors take a key of this JSON object and return nothing if the key
-/// is missing. They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the value of the key
-/// has another type or is out of range.
+/// A JSON value and its position in the document, such as "materials[2].emissiveFactor". Keeps references to
+/// the document and to the name of the file. Each accessor takes a key of this JSON object and returns an
+/// empty value if the key is missing. It throws Error(invalid_input) "FILE: PLACE what (got X; expected Y)"
+/// if the value of the key has a wrong type or is out of range.
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)
@@ -30,7 +31,7 @@ class JsonPlace {
     [[nodiscard]] const std::string& where() const { return where_; }
     [[nodiscard]] bool has(const char* key) const { return value_->contains(key); }
 
-    /// The object, or array of objects, under a key of this object.
+    /// Returns the object, or array of objects, under a key of this object.
     [[nodiscard]] std::optional<JsonPlace> object(const char* key) const;
     [[nodiscard]] std::vector<JsonPlace> objects(const char* key) const;  ///< none where the key is missing
     /// extensions.NAME

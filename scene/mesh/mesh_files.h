@@ -1,4 +1,4 @@
-// The files that assimp may read: the scene file and files in its folder that it refers to.
+// The files that assimp may read: the scene file, and the files in its folder to which it refers.
 #pragma once
 
 #include <assimp/IOStream.hpp>
@@ -11,9 +11,9 @@
 
 namespace postlens {
 
-/// Gives assimp whole files from memory, as UTF-8. UTF-16 is recognised by its byte order mark. Nothing
-/// outside of the scene's folder is opened, and nothing is written. The names of requested files that are
-/// missing, or that lead out of the folder, are listed.
+/// Provides assimp with whole files from memory, as UTF-8. UTF-16 is recognised by its byte order mark. Files
+/// outside the scene's folder are not opened, and nothing is written. Requested files that are missing or
+/// outside the folder are added to a list.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text`: content of the scene file.
@@ -38,11 +38,11 @@ class MeshFiles : public Assimp::IOSystem {
     std::vector<std::string> missing_, outside_;
 };
 
-/// Largest file that assimp may read, bytes. Assimp needs about ten times as much memory.
+/// Largest file that assimp may read, bytes. Assimp needs about ten times this size in memory.
 inline constexpr std::uintmax_t largest_mesh_file_bytes = std::uintmax_t{1} << 30;
 
-/// Converts UTF-16 text with a byte order mark to UTF-8, with '?' for surrogates. Removes the byte order mark
-/// of UTF-8 text; returns other text unchanged.
+/// Converts UTF-16 text with a byte order mark to UTF-8, and replaces surrogates by '?'. Removes the byte
+/// order mark from UTF-8 text. Returns any other text unchanged.
 [[nodiscard]] std::string as_utf8(std::string text);
 
 }  // namespace postlens

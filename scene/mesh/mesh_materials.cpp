@@ -54,7 +54,7 @@ Material MeshMaterials::read(const aiMaterial& from) {
     const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR),
                metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
     int illum = 2;
-    // The key under which assimp's MTL reader stores `illum`; no assimp header defines a name for it.
+    // The key under which assimp's MTL reader stores `illum`. No assimp header defines a name for this key.
     (void)from.Get("$mat.illum", 0, 0, illum);
 
     if (roughness || metallic) {
@@ -84,7 +84,7 @@ Material MeshMaterials::read(const aiMaterial& from) {
     for (const aiTextureType type : {aiTextureType_AMBIENT, aiTextureType_SPECULAR, aiTextureType_OPACITY,
                                      aiTextureType_SHININESS, aiTextureType_HEIGHT, aiTextureType_NORMALS,
                                      aiTextureType_DISPLACEMENT, aiTextureType_REFLECTION}) {
-        // Many exporters write the texture of Kd for Ka as well, so a texture of Ka causes no note.
+        // Many exporters use the texture of Kd also for Ka, so a texture of Ka causes no note.
         if (from.GetTextureCount(type) > 0 && type != aiTextureType_AMBIENT) {
             notes_.add("pictures for anything but Kd and Ke are left out");
         }

@@ -1,4 +1,4 @@
-// Converts materials that assimp read from MTL, and textures of OBJ and PLY files, to Whitted's model.
+// Converts materials that assimp has read from MTL, and textures of OBJ and PLY files, to Whitted's model.
 #pragma once
 
 #include <assimp/material.h>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// The ambient light of scenes from OBJ and PLY, by which Ka is multiplied. It is low because exporters write
-/// Ka 1 for every material.
+/// Ambient light of scenes from OBJ and PLY files; it is multiplied by Ka. It is low, because exporters write
+/// a Ka of 1 for every material.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {
@@ -28,8 +28,8 @@ class MeshMaterials {
     [[nodiscard]] Material read(const aiMaterial& from);
     /// The default material: white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Reads a texture. Null, with a note, if it cannot be read. Throws Error(invalid_input) if its path
-    /// leads out of the scene's folder.
+    /// Reads a texture. If the file cannot be read, makes a note and returns null. Throws
+    /// Error(invalid_input) if the path leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file);
 
   private:

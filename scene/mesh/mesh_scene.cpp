@@ -100,7 +100,7 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // If faces have texture coordinates per corner, every corner becomes a separate position.
+        // If texture coordinates belong to the corners of faces, every corner becomes a separate position.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;
@@ -155,8 +155,8 @@ class MeshReader {
         return colour;
     }
 
-    // Colours of PLY files are taken as sRGB, as scanners write them. Colours of OBJ files are linear, like
-    // Kd.
+    // Colours of PLY files are interpreted as sRGB, because scanners write sRGB. Colours of OBJ files are
+    // linear, like Kd.
     static glm::vec3 screen_colour(const glm::vec3& colour) {
         glm::vec3 out = bounded_colour(colour);
         for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);
@@ -171,13 +171,13 @@ class MeshReader {
             why = importer.GetErrorString();
         } catch (const std::bad_alloc&) {
             throw;
-        } catch (const std::exception& e) {  // assimp catches most of its own exceptions, but not all
+        } catch (const std::exception& e) {  // assimp catches most of its own exceptions, but not all of them
             why = e.what();
         }
         fail(ExitCode::invalid_input, "{}: cannot be read ({})", path_.string(), one_line(why));
     }
 
-    // The recursion is safe: node trees of OBJ files are two levels deep.
+    // The depth of the recursion is limited, because node trees of OBJ files have only two levels.
     void add_node(const aiScene& from, const aiNode& node, MeshMaterials& materials) {
         if (node.mNumMeshes > 0) {
             const std::string name = node.mName.C_Str();

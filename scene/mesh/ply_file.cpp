@@ -17,7 +17,7 @@
 namespace postlens {
 namespace {
 
-// Index of an element's property with one of the given names; empty if there is none.
+// Returns the index of the property of an element that has one of the given names. Empty if there is none.
 std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<std::string_view> names,
                                     bool is_list) {
     for (const std::string_view name : names) {
@@ -29,7 +29,7 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Indices of several properties, each given by its alternative names; empty if one is missing.
+// Returns the indices of several properties, each with its alternative names. Empty if a property is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -42,8 +42,8 @@ std::optional<std::array<std::size_t, count>> places_of(
     return out;
 }
 
-// The stored value of a colour that stands for 1. 32-bit integers are taken as bytes that were stored in a
-// wider type.
+// Returns the stored value that represents a colour of 1. A 32-bit integer is treated as a byte that was
+// stored in a wider type.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;
@@ -130,14 +130,14 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // Corners of earlier faces, which have no texture coordinates, get (0, 0).
+        // Corners of earlier faces, which have no texture coordinates, are set to (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
     // Adds the triangles of strips. Every second triangle of a strip has the opposite winding. An index of -1
-    // ends a strip. Triangles with repeated corners only join strips and are left out.
+    // ends a strip. Triangles with repeated corners only join parts of a strip, and are omitted.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -162,7 +162,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element: its scalars by index of their property, and the lists that are kept.
+    // Reads one instance of an element: its scalars, by index of their property, and the lists that are
+    // needed.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -248,7 +249,7 @@ class PlyReader {
         return static_cast<T>(out);
     }
 
-    // The next word of ASCII data. Lines that begin with a comment word are skipped.
+    // Returns the next word of ASCII data. Skips lines that begin with the word "comment".
     std::string_view word(const PlyElement& e) {
         for (;;) {
             const std::size_t from = rest_.find_first_not_of(" \t\r\n");
@@ -272,8 +273,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The two lists of a face that are kept, the corners and the texture coordinates: the index of the
-    // property that holds each list, and the entries of each list.
+    // The two lists of a face that are needed, corners and texture coordinates: the index of the property of
+    // each list, and its entries.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

@@ -15,8 +15,9 @@ enum class PlyFormat { ascii, little_endian, big_endian };
 
 struct PlyProperty {
     std::string name;
-    PlyType type = PlyType::none;        ///< of a value, or of an entry of a list
-    PlyType count_type = PlyType::none;  ///< of the number of a list's entries; none: not a list
+    PlyType type = PlyType::none;  ///< type of a value, or of each entry of a list
+    /// type of a list's number of entries; none if the property is not a list
+    PlyType count_type = PlyType::none;
 };
 
 struct PlyElement {
@@ -28,11 +29,12 @@ struct PlyElement {
 struct PlyHeader {
     PlyFormat format = PlyFormat::ascii;
     std::vector<PlyElement> elements;
-    std::string texture_file;  ///< from a "TextureFile" comment, as MeshLab and VCGlib write it; or empty
+    std::string texture_file;  ///< from a "TextureFile" comment, which MeshLab and VCGlib write; or empty
 };
 
-/// Removes the header from the front of `bytes`, which then begin with the data. All lines end like the first
-/// one: with CR alone, or with LF, before which a CR is dropped. Throws Error(invalid_input) "FILE: ...".
+/// Removes the header from the front of `bytes`, which then begins with the data. All lines must end like the
+/// first one: with CR alone, or with LF, before which a CR is ignored. Throws Error(invalid_input) "FILE:
+/// ...".
 [[nodiscard]] PlyHeader take_ply_header(std::string_view& bytes, const std::string& file);
 
 }  // namespace postlens

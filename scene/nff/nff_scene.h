@@ -1,4 +1,5 @@
-// Scenes in the Neutral File Format [haines1987], as the Standard Procedural Databases use it.
+// Reads scenes in the Neutral File Format [haines1987], in the variant that the Standard Procedural Databases
+// use.
 #pragma once
 
 #include "scene/scene.h"
@@ -6,9 +7,9 @@
 namespace postlens {
 
 /// Reads v, b, l, f, c, s, p, pp and comments. Lengths are multiplied by `options.metres_per_unit`.
-/// docs/scene_format.md describes the conversion, the defaults and what is skipped (each with a note). Every
-/// `s` and `c` becomes an object with its own id; consecutive `p` and `pp` under one `f` become one mesh with
-/// one id. Throws Error(invalid_input) "FILE:LINE: ...".
+/// docs/scene_format.md describes the conversion, the defaults, and the contents that are skipped with a
+/// note. Every `s` and `c` becomes an object with its own id. Consecutive `p` and `pp` under one `f` become
+/// one mesh with one id. Throws Error(invalid_input) "FILE:LINE: ...".
 [[nodiscard]] Scene read_nff_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

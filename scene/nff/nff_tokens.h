@@ -1,4 +1,4 @@
-// Splits an NFF file into words, in bounded memory for any content.
+// Splits an NFF file into words. The memory is bounded for any contents of the file.
 #pragma once
 
 #include <filesystem>
@@ -14,31 +14,32 @@
 
 namespace postlens {
 
-/// The words of a file, without comments. Computes the file's SHA-256 while reading.
+/// The words of a file, without comments. Computes the SHA-256 of the file while reading it.
 class NffTokens {
   public:
-    /// Throws Error(invalid_input) if the path is no readable file.
+    /// Throws Error(invalid_input) if the path is not a readable file.
     explicit NffTokens(const std::filesystem::path& path);
 
-    /// The next word, on this line or a later one; empty at the end of the file. Valid until the next line is
-    /// read.
+    /// Returns and removes the next word, on this line or a later one. Empty at the end of the file. The word
+    /// is valid until the next line is read.
     [[nodiscard]] std::optional<std::string_view> next();
-    /// The word that `next` would return, which is not taken.
+    /// Returns the word that `next` would return, but does not remove it.
     [[nodiscard]] std::optional<std::string_view> peek();
-    /// Takes the remaining words on the line of the last word taken.
+    /// Returns the remaining words on the line of the last word.
     [[nodiscard]] std::vector<std::string> rest_of_line();
 
-    /// Takes the next word as a finite number of at most `largest` in magnitude. `what` names it in errors.
+    /// Returns the next word as a finite number of magnitude `largest` or less. `what` describes the number
+    /// in error messages.
     [[nodiscard]] double number(std::string_view what, double largest);
-    /// Converts a word that was already taken.
+    /// Converts a word that `next` has returned.
     [[nodiscard]] double number(std::string_view word, std::string_view what, double largest) const;
 
-    /// Line of the last word taken, from 1.
+    /// Line number of the last word that was returned, from 1.
     [[nodiscard]] int line() const { return taken_line_; }
-    /// SHA-256 of the whole file. Call once, at the end of the file.
+    /// SHA-256 of the whole file. It may be called only once, at the end of the file.
     [[nodiscard]] std::string sha256() { return digest_.hex(); }
 
-    /// Throws Error(invalid_input) "FILE:LINE: ..." for the line of the last word taken.
+    /// Throws Error(invalid_input) "FILE:LINE: ..." with the line of the last word.
     template <typename... Args>
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail(ExitCode::invalid_input, "{}:{}: {}", path_.string(), taken_line_,

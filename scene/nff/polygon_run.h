@@ -9,14 +9,15 @@
 
 namespace postlens {
 
-/// Collects polygons that share a material. Corners are not shared between polygons.
+/// Collects polygons that have the same material. The polygons do not share corners.
 class PolygonRun {
   public:
     [[nodiscard]] bool empty() const { return mesh_.triangles.empty(); }
-    /// Adds a polygon with at least 3 corners, unless it has a fault. `normals`: one per corner, of any
-    /// length, or empty for a flat polygon; a normal of length 0 is taken as the polygon's own.
+    /// Adds a polygon with at least 3 corners, unless it has a fault. `normals` has one vector of any length
+    /// per corner, or is empty for a flat polygon. A normal of length 0 is replaced by the normal of the
+    /// polygon.
     PolygonFault add(std::span<const glm::dvec3> corners, std::span<const glm::dvec3> normals);
-    /// The mesh, with normals if any polygon had them; the run is empty afterwards.
+    /// Returns the collected mesh and removes it. The mesh has normals if any of its polygons has.
     [[nodiscard]] Mesh take();
 
   private:

@@ -76,7 +76,8 @@ class ObjectReader {
     }
 
   private:
-    // For a table without a shape, accepts the keys of all shapes, so that a misspelt "shape" is reported.
+    // For a table without a valid shape, accepts the keys of all shapes, so that the error is about the
+    // misspelt "shape".
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

@@ -1,4 +1,4 @@
-// The [[object]] tables of a .toml scene: shapes, instances, repetitions, motion.
+// Reads the [[object]] tables of a .toml scene: shapes, instances, repetitions, motion.
 #pragma once
 
 #include "core/toml_reader.h"
@@ -6,11 +6,12 @@
 
 namespace postlens {
 
-/// Greatest number of shapes in a scene. Without a limit, instances of repeated instances grow exponentially.
+/// Greatest number of shapes in a scene. Without a limit, the number could grow exponentially with instances
+/// of repeated instances.
 inline constexpr std::size_t largest_shape_count = 1'000'000;
 
-/// Appends the objects of the file to scene.objects; scene.materials and scene.time_s must be set. An object
-/// without a material gets a default material, which is appended to scene.materials.
+/// Appends the objects of the file to scene.objects. scene.materials and scene.time_s must already be set.
+/// For objects without a material, a default material is appended to scene.materials.
 void read_objects(const TomlTable& root, double metres_per_unit, Scene& scene);
 
 }  // namespace postlens

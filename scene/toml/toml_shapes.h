@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Values of the key `shape`; `shape_keys` and `read_shape` take an index into them. "instance" is a copy of
-/// another object.
+/// Values of the key `shape`. `shape_keys` and `read_shape` take an index into this array. "instance" is a
+/// copy of another object.
 inline constexpr std::array<std::string_view, 9> shape_kinds{"sphere",   "box",  "disc", "rectangle", "plane",
                                                              "cylinder", "cone", "mesh", "instance"};
 inline constexpr std::size_t instance_kind = 8;
@@ -19,7 +19,8 @@ inline constexpr std::size_t instance_kind = 8;
 /// The keys that are specific to a kind of shape.
 [[nodiscard]] std::span<const std::string_view> shape_keys(std::size_t kind);
 
-/// Reads the shape from an object's table, in metres in object space. Not for `instance_kind`.
+/// Reads a shape from the table of an object, in metres in object space. Must not be called for
+/// `instance_kind`.
 [[nodiscard]] Shape read_shape(const TomlTable& table, std::size_t kind, double metres_per_unit);
 
 }  // namespace postlens

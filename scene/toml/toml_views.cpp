@@ -15,8 +15,8 @@ using glm::dvec3;
 using Name = std::string_view;
 
 constexpr int largest_raster_px = 1 << 16;
-// Range of film sizes and focal lengths, mm. It is far wider than real ones, and keeps their quotients
-// finite.
+// Range of film sizes and focal lengths, mm. It is far wider than that of real cameras, but narrow enough
+// that quotients are finite.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};
 
 void read_projection(const TomlTable& t, double unit, Camera& camera) {
@@ -158,7 +158,7 @@ Light read_light(const TomlTable& t, double unit) {
     return light;
 }
 
-// Reads all tables of a kind. Tables without a name are numbered; a repeated name is an error.
+// Reads all tables of a kind. Tables without a name are numbered. A repeated name is an error.
 template <typename Read>
 auto read_named(const TomlTable& root, const std::string& key, const Read& read) {
     std::vector<decltype(read(root))> out;

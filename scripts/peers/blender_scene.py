@@ -9,9 +9,10 @@ still   `samples/scenes/blender_still.glb`: rough plastics, a metal, a glass bal
         cube that turns during 24 frames, and depths from 1.6 m to 14 m
 glass   a glass ball of index 1.5 with a volume, in front of plastic objects
 
-glTF holds neither the world's light nor the size of a light source. --render therefore makes the world black and the
-light sources points; --world and --soft-lights keep Blender's world light and sizes. --render casts direct light and
-follows mirrors and glass for --bounces reflections and refractions; no light travels between diffuse surfaces.
+glTF contains neither the light of the world nor the size of a light source. Therefore --render makes the world black
+and all light sources points. --world and --soft-lights keep the world's light and the sizes. --render computes direct
+light, and up to --bounces reflections and refractions by mirrors and glass. It computes no light between diffuse
+surfaces.
 """
 
 import argparse
@@ -43,8 +44,8 @@ def principled(name, base_colour, **inputs):
 
 
 def glass(thickness_m):
-    """Clear glass of index 1.5. The exporter takes the thickness of KHR_materials_volume from a node group named
-    "glTF Material Output", which changes nothing in Cycles."""
+    """Clear glass of index 1.5. The exporter reads the thickness of KHR_materials_volume from a node group named
+    "glTF Material Output", which has no effect in Cycles."""
     material = principled("Glass", (1, 1, 1), Transmission=1, Roughness=0, IOR=1.5)
     group = bpy.data.node_groups.new("glTF Material Output", "ShaderNodeTree")
     group.inputs.new("NodeSocketFloat", "Thickness")
@@ -55,7 +56,7 @@ def glass(thickness_m):
 
 
 def place(name, material, smooth=True):
-    """Names the object that an operator of bpy.ops.mesh has just added, and gives it a material."""
+    """Names the object that an operator of bpy.ops.mesh has just added, and assigns a material to it."""
     added = bpy.context.object
     added.name = added.data.name = name
     added.data.materials.append(material)
@@ -65,14 +66,14 @@ def place(name, material, smooth=True):
 
 
 def duplicate(original, location):
-    """Makes a second object with the same mesh, as Alt+D does in Blender."""
+    """Makes a second object that shares the mesh, as Alt+D does in Blender."""
     copy = original.copy()
     copy.location = location
     bpy.context.collection.objects.link(copy)
 
 
 def light(kind, name, energy, location, rotation_degrees=(0, 0, 0)):
-    """Adds a light. Its energy is in W for a point light or a spot, in W/m^2 for a sun."""
+    """Adds a light. Its energy is in W for a point or spot light, and in W/m^2 for a sun."""
     rotation = [math.radians(x) for x in rotation_degrees]
     bpy.ops.object.light_add(type=kind, location=location, rotation=rotation)
     added = bpy.context.object
@@ -96,7 +97,7 @@ def plastics():
 
 
 def build_still():
-    """Returns the distance along the axis on which the lens is focused: that of Suzanne's eyes, m."""
+    """Builds the scene. Returns the focus distance along the camera's axis, m: that of Suzanne's eyes."""
     plastic, mesh = plastics(), bpy.ops.mesh
     mesh.primitive_plane_add(size=60, location=(0, 10, 0))
     place("Floor", plastic["Plastic"], smooth=False)

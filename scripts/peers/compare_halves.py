@@ -3,19 +3,19 @@
     blender -b --factory-startup -P compare_halves.py -- OUT.json --ours A B [A B ...] --theirs A B [A B ...]
         [--map PNG]
 
-Runs inside Blender, to use its image reader and its numpy. Each renderer makes independent images, which are put
-alternately into its first and second half. P1, P2 and C1, C2 are the means of the halves of the two renderers, and P,
-C the means of all their images. The results are averages over pixels and channels:
+Runs inside Blender, to use its image reader and its numpy. Each renderer makes independent images, which are assigned
+alternately to its first and second half. P1 and P2 are the means of the halves of one renderer, C1 and C2 those of the
+other. P and C are the means of all images of each. The results are averages over pixels and channels:
 
     mean squared difference   (P - C)^2
     noise floor               (P1 - P2)^2 / 4 and (C1 - C2)^2 / 4: the variances of P and C
     squared bias              P1 P2 + C1 C2 - 2 P C, which is the squared difference less both noise floors
 
-The expectation of the squared bias is (E P - E C)^2, without noise, since the halves are independent. The estimate
-may be negative. Its standard error is that of the means of blocks of BLOCK_PX. The results are computed in
-scene-linear colour, and again with every image clamped to 0 to 1 and sRGB-encoded. The curve of the encoding shifts
-the mean of noisy values. If one renderer is noisier than the other, this shift appears as bias, in proportion to the
-squared difference of variances.
+The halves are independent, so the expectation of the squared bias is (E P - E C)^2, without noise. The estimate may be
+negative. Its standard error is computed from the means of blocks of BLOCK_PX. The results are computed in scene-linear
+colour, and again after every image is clamped to 0 to 1 and sRGB-encoded. The encoding is a curve, so it shifts the
+mean of noisy values. If one renderer is noisier than the other, this shift appears as a squared bias in proportion to
+the squared difference of the variances.
 """
 
 import argparse
@@ -30,7 +30,7 @@ BLOCK_PX = 20  # wider than most circles of confusion, so that the errors of blo
 
 
 def load(path):
-    """Reads an image as an array, top row first, with three channels. Values are those of the file."""
+    """Reads an image as an array with three channels, top row first. The values are those of the file."""
     image = bpy.data.images.load(path)
     image.colorspace_settings.name, image.alpha_mode = "Non-Color", "NONE"
     width, height = image.size
@@ -54,7 +54,7 @@ def db(mean_square):
 
 
 def mean_and_error(values):
-    """The mean over the image, and its standard error from the means of blocks."""
+    """Returns the mean over the image, and its standard error, which is computed from the means of blocks."""
     rows, columns = (n // BLOCK_PX for n in values.shape[:2])
     blocks = values[: rows * BLOCK_PX, : columns * BLOCK_PX].mean(2)
     blocks = blocks.reshape(rows, BLOCK_PX, columns, BLOCK_PX).mean((1, 3))
@@ -81,7 +81,8 @@ def compare(ours, theirs):
 
 
 def shift_px(ours, theirs):
-    """Displacement of their image against ours, px right and down, by least squares on the gradient of the mean."""
+    """Returns the displacement of the second image against the first, px right and down. It is a least-squares fit
+    to the gradient of the mean."""
     a, b = (numpy.clip(sum(h) / 2, 0, 1).mean(2) for h in (ours, theirs))
     down, right = numpy.gradient((a + b) / 2)
     matrix = [[(right * right).sum(), (right * down).sum()], [(right * down).sum(), (down * down).sum()]]
@@ -90,7 +91,7 @@ def shift_px(ours, theirs):
 
 
 def write_map(path, ours, theirs):
-    """Writes a map of eight times the difference of the encoded images. Grey means equal."""
+    """Writes a map of the difference between the encoded images, times eight. Grey means equal."""
     shown = numpy.clip(0.5 + 8 * (encode(sum(ours) / 2) - encode(sum(theirs) / 2)), 0, 1)
     image = bpy.data.images.new("map", shown.shape[1], shown.shape[0], alpha=False)
     image.pixels.foreach_set(numpy.dstack([shown, numpy.ones(shown.shape[:2])])[::-1].astype(numpy.float32).ravel())

@@ -3,10 +3,10 @@
 
     foreign_focus_cycles.py BUILD [--scene SCENE.toml] [--f-number N] [--focus M] [--size WxH] [--spp N] [--out DIR] ...
 
-Blender renders the scene through a pinhole into a multi-layer OpenEXR file, with the pass Depth, and then through the
-lens, twice with different seeds. `postlens focus` reads the pinhole image and is given only the camera. `postlens
-compare` compares the result to the images through the lens. Blender comes from Debian: apt-get install
---no-install-recommends blender python3-numpy
+Blender renders the scene through a pinhole into a multi-layer OpenEXR file with the pass Depth. It also renders the
+scene through the lens, twice with different seeds. `postlens focus` reads the pinhole image; otherwise it knows only
+the camera. `postlens compare` compares the result to the images through the lens. Blender comes from Debian: apt-get
+install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -41,7 +41,7 @@ def run(command, log=None, environment=None):
 def blender(out, arguments, words):
     if arguments.keep and os.path.exists(out):
         return
-    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # Blender's Python loads the standard library of the first python3 on the search path. That must be Debian's
     # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
@@ -52,7 +52,8 @@ def blender(out, arguments, words):
 
 
 def film_mm(scene):
-    """Film width and film distance of the scene's first camera, which a file of another program does not state."""
+    """Returns film width and film distance of the scene's first camera, because a file of another program does not
+    contain them."""
     with open(scene, "rb") as file:
         camera = tomllib.load(file)["camera"][0]
     return camera.get("film_width_mm", 36), camera.get("focal_length_mm", 50)

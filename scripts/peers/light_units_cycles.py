@@ -3,14 +3,14 @@
 
     light_units_cycles.py BUILD [--lumens-per-watt X] [--out DIR]
 
-Blender builds the floor, exports it in the exporter's default lighting mode and renders it with Cycles, direct light
-only and with light sources of no extent. postlens traces the exported file. Both images hold the radiance of the
-floor. The report is the ratio of postlens' radiance to Cycles', over all pixels, or for the spot over the pixels
-inside its inner cone.
+Blender builds the floor, exports it in the exporter's default lighting mode and renders it with Cycles. Cycles computes
+only direct light, from light sources without extent. postlens traces the exported file. Both images contain the
+radiance of the floor. The script reports the ratio of the radiance in postlens to that in Cycles, over all pixels; for
+the spot, over the pixels inside its inner cone.
 
-In glTF a spot has the same radiant intensity in all directions of its inner cone. In Cycles 3.4 the intensity also
-falls with the cosine of the angle to the spot's axis. That cosine is divided out of Cycles' image before the
-comparison. Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
+In glTF a spot has the same radiant intensity in all directions of its inner cone. In Cycles 3.4 the intensity is also
+proportional to the cosine of the angle to the spot's axis. Before the comparison, the image of Cycles is divided by
+this cosine. Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -28,7 +28,8 @@ HEIGHT_M = 3  # height of the point light and the spot above the floor
 FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
-# kind: (W, or W/m^2 for the sun; rotation about x, degrees). The sun and the spot shine obliquely, to test the cosine.
+# kind: (W, or W/m^2 for the sun; rotation about x, degrees). Sun and spot shine obliquely, so that the cosine is tested
+# as well.
 LIGHTS = {"SUN": (2, 30), "POINT": (1000, 0), "SPOT": (1000, 20)}
 LIMIT = 0.01  # greatest deviation of a ratio from 1
 TIMEOUT_S = 600
@@ -42,14 +43,14 @@ def fail(text):
 
 
 def build(kind):
-    """A floor, a camera 2 FIELD_M above it that sees FIELD_M x FIELD_M of it, and the light."""
+    """Builds a floor, the light, and a camera at a height of 2 FIELD_M that sees FIELD_M x FIELD_M of the floor."""
     import blender_scene
     import bpy
 
     for item in list(bpy.data.objects):
         bpy.data.objects.remove(item)
     bpy.ops.mesh.primitive_plane_add(size=2 * FIELD_M)
-    # The exported material has no reflection, so that only its diffuse part is compared.
+    # The exported material has no reflection, so only its diffuse part is compared.
     blender_scene.place("Floor", blender_scene.principled("Floor", [ALBEDO] * 3, Specular=0, Roughness=1), smooth=False)
     energy, turn_degrees = LIGHTS[kind]
     source = blender_scene.light(kind, "Light", energy, (0.3, -0.4, HEIGHT_M), (turn_degrees, 0, 0))
@@ -58,8 +59,9 @@ def build(kind):
 
 
 def cycles_cosines(source):
-    """For each pixel, row by row from the top: the factor of Cycles' intensity that glTF does not have; 0 where a pixel
-    does not count, which is outside the spot's inner cone (as the exporter writes it) or within two pixels of its edge.
+    """Returns, for each pixel in rows from the top, the factor by which the intensity in Cycles differs from glTF. 0
+    for pixels that are excluded: those outside the spot's inner cone (as the exporter writes it) or within two
+    pixels of its edge.
     """
     from mathutils import Vector
 
@@ -87,7 +89,7 @@ def inside(folder):
         bpy.context.view_layer.update()
         blender_scene.export(os.path.join(folder, kind + ".glb"))
         cosines[kind] = cycles_cosines(source)
-        # Under oblique light, Cycles' Principled surface differs from Lambert's law. Its diffuse surface does
+        # Under oblique light, the Principled surface of Cycles differs from Lambert's law, but its Diffuse surface does
         # not.
         floor = bpy.data.objects["Floor"].active_material.node_tree
         diffuse = floor.nodes.new("ShaderNodeBsdfDiffuse")
@@ -99,7 +101,7 @@ def inside(folder):
 
 
 def ratios(folder):
-    """postlens' image divided by Cycles', over the pixels that count."""
+    """Returns the image of postlens divided by that of Cycles, over the pixels that are not excluded."""
     sys.path.insert(0, HERE)
     import compare_halves
     import numpy
@@ -134,7 +136,7 @@ def run(command, environment=None):
 
 
 def blender(step, folder):
-    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # Blender's Python loads the standard library of the first python3 on the search path. That must be Debian's
     # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
@@ -143,7 +145,7 @@ def blender(step, folder):
 
 
 def exported(path):
-    """The first light of a .glb file, as an object of its JSON."""
+    """Returns the first light of a .glb file, as a JSON object."""
     with open(path, "rb") as file:
         data = file.read()
     length = int.from_bytes(data[12:16], "little")

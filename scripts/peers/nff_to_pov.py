@@ -1,30 +1,31 @@
 #!/usr/bin/env python3
-"""Writes an NFF scene as a POV-Ray 3.7 scene with the shading that docs/scene_format.md gives NFF files.
+"""Writes an NFF scene as a POV-Ray 3.7 scene, with the shading of NFF files that docs/scene_format.md describes.
 
     nff_to_pov.py SCENE.nff SCENE.pov
 
-The camera is for one sample per pixel corner of a 512 x 512 picture: render with +W513 +H513 -A -J. NFF's angle runs
-between the centres of the first and the last pixel row, so 512 corner distances cover 512/511 of its tangent; POV-Ray
-samples the centres of its 513 columns, which makes its own picture 513/511 as wide.
+The camera is made for one sample per pixel corner of a 512 x 512 picture: render with +W513 +H513 -A -J. The angle of
+NFF is measured between the centres of the first and the last pixel row. The 512 distances between corners therefore
+cover 512/511 of its tangent. POV-Ray samples the centres of its 513 columns, so its picture is 513/511 as wide as that
+of the angle.
 
-Two declarations on POV-Ray's command line serve to count rays: Declare=Max_Depth=N changes the depth from 5;
-Declare=Clear_Glass=1 lets transparent objects cast no shadows.
+Two declarations on POV-Ray's command line make it possible to count rays. Declare=Max_Depth=N sets the depth, which is
+5 by default. With Declare=Clear_Glass=1, transparent objects cast no shadows.
 
-POV-Ray is left-handed only through its default camera. Here the camera's right vector is written out in the file's
-own right-handed coordinates, so the geometry stays as it is and the picture is not mirrored.
+POV-Ray is left-handed only because of its default camera. The output sets the right vector of the camera in the
+right-handed coordinates of the NFF file. The geometry is therefore unchanged, and the picture is not mirrored.
 """
 
 import math
 import sys
 
 RASTER_PX = 512
-MAX_DEPTH = 5  # levels of a shading tree, counted from the eye ray's level, as the SPD demand
-# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, for a transmittance T. These are divided
-# by 1 - T in advance, so T must stay below 1.
+MAX_DEPTH = 5  # levels of a shading tree, including that of the eye ray, as the SPD require
+# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, for a transmittance T. The output divides both
+# by 1 - T in advance, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Largest sine of a turn in the wrong direction between two edges of a polygon that counts as rounding of the
-# file's six digits.
+# Two edges of a convex polygon may turn the wrong way by rounding of the file's six digits. This is the largest sine of
+# such a turn.
 LARGEST_REFLEX = 1e-4
 
 
@@ -54,7 +55,7 @@ def pov(v):
 
 
 class Tokens:
-    """The words of an NFF file with their line numbers, without comments."""
+    """The words of an NFF file without comments, with their line numbers."""
 
     def __init__(self, path):
         self.path = path
@@ -91,7 +92,7 @@ class Tokens:
         return [self.number() for _ in range(count)]
 
     def numbers_of_line(self):
-        """The remaining numbers on the line of the last word."""
+        """Returns the remaining numbers on the line of the last word."""
         line = self.words[self.at - 1][1]
         values = []
         while self.at < len(self.words) and self.words[self.at][1] == line:
@@ -125,7 +126,7 @@ def material(fill):
 
 
 def is_convex(corners):
-    """Whether a fan from the first corner covers the polygon. Collinear corners count as convex."""
+    """True if a fan from the first corner covers the polygon. Collinear corners are treated as convex."""
     normal = [0.0, 0.0, 0.0]
     for a, b in zip(corners, corners[1:] + corners[:1]):
         normal = [n + c for n, c in zip(normal, cross(a, b))]
@@ -138,7 +139,7 @@ def is_convex(corners):
 
 
 def triangles(tokens, is_patch):
-    """The triangles of a polygon's fan, each without its closing brace, for its material to follow."""
+    """Returns the triangles of a polygon's fan, each without its closing brace, because its material follows."""
     count = tokens.number()
     if count < 3 or count != int(count):
         tokens.fail(f"a polygon has at least three corners (got {count:g})")
@@ -157,7 +158,7 @@ def triangles(tokens, is_patch):
 
 
 def curved(tokens, entity):
-    """A sphere, cone or cylinder without its closing brace, for its material to follow."""
+    """Returns a sphere, cone or cylinder without its closing brace, because its material follows."""
     if entity == "s":
         x, y, z, radius = tokens.numbers(4)
         return f"sphere {{ {pov([x, y, z])} {abs(radius):.9g}"
@@ -169,7 +170,7 @@ def curved(tokens, entity):
 
 
 class Scene:
-    """The content of an NFF file, with its objects converted to POV-Ray's language."""
+    """The contents of an NFF file, with its objects converted to the language of POV-Ray."""
 
     def __init__(self, path):
         self.view, self.background = {}, [0.0, 0.0, 0.0]
@@ -204,8 +205,8 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Triangles are written separately, because in one mesh POV-Ray needs 4 to 8 % more processor
-                # time for the scenes tetra and mount.
+                # Triangles are written separately. In a single mesh, POV-Ray needs 4 to 8 % more processor time for the
+                # scenes tetra and mount.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

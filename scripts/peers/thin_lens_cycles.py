@@ -3,9 +3,9 @@
 
     thin_lens_cycles.py BUILD [--spp N] [--rounds N] [--size WxH] [--only NAME] [--out DIR] [--self] ...
 
-Each round renders every image once with both programs, with a new seed. The programs take turns to be first. The odd
-rounds are one half of a program's samples and the even rounds the other (compare_halves.py describes the comparison).
-Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
+Each round renders every image once with both programs, with a new seed. The programs alternate in running first. The
+odd rounds form one half of a program's samples, the even rounds the other half. compare_halves.py describes the
+comparison. Blender comes from Debian: apt-get install --no-install-recommends blender python3-numpy
 """
 
 import argparse
@@ -50,7 +50,7 @@ def run(command, log, environment=None):
 
 
 def blender(script, words, log):
-    # Blender's Python loads the standard library of the first python3 on the search path. This must be Debian's
+    # Blender's Python loads the standard library of the first python3 on the search path. That must be Debian's
     # python3, which has numpy.
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = "/usr/bin:" + os.environ["PATH"]
@@ -59,8 +59,8 @@ def blender(script, words, log):
 
 
 def cycles_seconds(log, spp):
-    """Time from the first sample to the last, s, from Cycles' progress output. It excludes the preparation (copying the
-    scene, building hierarchies) and the writing of the file."""
+    """Returns the time from the first sample to the last, s, from the progress output of Cycles. It excludes the
+    preparation (copying the scene, building hierarchies) and the writing of the file."""
     clock = r"Time:(?:(\d+):)?(\d+):(\d+\.\d+)"
     with open(log, encoding="utf-8", errors="replace") as file:
         text = file.read()
@@ -91,7 +91,8 @@ def render_postlens(program, stem, scene, words):
 
 
 def speed(runs, samples):
-    """Million samples per second of rendering (least, median and greatest), and the medians of the other times."""
+    """Returns the million samples per second of rendering (least, median and greatest), and the medians of the other
+    times."""
     rates = sorted(samples / r["render_s"] / 1e6 for r in runs)
     middle = {key: statistics.median(r[key] for r in runs) for key in ("render_s", "process_s", "processor_s")}
     return middle | {
@@ -108,8 +109,8 @@ def compare_picture(name, arguments, folder):
     ours, theirs, stems = [], [], {"ours": [], "theirs": []}
     for number in range(1, arguments.rounds + 1):
         stem = os.path.join(folder, f"{name}.%s.{number}")
-        # The programs take turns to be first, so that the state that one leaves behind (clock rate, caches)
-        # does not always affect the other.
+        # The programs alternate in running first. Otherwise the state that the first one leaves behind (clock rate,
+        # caches) would always affect the same program.
         for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
             seed = ["--seed", str(number)]
             if whose == "theirs":
@@ -176,8 +177,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md), so their
-    # halves would not be independent.
+    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). Their halves would
+    # then not be independent.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

@@ -2,14 +2,14 @@
 
     blender -b --factory-startup -P toml_to_blender.py -- SCENE.toml OUT.exr --spp N [OPTION...]
 
-Runs inside Blender 3.4. Of the scene format (docs/scene_format.md), this program supports: perspective cameras
-without keys; materials that only emit; "checker" textures; rectangles, boxes, spheres and cylinders, repeated or not,
-with keys of translation and rotation. Other content is an error of one line; nothing is silently left out.
+Runs inside Blender 3.4. Of the scene format (docs/scene_format.md), this program supports: perspective cameras without
+keys; materials that only emit; "checker" textures; rectangles, boxes, spheres and cylinders, repeated or not, with keys
+of translation and rotation. Any other content causes an error of one line; nothing is omitted silently.
 
-Balls and cylinders become meshes so fine that the error of their outlines is at most OUTLINE_PX. The exposure is
-mapped to the part of one frame that Cycles' shutter covers (SHUTTER_COVERED). Cycles gets as many poses of a moving
-object as keep its error between them below MOTION_PX (translation linear, rotation by slerp), and every pose is
-checked against the scene's own formula after Blender has evaluated it.
+Balls and cylinders become meshes whose outlines have an error of at most OUTLINE_PX. The exposure is mapped to the part
+of one frame that Cycles' shutter covers (SHUTTER_COVERED). A moving object has as many poses as are needed for an error
+below MOTION_PX between poses (translation linear, rotation by slerp). After Blender has evaluated the poses, each is
+checked against the formula of the scene.
 """
 
 import argparse
@@ -24,13 +24,13 @@ import bmesh
 import bpy
 from mathutils import Euler, Matrix, Quaternion, Vector
 
-OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: an error of 1 % of an edge's contrast at most
+OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 samples times from a table of 256 entries, which for a box curve covers only 254/256 of the frame.
-# As evidence, the centroid of a bar that passes over 200.02 px lies 0.781 px before the middle (0.783 and 0.779
-# px with the two samplers, 1024 spp), and 200.02 px (1 - 254/256) / 2 = 0.781 px. --whole-frame leaves this
-# error uncorrected.
+# Cycles 3.4 samples times from a table of 256 entries. For a box curve, this table covers only 254/256 of the frame. A
+# measurement confirms it: the centroid of a bar that moves by 200.02 px lies 0.781 px before the middle (0.783 and
+# 0.779 px with the two samplers, 1024 spp), and 200.02 px (1 - 254/256) / 2 = 0.781 px. With --whole-frame this error
+# is not corrected.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -70,7 +70,7 @@ def needed(what, table, key):
 
 
 def triple(value):
-    """Three numbers, from a list of three or from a single number that stands for all three."""
+    """Returns three numbers, from a list of three or from a single number that is used three times."""
     return [float(x) for x in value] if isinstance(value, list) else [float(value)] * 3
 
 
@@ -113,7 +113,7 @@ class Motion:
         return move + turn @ self.offset, turn @ self.turn
 
     def pose_beyond(self, time_s, close_s):
-        """The pose at an instant. After close_s, the motion before close_s is extrapolated."""
+        """Returns the pose at an instant. For instants after close_s, the motion before close_s is extrapolated."""
         if time_s <= close_s:
             return self.pose(time_s)
         (move0, turn0), (move1, turn1) = self.pose(2 * close_s - time_s), self.pose(close_s)
@@ -124,7 +124,7 @@ class Motion:
 
 
 class View:
-    """The pinhole camera: its projection, and its object in Blender."""
+    """The pinhole camera: its projection, and its Blender object."""
 
     def __init__(self, what, table, size_px):
         check_keys(what, table, CAMERA_KEYS)
@@ -145,12 +145,13 @@ class View:
         self.px_per_tangent = self.size_px[0] * self.focal_length_mm / self.film_width_mm
 
     def raster(self, point):
-        """Image position of a world point, px from the image's centre; None if it is not in front of the camera."""
+        """Returns the image position of a world point, px from the centre of the image. None if the point is not in
+        front of the camera."""
         x, y, z = self.camera_from_world @ point
         return None if z > -1e-6 else Vector((x, y)) * (self.px_per_tangent / -z)
 
     def px_per_m(self, point, margin_m):
-        """Largest magnification, px per m, within margin_m of a point."""
+        """Returns the largest magnification, px per m, within margin_m of a point."""
         depth_m = -(self.camera_from_world @ point).z - margin_m
         return self.px_per_tangent / max(depth_m, 1e-3)
 
@@ -171,7 +172,8 @@ class View:
 
 
 def checker(nodes, links, table, emission):
-    """Shader nodes for the colour `even` or `odd`, times the emission, of the cell of a point in object space."""
+    """Makes shader nodes for the emission times the colour `even` or `odd`. The cell that contains a point in object
+    space determines its colour."""
     what = f"texture '{table.get('name')}'"
     check_keys(what, table, TEXTURE_KEYS)
 
@@ -183,8 +185,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell with an edge of infinite length has no borders along that axis, so the axis' coordinate is
-    # multiplied by 0. Blender's Checker Texture node is not used because it shifts the borders of the cells.
+    # A cell edge of infinite length has no borders along its axis, so the coordinate along this axis is multiplied by
+    # 0. Blender's Checker Texture node is not used, because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -223,12 +225,13 @@ def emitter(table, textures, ambient_light):
             raise SceneError(f"{what}: cannot be expressed here (got {table['emission_texture']}; expected a checker)")
         links.new(checker(nodes, links, texture, emission), shine.inputs["Color"])
     links.new(shine.outputs["Emission"], nodes.new("ShaderNodeOutputMaterial").inputs["Surface"])
-    made.cycles.sample_as_light = False  # nothing is lit, so no light need be sampled
+    made.cycles.sample_as_light = False  # nothing is illuminated, so lights need not be sampled
     return made
 
 
 def ball(made, centre, radius_m, px_per_m):
-    """Makes a sphere of triangles at most OUTLINE_PX below the exact surface. Returns the greatest depth, px."""
+    """Makes a sphere of triangles that lie at most OUTLINE_PX below the exact surface. Returns the greatest depth,
+    px."""
     for level in range(2, LARGEST_ICOSPHERE + 1):
         made.clear()
         bmesh.ops.create_icosphere(made, subdivisions=level, radius=radius_m)
@@ -241,7 +244,7 @@ def ball(made, centre, radius_m, px_per_m):
 
 
 def tube(made, base, apex, radius_m, px_per_m, capped):
-    """Makes a cylinder of rectangles, with the same tolerance and result as `ball`."""
+    """Makes a cylinder of rectangles. Tolerance and result are those of `ball`."""
     axis = apex - base
     count = max(8, math.ceil(math.pi / math.acos(1 - min(OUTLINE_PX / (px_per_m * radius_m), 0.5))))
     side = axis.orthogonal().normalized() * radius_m
@@ -258,8 +261,8 @@ def tube(made, base, apex, radius_m, px_per_m, capped):
 
 
 def shape(what, table, magnification):
-    """The mesh of an object in object space, and the error of its outline, px. `magnification(point, margin)`: px
-    per metre of object space, within a distance of a point."""
+    """Returns the mesh of an object in object space, and the error of its outline, px. `magnification(point,
+    margin)` returns the px per metre of object space, within a distance of a point."""
     kind = needed(what, table, "shape")
     if kind not in SHAPE_KEYS:
         raise SceneError(f"{what}: cannot be expressed here (got {kind}; expected {', '.join(sorted(SHAPE_KEYS))})")
@@ -329,7 +332,7 @@ def corners(mesh):
 
 
 def animate(made, motion, exposure, view):
-    """Gives an object enough poses. Returns the greatest error of its motion between them, px."""
+    """Adds enough poses to an object. Returns the greatest error of its motion between poses, px."""
 
     def off_px(log2):
         worst, steps, box = 0.0, exposure.poses(motion, log2), corners(made.data)
@@ -362,7 +365,8 @@ def animate(made, motion, exposure, view):
 
 
 def check_poses(scene, moving, exposure, view):
-    """Greatest difference between Blender's evaluation of the motion and the scene's formula at the poses, px."""
+    """Returns the greatest difference, px, between Blender's evaluation of the motion at the poses and the formula
+    of the scene."""
     worst = 0.0
     for made, motion in moving:
         for frame, _, pose in exposure.poses(motion, made.cycles.motion_steps):
@@ -422,7 +426,7 @@ def build(scene, tables, view, exposure):
 
 
 def settings(scene, arguments, moves):
-    """Sets Cycles to the integral of postlens: box filters over pixel, lens and time, and no effects."""
+    """Sets up Cycles for the integral that postlens computes: box filters over pixel, lens and time, and no effects."""
     cycles, render = scene.cycles, scene.render
     cycles.device, cycles.samples, cycles.seed, cycles.use_animated_seed = "CPU", arguments.spp, arguments.seed, False
     cycles.sampling_pattern = {"pmj": "PROGRESSIVE_MULTI_JITTER", "sobol": "SOBOL"}[arguments.sampler]
@@ -467,7 +471,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Cycles' default sampler, pmj, needs more samples than Sobol points until its images have no bias
+    # The default sampler of Cycles, pmj, needs more samples than Sobol points before its images are free of bias
     # (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")

@@ -11,13 +11,13 @@
 
 namespace postlens {
 
-/// Writes the eye rays of samples [first, first + count) of each pixel (index y * width + x), pixel by pixel,
-/// to `eye`. `times`: whether the rays get times.
+/// Writes to `eye` the eye rays of samples [first, first + count) of each pixel (index y * width + x), one
+/// pixel after the other. `times`: true if the rays need their instants.
 void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
                    std::span<const std::uint32_t> pixels, int first, int count, EyeRays& eye);
 
-/// Colours of the given pixels, equal to those of `render_picture` with the same settings except for
-/// rounding. `halves` and `resume` have no effect. The bits are the same for any number of threads.
+/// Colours of the given pixels. Except for rounding, they equal those of `render_picture` with the same
+/// settings; `halves` and `resume` are ignored. The bits are the same for any number of threads.
 struct RenderedPixels {
     std::vector<std::array<float, 3>> rgb;
     RayCounts rays;

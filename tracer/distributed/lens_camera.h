@@ -1,5 +1,5 @@
-// The camera with a lens and a shutter. Maps sample values in [0, 1) to eye rays, each with its own lens
-// point and its own instant [cook1984].
+// The camera with a lens and a shutter. It maps sample values in [0, 1) to eye rays. Each ray has its own
+// lens point and its own instant [cook1984].
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@
 
 namespace postlens {
 
-/// Sixteen samples: raster positions, px, and sample values of lens and time in [0, 1).
+/// Sixteen samples: raster positions, px, and random numbers for lens and time in [0, 1).
 struct LensSamples {
     alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
 };
@@ -25,33 +25,36 @@ struct LensSamples {
 class LensCamera {
   public:
     struct Settings {
-        FocusGeometry lens;  ///< aperture radius 0: a pinhole; `gain_px` sets the field of view
+        FocusGeometry lens;  ///< an aperture radius of 0 is a pinhole; `gain_px` determines the field of view
         TimeSpan span;
         ShutterCurve curve = ShutterCurve::box();
         std::shared_ptr<const Aperture> aperture = nullptr;  ///< null: a disc
-        std::shared_ptr<const LensView> view = nullptr;      ///< a real lens with the geometry `lens`
+        /// a traced lens prescription that has the geometry `lens`
+        std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` gives raster, projection and the pose at rest; `camera` gives the motion. An orthographic
-    /// camera requires a pinhole.
+    /// `model` provides raster, projection and the pose at rest; `camera` provides the motion. An
+    /// orthographic camera must be a pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for a real lens.
+    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for a lens
+    /// prescription.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through given lens points. They equal the rays of the other add_rays except for rounding.
+    /// Adds rays through given lens points. Except for rounding, they equal the rays of the other add_rays.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays to the batch, with unit directions, and with times if the batch has times.
-    /// If `loses_rays()`, appends the lens's transmittance for each ray to `weights`. Rays of transmittance 0
-    /// hit nothing.
+    /// Adds one group of 16 rays with unit directions to the batch. The rays have times if the batch has. If
+    /// `loses_rays()`, the transmittance of the lens for each ray is appended to `weights`. Rays of
+    /// transmittance 0 hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// Whether the transmittance of some rays through the lens may be below 1. If not, `weights` stays empty.
+    /// True if the transmittance of the lens may be below 1 for some rays. If false, `weights` stays empty.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// One ray, computed in double, as a simple reference for tests. `Ray::time`: fraction of the time span.
+    /// One ray, computed in double: the simple reference for tests. `Ray::time` is a fraction of the time
+    /// span.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -59,19 +62,20 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// The raster position, px, at which the pinhole sees a point of a ray. The ray goes through the lens
-    /// point `unit` (lens radii) to the position in the plane in focus that the pinhole sees at (x, y). The
-    /// point is at distance `t` m from the lens. Not for a real lens.
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray goes from the
+    /// lens point `unit` (lens radii) to the point of the plane in focus that the pinhole sees at (x, y). The
+    /// point is at the distance `t` m from the lens. Not for a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Scale of the image at a world point, px per metre across the view; 0 behind the camera.
+    /// Scale of the image at a world point, px per metre perpendicular to the optical axis. 0 behind the
+    /// camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
     [[nodiscard]] bool moves() const { return moves_; }
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the camera's frame: lens points, m, and tangents of directions, along the raster's
+    // Sixteen rays in the frame of the camera: lens points, m, and tangents of directions, along the raster's
     // axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
@@ -83,8 +87,8 @@ class LensCamera {
         float half_width, half_height, tangent_per_px, metres_per_px, aperture_radius_m, inverse_focus_per_m;
     };
     static void local_rays(const LensSamples& samples, const Optics& optics, Local& out);
-    /// Computes the ray from lens point `unit` towards the point of the plane in focus that the pinhole sees
-    /// at (x, y). Returns whether the aperture transmits it.
+    /// Computes the ray from the lens point `unit` towards the point of the plane in focus that the pinhole
+    /// sees at (x, y). Returns true if the aperture transmits the ray.
     bool local_ray(double x, double y, const glm::dvec2& unit, std::size_t lane, Local& out) const;
     /// Adds rays that are given in the camera's frame.
     void add_local(const Local& local, std::array<float, 16> time, const std::array<float, 16>& weight,
@@ -104,7 +108,7 @@ class LensCamera {
     TimeSpan span_;
     ShutterCurve curve_;
     bool even_time_;
-    Frame rest_, still_;  // without the camera's motion; at the opening of the shutter
+    Frame rest_, still_;  // frames of the camera: without its motion; at the opening of the shutter
     MotionPath path_;
 };
 

@@ -14,7 +14,7 @@ Scene recentred(Scene scene, const glm::dvec3& origin) {
         o.world_from_object[3] -= glm::dvec4(origin, 0);
         move_keys(o.keys, origin);
     }
-    // The keys of a moving light or camera hold its whole position, so only these keys are translated.
+    // The keyframes of a moving light or camera contain its whole position, so only they are translated.
     for (Light& l : scene.lights) {
         if (l.keys.empty()) l.position -= origin;
         move_keys(l.keys, origin);

@@ -12,7 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Placeholder f-number of a real lens before its own is known; any value but that of a pinhole.
+/// Placeholder f-number of a lens prescription whose own f-number is not yet known. Any value but that of a
+/// pinhole would do.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {
@@ -53,7 +54,7 @@ void RenderSetup::resolve_lens(const RenderSettings& s, const Camera& camera, co
     lens_.focal_length_mm = s.focal_length_mm.value_or(
         model.projection == Camera::Projection::perspective ? model.film_distance_mm : 50);
     if (model.projection == Camera::Projection::orthographic) {
-        // An orthographic camera has parallel rays, and so neither a film distance nor an aperture.
+        // An orthographic camera has parallel rays, so it has neither a film distance nor an aperture.
         if (s.f_number && std::isfinite(*s.f_number)) {
             fail(ExitCode::wrong_arguments,
                  "--f-number: out of range for an orthographic camera, which has no lens (got {}; expected "
@@ -133,7 +134,7 @@ double RenderSetup::depth_at(double x, double y, const CameraModel& model, doubl
 std::string RenderSetup::fingerprint(const RenderSettings& s) const {
     const auto exact = [](double v) {
         return fmt::format("{}", v);
-    };  // the shortest text that is read as the same number
+    };  // the shortest text from which the same number is read
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
         {"metres_per_unit", exact(s.metres_per_unit)},

@@ -1,4 +1,5 @@
-// The state of a render that follows from its settings: recentred scene, lens, shutter, ray structures.
+// The part of a render that its settings determine: recentred scene, lens, shutter, and ray tracing
+// structures.
 #pragma once
 
 #include <optional>
@@ -25,7 +26,7 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// All inputs on which the image depends, as one line of JSON.
+    /// Returns all inputs on which the image depends, as one line of JSON.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:

@@ -28,12 +28,12 @@ namespace {
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
 constexpr const char* part_attribute = "postlens:part";
-/// Name of a file attribute of a part of a render. It holds the number of halves, the blocks, and whether a
-/// block is unfinished.
+/// Name of the file attribute that describes a part of a render: the number of halves, the range of blocks,
+/// and whether a block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Number of 32-bit words, one per channel: three floats of colour, then for each half a sample count and
-// three doubles of two words each for every block.
+// Returns the number of 32-bit words per pixel, each of which is a channel: three floats of colour, and for
+// each half a sample count and three doubles (two words each) for every block.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,7 +43,7 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// The channels of the file. Each refers to its first word in `words`, which may be null.
+/// Returns the channels of the file. Each points to its first word in `words`, which may be null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -71,7 +71,7 @@ std::string text_of(const Imf::Header& header, const char* name) {
     return attribute == nullptr ? std::string() : attribute->value();
 }
 
-/// Calls `visit` with every sum of a pixel, in the order of the channels.
+/// Calls `visit` with every sum of a pixel, in the order of the file's channels.
 template <typename State, typename Visit>
 void each_sum(State& s, std::size_t half, std::size_t pixel, const Visit& visit) {
     const std::size_t values = 3 * s.samples[half].size();
@@ -144,7 +144,7 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory of the sums and counts, of the words of their file, and of two images.
+    // The memory consists of the sums and counts, the words of their file, and two images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
@@ -163,7 +163,7 @@ void RenderState::add(const RenderState& part) {
 
 namespace {
 
-/// Sum of channel c of a pixel in a half.
+/// Returns the sum of channel c of a pixel in one half.
 double sum_of(const RenderState& s, std::size_t half, std::size_t pixel, std::size_t c) {
     const std::size_t values = 3 * s.samples[half].size();
     double sum = s.sums[half][3 * pixel + c];
@@ -211,7 +211,8 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
     exr.channels = channels(state, words.data());
     exr.pixel_bytes = sizeof(std::uint32_t) * words_per_pixel(state);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(state.width);
-    exr.compression = ChunkCompression::none;  // the low bits of the sums do not compress
+    // no compression, because the low bits of the sums do not compress
+    exr.compression = ChunkCompression::none;
     exr.texts = {{settings_attribute, settings}, {checksum_attribute, checksum(words)}};
     if (!part_mark.empty()) {
         exr.texts.emplace_back(part_attribute, part_mark);
@@ -239,7 +240,7 @@ std::unique_ptr<Imf::InputFile> opened(const std::filesystem::path& path, const 
     return nullptr;
 }
 
-/// Fills a state, whose size and layout are set, from the pixels of a file.
+/// Reads the pixels of a file into a state whose size and layout are already set.
 void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     const Imf::Header& header = in.header();
     if (header.dataWindow() != Imath::Box2i({0, 0}, {state.width - 1, state.height - 1}))
@@ -304,7 +305,7 @@ std::optional<RenderPart> read_render_part(const std::filesystem::path& path, bo
     const Imath::Box2i& window = header.dataWindow();
     const auto width = static_cast<std::int64_t>(window.max.x) + 1,
                height = static_cast<std::int64_t>(window.max.y) + 1;
-    // Parts are not compressed, so a file is at least as large as its pixels.
+    // Parts are not compressed, so a valid file is at least as large as its pixels.
     if (width < 1 || height < 1 || header.compression() != Imf::NO_COMPRESSION ||
         static_cast<double>(width) * static_cast<double>(height) * 4.0 *
                 static_cast<double>(words_per_pixel(halves, blocks, with_open)) >

@@ -18,7 +18,8 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // A ray samples one direction of a lobe, while a record holds the mean over the lobe.
+        // The radiance of such objects differs between ray and record: a ray samples one direction of a lobe,
+        // while a record has the mean over the lobe.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }
@@ -46,7 +47,8 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     for (std::size_t first = 0; first < lines.size(); first += lanes) {
         const std::size_t count = std::min(lanes, lines.size() - first);
         for (std::size_t i = 0; i < lanes; ++i) {
-            // The last group of 16 rays is filled up with copies of its last line, whose rays are dropped.
+            // The last group of 16 rays is filled with copies of its last line. The rays of these copies are
+            // dropped.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

@@ -1,4 +1,4 @@
-// Traces rays through given lens points into a scene, with the shading of `render`.
+// Traces rays through given lens points into a scene. Surfaces are shaded as in `render`.
 #pragma once
 
 #include <mutex>
@@ -12,8 +12,8 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines`: greatest number of lines per pixel; SightLine::view must be below it. Keeps a reference to
-    /// `setup`, which must not have a real lens.
+    /// `lines`: greatest number of lines per pixel. SightLine::view must be below this number. Keeps a
+    /// reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -28,7 +28,7 @@ class SceneRays : public SightRays {
     DistributedTracer tracer_;
     bool steady_mirrors_ = true;  ///< no material reflects or transmits into a lobe
     std::unordered_set<std::uint32_t>
-        unsteady_;  ///< ids of objects whose radiance depends on sampled lights or lobes
+        unsteady_;  ///< ids of objects whose radiance depends on sampled lights or sampled lobe directions
     mutable std::mutex mutex_;
     mutable RayCounts counts_;
 };

@@ -16,9 +16,9 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// A right-handed frame whose z is a given unit axis. Its x is the object's +X made perpendicular to that
-// axis, or +Y where the axis is close to X. The frame fixes where the texture coordinate u is 0
-// (docs/scene_format.md).
+// Returns a right-handed frame whose z is the given unit axis. Its x is the object's +X made perpendicular to
+// this axis, or +Y if the axis is close to X. The direction of x determines where the texture coordinate u is
+// 0 (docs/scene_format.md).
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -27,7 +27,7 @@ dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
 
 template <typename T>
 void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
-    // Computes the roots of a t^2 + 2 half_b t + c without cancellation.
+    // Computes the roots of a t^2 + 2 half_b t + c = 0 without cancellation.
     const T discriminant = half_b * half_b - a * c;
     if (!(discriminant >= 0)) return;
     const T q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
@@ -38,8 +38,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // Measures the ray's t from the point of the ray nearest to the sphere's centre, so that no large terms
-    // cancel at any distance of the ray's origin.
+    // The ray's t is measured from the point of the ray nearest to the centre of the sphere. Thus no large
+    // terms cancel, whatever the distance of the ray's origin.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -232,7 +232,7 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // The normal of a cone changes only by rotation about its axis. For the unit vector e = (x, y) /
+            // The normal of a cone changes only by rotation about the axis. For the unit vector e = (x, y) /
             // rho that points away from the axis, d(e) = (I - e e^T) d(x, y) / rho.
             const double s = 1 / (rho * norm);
             out.shape_operator =

@@ -1,5 +1,5 @@
-// Shapes with an analytic formula. Each shape is defined in its own canonical frame, and an affine map places
-// it in object space.
+// Shapes with an analytic formula. Each shape is defined in a canonical frame, and an affine map places it in
+// object space.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,10 +9,9 @@
 
 namespace postlens {
 
-/// Shape in its canonical ("local") frame:
-/// sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0 without the disc of radius `inner`.
-/// rectangle: [0, 1]^2 in z = 0. plane: z = 0. cone: axis z from 0 to `height`, radius from `radius0` to
-/// `radius1`.
+/// A shape in its canonical ("local") frame. sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0
+/// without the disc of radius `inner`. rectangle: [0, 1]^2 in z = 0. plane: z = 0. cone: around the z axis
+/// from 0 to `height`, with a radius from `radius0` to `radius1`.
 struct AnalyticShape {
     enum class Kind { sphere, box, disc, rectangle, plane, cone };
     Kind kind = Kind::sphere;
@@ -25,15 +24,15 @@ struct AnalyticShape {
     }
 };
 
-/// A shape in its canonical frame and the affine map from there to object space. `place_shape` returns
-/// nothing for a mesh.
+/// A shape in its canonical frame, and the affine map from that frame to object space. `place_shape` returns
+/// an empty value for a mesh.
 struct PlacedShape {
     AnalyticShape shape;
     glm::dmat4 object_from_local{1};
 };
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// All values of t at which a line o + t d crosses the shape, unsorted. `part` says which face or cap is
+/// All values of t at which a line o + t d crosses the shape, unsorted. `part` is the face or cap that is
 /// crossed.
 template <typename T>
 struct Crossings {
@@ -45,7 +44,7 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Parts of a cone. A box has parts 0 to 5: 2 * axis + (1 for the upper face, else 0).
+/// Parts of a cone. The parts of a box are 0 to 5: 2 * axis, plus 1 for the upper face.
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>
@@ -58,7 +57,7 @@ struct LocalGeometry {
     glm::dmat3 shape_operator{0};  ///< dN = shape_operator * dP for dP within the surface, 1/length
 };
 [[nodiscard]] LocalGeometry local_geometry(const AnalyticShape& shape, int part, const glm::dvec3& p);
-/// Surface coordinates (u, v) of a point of the shape, in the local frame.
+/// Returns the surface coordinates (u, v) of a point of the shape, in the local frame.
 [[nodiscard]] glm::dvec2 local_uv(const AnalyticShape& shape, int part, const glm::dvec3& p);
 
 }  // namespace postlens

@@ -66,7 +66,7 @@ template <int N>
     }
 }
 
-// With its caps, a cone or cylinder is convex, so only the first and the last crossing count. Without caps
+// A cone or cylinder with caps is convex, so only the first and the last crossing are needed. Without caps
 // there are at most two crossings.
 template <int N>
 [[gnu::always_inline]] inline void cone_lanes(const AnalyticSet::Item& item, const Rays& rays, Pairs& out) {
@@ -89,7 +89,7 @@ template <int N>
         const float discriminant = half_b * half_b - a * c;
         const bool real = discriminant >= 0;
         const float q = -(half_b + std::copysign(std::sqrt(real ? discriminant : 0.0F), half_b));
-        // If q is 0, half_b and the discriminant are 0 as well, and the ray touches the surface at t = 0.
+        // If q is 0, half_b and the discriminant are 0 too, and the ray touches the surface at t = 0.
         const float t0 = q / a, t1 = q == 0 ? 0.0F : c / q;
         const float z0 = pz + t0 * dz, z1 = pz + t1 * dz;
         const bool on0 = real & (a != 0) & (z0 >= 0) & (z0 <= h) & (r0 + k * z0 >= 0);
@@ -108,7 +108,7 @@ template <int N>
         last = (on_base & (base > last)) ? base : last;
         first = (on_apex & (apex < first)) ? apex : first;
         last = (on_apex & (apex > last)) ? apex : last;
-        out.near[i] = shift + first;  // stays infinite if there is no crossing
+        out.near[i] = shift + first;  // infinite if there is no crossing
         out.far[i] = last > first ? shift + last : none;
     }
 }
@@ -155,7 +155,7 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray leaves this shape: the crossing nearest to t = 0 is the ray's origin.
+        // The ray starts on this shape. The crossing nearest to t = 0 is its origin and is removed.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

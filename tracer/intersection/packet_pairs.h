@@ -5,14 +5,14 @@
 
 namespace postlens {
 
-/// Crossings of each ray with a shape, sorted by distance; infinity if there is none. They are computed as by
-/// the scalar code, with the operations in the same order.
+/// Crossings of each ray with a shape, sorted by distance; infinite if there is none. The operations have the
+/// same order as in the scalar code, so the bits are equal.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Computes the crossings of n = 8 or 16 rays with `item`. The crossing at which a ray starts is left out;
-/// `geometry` and `primitive` identify the item for that. Returns false for other n, and for shapes without a
+/// Computes the crossings of n = 8 or 16 rays with `item`. The crossing at which a ray starts is omitted;
+/// `geometry` and `primitive` serve to recognise it. Returns false for other n, and for shapes without a
 /// packet version.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,

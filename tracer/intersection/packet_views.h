@@ -1,5 +1,5 @@
 // Access to Embree's ray packets for the callbacks of user geometry. Only *_packets.cpp and packet_pairs
-// include this.
+// include this header.
 #pragma once
 
 #include <limits>
@@ -12,8 +12,8 @@ inline const RayContext& context_of(const RTCIntersectContext* context) {
     return *reinterpret_cast<const RayContext*>(context);
 }
 
-// Access to the fields of Embree's ray and hit packets. Fields are in the order of RTCRay and RTCHit, N
-// values each.
+// Access to the fields of Embree's ray and hit packets. The fields have the order of RTCRay and RTCHit, with
+// N values each.
 struct Rays {
     float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;
@@ -32,8 +32,8 @@ struct Hits {
     }
 };
 
-/// Whether a new hit replaces an old one at the same distance. Embree finds the two in an order that depends
-/// on the processor, but the result must not depend on it.
+/// True if a new hit replaces an old one at the same distance. The order in which Embree finds the two
+/// depends on the processor; this rule makes the result independent of it.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =

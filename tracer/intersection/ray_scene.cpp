@@ -48,21 +48,21 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the largest coordinate is 64 times the rounding of floats, which is enough for Embree's test
-    // of a neighbouring triangle.
+    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. That suffices for Embree's
+    // test of a neighbouring triangle.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
 
 namespace {
 
-// Copies 16 rays into Embree's packet. Lanes beyond the end of the batch are disabled.
+// Copies 16 rays into Embree's packet. Lanes after the end of the batch are disabled.
 template <typename Packet>
 void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
     const std::size_t left = std::min(n, static_cast<std::size_t>(rays.count) - first);
     const auto copy = [&](float* to, const std::vector<float>& from) {
-        // The capacity is a multiple of 16, so a whole group can be read.
+        // The capacity of the arrays is a multiple of 16, so reading a whole group stays within them.
         std::memcpy(to, from.data() + first, n * sizeof(float));
     };
     copy(p.org_x, rays.ox);
@@ -79,7 +79,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.mask[i] = 0xFFFFFFFFU;
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
-        // Embree aborts the program on a ray that is not finite, so such rays are disabled and hit nothing.
+        // Embree aborts the program if a ray is not finite. Such rays are disabled and hit nothing.
         const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
                                      std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
@@ -87,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Embree 3.13 splits time in its hierarchy, and tests all rays of a packet for occlusion if one of them is in
-// an interval of time. A ray may therefore meet instances that do not exist at its time; this filter rejects
-// them. A ray may also meet a surface once for each time interval. Repeated meetings matter if every crossing
-// filters light, and `one_by_one` avoids them.
+// Rejects hits on instances that do not exist at the ray's time. They occur because the hierarchy of Embree
+// 3.13 is divided in time: if one ray of an occlusion packet is in an interval of time, all rays of the
+// packet are tested there. A ray may also meet a surface once per time interval. This matters if every
+// crossing filters light; `one_by_one` avoids it.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -103,7 +103,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one by one. A single ray meets every surface once, because its own time selects the nodes.
+// Tests the rays one at a time. The time of a single ray selects the nodes of the hierarchy, so the ray meets
+// every surface only once.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;
@@ -134,7 +135,7 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
             p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
         }
         rtcIntersect16(valid.data(), impl_->top, &context.base, &p);
-        // The capacity is a multiple of 16, so a whole group can be written.
+        // The capacity of the arrays is a multiple of 16, so writing a whole group stays within them.
         std::memcpy(rays.hit_geometry.data() + first, p.hit.geomID, sizeof p.hit.geomID);
         std::memcpy(rays.hit_primitive.data() + first, p.hit.primID, sizeof p.hit.primID);
         std::memcpy(rays.hit_instance.data() + first, p.hit.instID[0], sizeof p.hit.instID[0]);
@@ -144,8 +145,8 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // Rays are always passed as incoherent: Embree 3.13's coherent occlusion test does not terminate for
-    // packets whose directions differ in sign.
+    // Occlusion rays are always declared incoherent. The coherent occlusion test of Embree 3.13 does not
+    // terminate for packets whose directions differ in sign.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();

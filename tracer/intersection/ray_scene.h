@@ -1,6 +1,6 @@
-// A scene prepared for ray tracing, at one instant or for a shutter interval. Embree finds the primitive that
-// a ray hits, in single precision; the hit point is then computed again in double precision, so that normals,
-// reflections and ray differentials are exact at any scale.
+// A scene that is prepared for ray tracing, at one instant or for a shutter interval. Embree finds the
+// primitive that a ray hits, in single precision. The hit point is then computed in double precision, so that
+// normals, reflections and ray differentials are accurate at any scale.
 #pragma once
 
 #include <cstdint>
@@ -14,14 +14,14 @@
 
 namespace postlens {
 
-/// Shutter interval, s. The `time` of a ray is 0 at its beginning and 1 at its end.
+/// Shutter interval, s. The `time` of a ray is 0 at the beginning of the interval and 1 at its end.
 struct TimeSpan {
     double open_s = 0, close_s = 0;
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies the primitive that was hit. A ray that leaves a surface carries the key of that surface, so
-/// that it does not hit the surface again where it starts.
+/// Identifies the primitive that a ray hit. A ray that starts on a surface carries the key of this surface,
+/// so that it does not hit the surface at its own origin.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -29,23 +29,24 @@ struct HitKey {
     [[nodiscard]] bool valid() const { return geometry != none; }
 };
 
-/// A batch of rays as a structure of arrays. Each group of 16 is traced together and should be coherent.
+/// A batch of rays as a structure of arrays. The 16 rays of a group are traced together and should be
+/// coherent.
 class RayBatch {
   public:
     static constexpr int group = 16;
     int count = 0;  ///< rays in use
     std::vector<float> ox, oy, oz, dx, dy, dz, t_far;
-    bool has_sources = false;    ///< false: no ray of the batch leaves a surface
+    bool has_sources = false;    ///< false: no ray of the batch starts on a surface
     std::vector<HitKey> source;  ///< the surface each ray leaves
     bool has_times = false;      ///< false: the time of all rays is the opening of the shutter
     std::vector<float> time;     ///< fraction of the time span, 0 to 1
     // Results.
     std::vector<std::uint32_t> hit_geometry, hit_primitive, hit_instance;
-    std::vector<float> t;  ///< distance in units of the direction's length
+    std::vector<float> t;  ///< distance to the hit, in lengths of the direction vector
     // Result of `occlude`: transmittance per channel.
     std::vector<glm::dvec3> transmittance;
 
-    /// Key of the hit of ray i; `none` if it hit nothing.
+    /// Returns the key of the hit of ray i, or `none` if the ray hit nothing.
     [[nodiscard]] HitKey hit(std::size_t i) const {
         return {hit_geometry[i], hit_primitive[i], hit_instance[i]};
     }
@@ -55,7 +56,7 @@ class RayBatch {
         has_sources = with_sources;
         has_times = with_times;
     }
-    /// Appends 16 rays, whose arrays the caller fills, and returns the index of the first.
+    /// Appends a group of 16 rays, which the caller must set, and returns the index of the first.
     std::size_t add_group() {
         const auto first = static_cast<std::size_t>(count);
         while (first + group > ox.size()) grow();
@@ -65,8 +66,9 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All seven numbers are converted before the first store. The compiler must assume that a store of a
-        // float changes the pointers of the other arrays, and would load these pointers again.
+        // All seven numbers are converted before the first is stored. The compiler must assume that storing a
+        // float changes the pointers of the other arrays, and would load these pointers again after each
+        // store.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -90,20 +92,21 @@ struct SurfacePoint {
     glm::dvec3 position{0};
     glm::dvec3 geometric_normal{0, 0, 1};  ///< unit, outward
     glm::dvec3 normal{0, 0, 1};            ///< unit, outward; interpolated on smooth meshes
-    glm::dvec3 object_position{0};         ///< in the object's own space, for textures
+    glm::dvec3 object_position{0};         ///< position in object space, for textures
     glm::dvec2 uv{0};
-    glm::vec3 colour{1};       ///< interpolated from the mesh's vertex colours; 1 if there are none
+    glm::vec3 colour{1};       ///< interpolated from the vertex colours of the mesh; 1 if there are none
     std::uint32_t object = 0;  ///< index into Scene::objects
     int part = 0;              ///< face or cap of an analytic shape
 };
 
 class RayScene {
   public:
-    /// The scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) when the user
+    /// Builds the scene at one instant. Keeps a reference to `scene`. Throws Error(interrupted) if the user
     /// interrupts the build.
     RayScene(const Scene& scene, double time_s);
-    /// The scene during a shutter interval; every ray has its own instant. Analytic shapes follow their exact
-    /// transforms. Meshes move linearly between steps; `accuracy` determines how many steps there are.
+    /// Builds the scene for a shutter interval, in which every ray has its own instant. Analytic shapes
+    /// follow their exact transforms. Meshes move linearly between steps; `accuracy` determines the number of
+    /// steps.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
     RayScene(const RayScene&) = delete;
@@ -111,37 +114,39 @@ class RayScene {
     RayScene(RayScene&&) = delete;
     RayScene& operator=(RayScene&&) = delete;
 
-    /// Finds the nearest hit of every ray. `coherent`: the rays of each group are nearly parallel.
+    /// Finds the nearest hit of every ray. `coherent`: the rays of each group are almost parallel.
     void intersect(RayBatch& rays, bool coherent) const;
-    /// Finds the transmittance along each ray's segment. Opaque surfaces block light; transmitting surfaces
-    /// multiply it by their colour at each crossing (straight shadow rays as in [whitted1980]).
+    /// Computes the transmittance along the segment of each ray. Opaque surfaces block light. Transmitting
+    /// surfaces multiply it by their colour at each crossing; shadow rays are not refracted [whitted1980].
     void occlude(RayBatch& rays) const;
-    /// Computes the hit of the ray o + t d, |d| = 1, in double precision, starting from the t that
-    /// `intersect` found. `time`: time of the ray, 0 to 1.
+    /// Computes in double precision the hit of the ray o + t d, |d| = 1. It starts from the t that
+    /// `intersect` has found. `time`: time of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Computes only the object, texture position and distance of the hit, which is cheaper.
+    /// Computes only the object, the texture position and the distance of the hit, which takes less time than
+    /// `surface`.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
-    /// The object that was hit, as an index into Scene::objects.
+    /// Returns the object that was hit, as an index into Scene::objects.
     [[nodiscard]] std::uint32_t object(const HitKey& key) const;
-    /// Derivative of the outward unit normal at the hit: d(normal) = shape_operator * d(position), 1/m. Only
-    /// for objects that do not move.
+    /// Returns the derivative of the outward unit normal at the hit: d(normal) = shape_operator *
+    /// d(position), 1/m. Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Distance, m, by which the origin of a ray that starts on a surface at `p` is moved off the surface. It
-    /// is just above the rounding error of single precision at `p` and far below the size of any object.
+    /// Returns the distance, m, by which the origin of a ray that starts on a surface at `p` is moved off the
+    /// surface. It is slightly larger than the rounding error of single precision at `p`, and far smaller
+    /// than any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// The instant of this scene, s; of a shutter interval its beginning.
+    /// The instant of this scene, s. For a shutter interval, its beginning.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// Largest deviation of moving meshes, with their linear steps, from their true motion, px. It exceeds
-    /// the tolerance if even the greatest number of steps is too small.
+    /// Largest distance, px, between the linear steps of moving meshes and their true motion. It exceeds the
+    /// tolerance if the greatest number of steps does not suffice.
     [[nodiscard]] double motion_error_px() const;
-    /// Embree's handle (RTCScene), for benchmarks that compare with a plain loop.
+    /// Handle of the Embree scene (RTCScene), for benchmarks that compare with a plain loop over rays.
     [[nodiscard]] void* native_handle() const;
 
   private:

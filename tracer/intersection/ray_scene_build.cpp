@@ -1,4 +1,4 @@
-// Builds a RayScene: still and moving geometry, and Embree's acceleration structures.
+// Builds a RayScene: its still and moving geometry, and Embree's acceleration structures.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -67,7 +67,7 @@ void RayScene::Impl::attach(RTCGeometry geometry, const Entry& entry, std::uint3
 
 void RayScene::Impl::commit(RTCScene s) const {
     rtcSetSceneBuildQuality(s, RTC_BUILD_QUALITY_MEDIUM);
-    // Without this flag Embree does not call the filter of a query's context.
+    // Without this flag, Embree does not call the filter function in the context of a query.
     rtcSetSceneFlags(s, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
     rtcSetSceneProgressMonitorFunction(
         s, [](void* job, double) { return !static_cast<const Job*>(job)->cancelled(); }, &Job::current());
@@ -150,8 +150,8 @@ void RayScene::Impl::add_instance(InstanceGeometry instance, float begin, float 
     any_cut = any_cut || begin > 0 || end < 1;
 }
 
-// Adds one instance per interval between two keys. The motion may have a kink at a key, which equal time
-// steps over the whole span would smooth out.
+// Adds one instance for each interval between two keyframes. The motion may have a kink at a keyframe, and
+// equal time steps over the whole span would smooth the kink.
 void RayScene::Impl::add_moving_mesh(const std::shared_ptr<const Mesh>& mesh, const MotionPath& path,
                                      std::uint32_t object, const MotionAccuracy& accuracy) {
     Bounds box;
@@ -189,8 +189,8 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // Steps that are short relative to the shape keep its bounding boxes tight. More steps only enlarge the
-    // hierarchy.
+    // The steps are short relative to the shape, so that its bounding boxes are tight. A larger number of
+    // steps would only enlarge the hierarchy.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {
@@ -258,8 +258,8 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
             continue;
         }
         const auto& mesh = std::get<std::shared_ptr<const Mesh>>(object.shape);
-        // Sharing a mesh saves memory if it has some hundred triangles. For smaller meshes, copies in one
-        // common structure are faster to traverse.
+        // Sharing a mesh between instances saves memory if the mesh has some hundred triangles. Rays traverse
+        // copies of smaller meshes faster if these are in one common structure.
         constexpr std::size_t smallest_shared = 256;
         if (uses[mesh.get()] > 1 && mesh->triangles.size() >= smallest_shared) {
             add_instance({i, shared_mesh(mesh, i), {world_from_object}, 0, 0}, 0, 1);

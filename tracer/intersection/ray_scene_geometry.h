@@ -1,5 +1,5 @@
-// Data of Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays. Only
-// ray_scene*.cpp and *_packets.cpp include this file.
+// Data for Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays. Only
+// ray_scene*.cpp and *_packets.cpp include this header.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@
 
 namespace postlens {
 
-/// How an object affects shadow rays. Its transmittance is stored as -log2 in fixed point, because sums of
-/// integers do not depend on the order, and Embree calls filters in any order.
+/// The effect of an object on shadow rays. The transmittance is stored as -log2 in fixed point: Embree calls
+/// filters in any order, and a sum of integers does not depend on the order.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -31,19 +31,20 @@ struct Lifetime {
     float begin = 0, end = std::numeric_limits<float>::infinity();
 };
 
-/// Context of a ray query. `base` must be the first member: Embree passes its address to the callbacks.
+/// Context of a ray query. `base` must be the first member, because Embree passes its address to the
+/// callbacks.
 struct RayContext {
     RTCIntersectContext base{};
     const HitKey* sources = nullptr;        ///< per ray id; null: no ray starts on a surface
     const ObjectShadow* shadows = nullptr;  ///< per object
     const std::uint32_t* object_of_geometry =
-        nullptr;  ///< per geometry id of the top scene; valid for meshes and instances
+        nullptr;  ///< per geometry id of the top-level scene; valid for meshes and instances
     std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< per ray id: sum over its crossings
     const Lifetime* lifetimes =
-        nullptr;  ///< per geometry id of the top scene; null: all exist during the whole time span
+        nullptr;  ///< per geometry id of the top-level scene; null: all exist during the whole time span
 };
 
-/// Spheres that are still spheres in world space, as a structure of arrays for packets of rays.
+/// Objects that are spheres in world space as well, stored as a structure of arrays for packets of rays.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -60,16 +61,15 @@ struct SphereSet {
     }
 };
 
-/// Analytic shapes that do not move, other than the spheres of SphereSet, each with an affine map to its
-/// local frame.
+/// Analytic shapes that do not move and are not in SphereSet, each with the affine map to its local frame.
 struct AnalyticSet {
     struct Item {
         AnalyticShape shape;
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
-        // local_from_world for float rays: local = linear * (p - pivot) + shift. Subtracting the pivot first
-        // avoids cancellation far from the origin.
+        // local_from_world for float rays: local = linear * (p - pivot) + shift. The pivot is subtracted
+        // first, so that no precision is lost far from the origin.
         glm::mat3 linear{1};
         glm::vec3 pivot{0}, shift{0};
     };
@@ -77,7 +77,8 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Moving analytic shapes. A ray is transformed, in double, into the space in which the shape does not move.
+/// Moving analytic shapes. A ray is transformed, in double precision, into the space in which the shape does
+/// not move.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -104,17 +105,17 @@ struct MovingSet {
     }
 };
 
-/// Creates the user geometries with their callbacks; the sets must outlive them.
+/// Create user geometries with their callbacks. The sets must outlive the geometries.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
 /// Filters for triangles. `filter_source` rejects the primitive on which a ray starts. `filter_shadow` also
-/// rejects surfaces that transmit or cast no shadow.
+/// rejects surfaces that transmit light or cast no shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 
-/// Counts `crossed` crossings of a shadow ray with an object. Returns true if the object blocks the ray.
+/// Records that a shadow ray crosses an object `crossed` times. Returns true if the object blocks the ray.
 [[nodiscard]] inline bool stops_light(const RayContext& context, std::uint32_t object, unsigned ray_id,
                                       int crossed) {
     const ObjectShadow& s = context.shadows[object];

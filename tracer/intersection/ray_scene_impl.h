@@ -1,4 +1,4 @@
-// The implementation of RayScene. Only ray_scene*.cpp include this.
+// The implementation of RayScene. Only ray_scene*.cpp include this header.
 #pragma once
 
 #include <array>
@@ -14,34 +14,34 @@
 
 namespace postlens {
 
-// A copy of the mesh data that Embree uses, from which `surface` computes hits.
+// A copy of the mesh that Embree uses. `surface` computes hits from this copy.
 struct MeshGeometry {
     std::shared_ptr<const Mesh> mesh;
-    std::vector<glm::vec3> positions;  // in world space if baked, else in object space
+    std::vector<glm::vec3> positions;  // in world space if `baked`, else in object space
     std::vector<glm::uvec3> triangles;
     std::uint32_t object = 0;  // only for a baked mesh
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space, with the gradients of its barycentric coordinates b1 and b2 in its plane.
+// A triangle in world space, with the gradients in its plane of the barycentric coordinates b1 and b2.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
     glm::uvec3 corners;
     glm::dvec3 a, cross, gradient1, gradient2;
     double area2;
-    glm::dmat4 object_from_world;  // of the ray's time only if `surface` needs it (Impl::triangle)
+    glm::dmat4 object_from_world;  // at the ray's time, if `surface` needs it (Impl::triangle)
 };
 
-// An instance of a mesh that is shared or moves. A moving mesh has several instances, each of which exists
-// from its `begin` until the `begin` of the next.
+// An instance of a mesh that is shared or moves. A moving mesh has several instances. Each exists from its
+// `begin` until the `begin` of the next one.
 struct InstanceGeometry {
     std::uint32_t object = 0;
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // The transform at a ray's time, interpolated as by Embree: a ray that leaves the surface must start on
-    // the surface that Embree sees.
+    // Returns the transform at the time of a ray, interpolated as Embree does it. A ray that starts on the
+    // surface must start on the surface that Embree intersects.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 
@@ -66,7 +66,7 @@ struct RayScene::Impl {
     double motion_error_px = 0;
     std::vector<MeshGeometry> meshes;
     std::vector<InstanceGeometry> instances;
-    std::vector<glm::dmat4> object_from_world;  // per object, at the beginning of the time span
+    std::vector<glm::dmat4> object_from_world;  // per object, at the beginning of the shutter interval
     std::vector<bool> mirrored;                 // per object
     std::vector<ObjectShadow> shadows;          // per object
     bool all_opaque = true;                     // every object blocks shadow rays
@@ -79,10 +79,10 @@ struct RayScene::Impl {
         Kind kind = Kind::spheres;
         std::size_t index = 0;
     };
-    std::vector<Entry> entries;                     // per geometry id of the top scene
+    std::vector<Entry> entries;                     // per geometry id of the top-level scene
     std::vector<std::uint32_t> object_of_geometry;  // per geometry id; valid for meshes and instances
     std::vector<Lifetime> lifetimes;                // per geometry id; valid for instances
-    bool any_cut = false;                           // an instance exists during a part of the span only
+    bool any_cut = false;                           // an instance exists only during a part of the time span
 
     // Building: ray_scene_build.cpp.
     void attach(RTCGeometry geometry, const Entry& entry, std::uint32_t object);
@@ -103,7 +103,7 @@ struct RayScene::Impl {
     // Computing hits in double: ray_scene_surface.cpp.
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
                                               const glm::dvec3& d, double t) const;
-    // A hit on an analytic shape, in the shape's local frame.
+    // A hit on an analytic shape, in the local frame of the shape.
     struct LocalHit {
         glm::dvec3 o, d;  // the ray
         double t = 0;

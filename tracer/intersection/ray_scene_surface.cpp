@@ -47,7 +47,7 @@ void RayScene::Impl::solve(const AnalyticShape& shape, LocalHit& hit) {
         return;
     }
     const Crossings<double> found = crossings<double>(shape, hit.o, hit.d);
-    const double t = hit.t;  // kept if the ray misses the silhouette in double but not in float
+    const double t = hit.t;  // kept if the ray misses the silhouette in double but hits it in float
     double best = std::numeric_limits<double>::infinity();
     for (int k = 0; k < found.count; ++k) {
         if (std::abs(found.t[k] - t) >= best) continue;
@@ -96,7 +96,8 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // The normal transforms as a covector by both maps; the motion is a scale followed by a rotation.
+    // `base` and the motion both transform the normal as a covector. The motion consists of a scale followed
+    // by a rotation.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -145,7 +146,7 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
     s.position = o + s.t * d;
     const dvec3 from_a = s.position - f.a;
     const double b1 = glm::dot(from_a, f.gradient1), b2 = glm::dot(from_a, f.gradient2), b0 = 1 - b1 - b2;
-    // A mirroring transform reverses the winding, but not the outer side of the mesh.
+    // A mirroring transform reverses the winding, but the outer side of the mesh stays the same.
     s.geometric_normal = s.normal = (mirrored[f.object] ? -1 : 1) / std::sqrt(f.area2) * f.cross;
     if (!f.mesh->mesh->normals.empty()) {
         const auto n = vertex_normals(f);
@@ -153,7 +154,7 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
-            // Vertex normals define the outer side if the winding disagrees with them.
+            // If winding and vertex normals disagree about the outer side, the vertex normals decide.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }
@@ -178,7 +179,7 @@ dmat3 RayScene::Impl::shape_operator(const HitKey& key, const SurfacePoint& at) 
     const Entry& entry = entries[key.instance == HitKey::none ? key.geometry : key.instance];
     if (entry.kind == Kind::spheres) return across / spheres.exact_radius[key.primitive];
     if (entry.kind == Kind::analytic) {
-        // Derivative of the normalised covector by the position in the world.
+        // Derivative of the normalised covector by the world position.
         const AnalyticSet::Item& item = analytic.items[key.primitive];
         const dmat3 linear(item.local_from_world);
         const dvec3 local(item.local_from_world * glm::dvec4(at.position, 1));

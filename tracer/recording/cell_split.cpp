@@ -40,8 +40,8 @@ void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
     if (!tracer_.has_textures() ||
         c.size > std::max(1U, grid_.unit >> std::min(settings_.colour_levels, settings_.levels)))
         return;
-    // The comparison of textures starts with the first corner's nodes, so without a texture there, nothing is
-    // marked.
+    // Textures are compared with the nodes of the first corner. If none of these nodes has a texture, nothing
+    // is marked.
     const CornerSample& first = samples_[c.corner[0]];
     const ColourSource* sources = chunks_[first.chunk].sources.data() + first.first;
     if (std::none_of(sources, sources + first.count,
@@ -117,7 +117,7 @@ bool CellSplit::texture_differs(const Seen* s, const std::array<std::uint32_t, 4
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
     for (int channel = 0; channel < 3; ++channel) {
-        // The radiance is modelled as plus + times * texel, where texel is the texture's colour.
+        // The radiance is modelled as plus + times * texel, where texel is the colour of the texture.
         double times = 0, plus = HUGE_VAL;
         std::array<double, 4> texel{};
         for (int i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// Decides which quadtree cells are divided, from the records at their corners.
+// Decides from the records at the corners of a quadtree cell whether the cell is divided.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// Keeps references to all arguments. `samples` and `chunks` may change between calls.
+    /// Keeps references to all arguments. The contents of `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks)
@@ -30,15 +30,15 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Records. Each is given by the index of its chunk and by its index in that chunk.
+    /// List of records. Each is identified by the index of its chunk and its index in that chunk.
     using Marks = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
-    /// Appends to `marks` the nodes at the corners of a leaf (an undivided cell) if their texture has
-    /// contrast between the corners. Ignores leaves larger than the smallest cells into which contrast of
-    /// colours divides a pixel (SubdivisionSettings::colour_levels).
+    /// Appends to `marks` the nodes at the corners of an undivided cell if their texture has contrast between
+    /// the corners. Cells that colour contrast could have divided further are ignored
+    /// (SubdivisionSettings::colour_levels).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// The properties of one layer of a sample that decide about subdivision. The layer's nodes are the
+    /// The properties of one layer of a sample that determine subdivision. The nodes of the layer are the
     /// records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0;
@@ -47,39 +47,41 @@ class CellSplit {
         std::uint32_t first = 0, count = 0;
     };
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
-    /// Contrast as in [mitchell1987]. The term 0.05 keeps small differences of dark colours from splitting.
+    /// Contrast as in [mitchell1987]. The term 0.05 prevents small differences of dark colours from dividing
+    /// a cell.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if a cell whose corners have similar colours still contains an edge: the texture between the
-    /// corners has contrast, or different lights are shadowed at them.
+    /// True if a cell whose corners have similar colours still contains an edge: the texture has contrast
+    /// between the corners, or the corners are shadowed from different lights.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// The n-th node of the first corner, and at each other corner the node with the same path and id. Empty
-    /// if a corner has no such node.
+    /// Returns the n-th node of the first corner, and the node with the same path and id at each other
+    /// corner. Empty if a corner has no such node.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n);
-    /// The node with the path and the id of `wanted`. Looks at the node number `guess` first, because most
-    /// corners of a cell have the same tree.
+    /// Returns the node with the path and the id of `wanted`. Tests the node with index `guess` first,
+    /// because most corners of a cell have the same tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                              int count);
-    /// Whether the lit texture has contrast between the texture positions of the corners.
+    /// True if the lit texture has contrast between the texture positions of the corners.
     [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                        int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Reads the layer that begins at `at`, an index into the sample's records, and advances `at` to its end.
+    /// Returns the layer that begins at `at`, an index into the records of the sample. Sets `at` to the end
+    /// of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
-    /// A cell's corners can all miss a narrow object, so a cell that may contain such an object is split.
-    /// Objects behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    /// True if the cell may contain a narrow object, which all of its corners can miss. Objects behind the
+    /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// Hidden layers split cells by the same criteria as visible ones. Corners that lack a layer do not take
-    /// part in its comparison. A hidden layer that begins after a bounce has no primary node, so a layer is
-    /// compared only with layers whose first node has the same path.
+    /// True if the hidden layers divide the cell, by the same criteria as visible ones. Corners without a
+    /// layer do not take part in its comparison. A hidden layer that begins after a bounce has no primary
+    /// node, so only layers whose first nodes have the same path are compared.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// The path of the first node of the layer that begins at index `at` of the sample's records; `none`
-    /// after the last layer.
+    /// Returns the path of the first node of the layer that begins at index `at` of the sample's records.
+    /// Returns `none` after the last layer.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

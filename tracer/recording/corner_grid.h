@@ -1,4 +1,4 @@
-// The grid of all cell corners of a window, and the point samples there.
+// The grid of all corners of quadtree cells in a window, and the point samples at these corners.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// Position on the grid of all cell corners, in units of 2^-levels px from the window's upper left corner.
+/// Position on the grid of cell corners, in units of 2^-levels px from the upper left corner of the window.
 using CornerKey = std::uint64_t;  // y << 32 | x
 
 struct CornerGrid {
@@ -29,7 +29,7 @@ struct CornerGrid {
     [[nodiscard]] static CornerKey key(std::uint32_t x, std::uint32_t y) {
         return (static_cast<CornerKey>(y) << 32) | x;
     }
-    /// Grid units of the upper edge of the pixel row `y`.
+    /// Position of the upper edge of pixel row `y` in grid units.
     [[nodiscard]] std::uint32_t row(int y) const {
         return static_cast<std::uint32_t>(y - window.y_begin) * unit;
     }
@@ -41,7 +41,7 @@ struct CornerGrid {
     }
 };
 
-/// The properties of a point sample that decide about subdivision, and where its records lie.
+/// The properties of a point sample that determine subdivision, and the position of its records.
 struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
@@ -51,16 +51,16 @@ struct CornerSample {
     float r = 0, g = 0, b = 0;
 };
 
-/// A pixel or a part of one, which splits into quarters.
+/// A pixel or a part of one. It can be divided into quarters.
 struct CornerCell {
     std::uint32_t x, y;  ///< grid units, upper left
-    std::uint32_t size;  ///< grid units; a cell of size 1 cannot be split
+    std::uint32_t size;  ///< grid units; a cell of size 1 cannot be divided
     std::array<std::uint32_t, 4>
         corner;  ///< sample indices: upper left, upper right, lower left, lower right
 };
 
-/// A record's radiance without its noisy part. The contrast of this part decides which cells split, because
-/// noise would split every cell.
+/// Returns the radiance of a record without its noisy part. Subdivision uses the contrast of this value,
+/// because noise would divide every cell.
 [[nodiscard]] inline glm::vec3 steady_radiance(const TracedSamples& chunk, std::size_t record) {
     const Record& r = chunk.records[record];
     const glm::vec3 all(r.r, r.g, r.b);

@@ -1,4 +1,4 @@
-// Puts the records of a band's samples into the canonical order of a sample file.
+// Sorts the records of a band of pixel rows into the canonical order of a sample file.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@ namespace postlens {
 
 class CornerRecords {
   public:
-    /// Writes the records of pixel rows [y_begin, y_end), pixel by pixel.
+    /// Writes the records of pixel rows [y_begin, y_end), one pixel after the other.
     void emit(const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks, int y_begin, int y_end, RecordBand& out);
 

@@ -16,8 +16,8 @@
 namespace postlens {
 namespace {
 
-// Rows of pixels that are traced together. 64 rows have enough tiles to occupy all threads, and need little
-// memory at any raster width.
+// Rows of pixels that are traced together. 64 rows contain enough tiles for all threads, and need little
+// memory for any width of the raster.
 constexpr int band_rows = 64;
 constexpr int tile = 32;
 constexpr std::size_t batch_size = 256;
@@ -51,8 +51,8 @@ class BandSampler {
     }
 
     // Traces batches of points and appends their samples in order. `fill(i, keys)` writes the `sizes[i]`
-    // points of batch i. `traced(index, sample)` is called for every sample. `around(key)` returns samples
-    // near a point that were traced before it. All three functions are called from any thread.
+    // points of batch i. `traced(index, sample)` is called for every sample. `around(key)` returns earlier
+    // samples near a point. All three functions may be called from any thread.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
@@ -111,8 +111,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces all pixel corners of the band. The first row of corners was traced with the band above, if there
-    // is one.
+    // Traces all pixel corners of the band. The first row of corners has already been traced if there is a
+    // band above.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -133,7 +133,7 @@ class BandSampler {
         }
         const auto fill = [&](std::size_t i, std::vector<CornerKey>& keys) {
             const Tile& t = tiles[i];
-            // A packet of 16 rays is a block of 4 x 4 corners.
+            // Each packet of 16 rays is a block of 4 x 4 corners.
             for (int by = t.y; by < t.y_end; by += 4) {
                 for (int bx = t.x; bx < t.x_end; bx += 4) {
                     for (int y = by; y < std::min(by + 4, t.y_end); ++y) {
@@ -151,7 +151,8 @@ class BandSampler {
         });
     }
 
-    // Indexes a sample of the band above: pixel corners by row and column, other samples by key.
+    // Makes a sample of the band above accessible: a pixel corner by row and column, any other sample by its
+    // position on the grid.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -162,7 +163,7 @@ class BandSampler {
         }
     }
 
-    using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells per row of pixels
+    using CellRows = std::vector<std::vector<CornerCell>>;  // one list of cells for each row of pixels
 
     void refine(int y_begin, int y_end) {
         marks_.assign(static_cast<std::size_t>(y_end - y_begin), {});
@@ -205,11 +206,11 @@ class BandSampler {
         return cells;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell. Neighbouring cells share midpoints,
-    // which are traced once; those on the band's upper edge may have been traced with the band above.
+    // Traces the centre and the midpoints of the sides of every cell. Midpoints that neighbouring cells share
+    // are traced once. Midpoints on the upper edge of the band may have been traced with the band above.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // One list of points per row of pixels. A row includes its upper edge; the last list is the band's
-        // lower edge.
+        // One list of points for each row of pixels, which includes the upper edge of the row. The last list
+        // is the lower edge of the band.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -248,7 +249,7 @@ class BandSampler {
             [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // The sample at a centre or midpoint of a cell in this row of pixels.
+    // Returns the sample at the centre or a midpoint of a cell in this row of pixels.
     [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -260,7 +261,7 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // The samples at the four corners of a pixel that contains the point, inside or on its edge.
+    // Returns the samples at the four corners of the pixel that contains the point, inside or on its edge.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -296,8 +297,8 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the band's lower edge, which the next band shares: pixel corners and midpoints of
-    // cells.
+    // Keeps the samples on the lower edge of the band, which the next band also needs: pixel corners and
+    // midpoints of cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();
@@ -325,7 +326,7 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // Chunks are reused by the next band: freeing and allocating their memory again took longer than the
+        // The next band reuses the chunks. Releasing and allocating their memory again took longer than the
         // tracing itself.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
@@ -340,12 +341,12 @@ class BandSampler {
     std::vector<CornerSample> samples_;
     std::vector<std::uint32_t> corners_;
     std::unordered_map<CornerKey, std::uint32_t>
-        carried_over_;  ///< samples of the band above, except pixel corners
+        carried_over_;  ///< samples of the band above that are not pixel corners
     // Points that the last call of trace_missing traced, sorted within each row of pixels.
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
-    /// Per row of pixels: (chunk, record) of the records that get the mark for fine texture.
+    /// For each row of pixels, the (chunk, record) of each record that is marked for fine texture.
     std::vector<CellSplit::Marks> marks_;
     CellSplit cells_;
     CornerRecords records_;

@@ -1,5 +1,5 @@
 // Traces point samples at the corners of pixels, and divides pixels recursively into 2x2 cells. Cells share
-// their corners, so each point is traced once.
+// corners, but each point is traced only once.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth to which edges subdivide, at most `levels`; deeper levels are for narrow objects
+    /// Greatest depth to which edges subdivide, at most `levels`. Deeper levels are only for narrow objects
     /// (SmallThings).
     int edge_levels = 8;
-    double threshold =
-        0.1;  ///< a cell splits if (max - min) / (max + min + 0.05) of a colour channel exceeds it
-    int colour_levels = 8;  ///< greatest depth to which contrast of colours subdivides
+    /// a cell is divided if (max - min) / (max + min + 0.05) of a colour channel exceeds this value
+    double threshold = 0.1;
+    int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };
 
-/// The pixels [x_begin, x_end) x [y_begin, y_end) to sample. Their records also cover the corners at column
-/// x_end and row y_end.
+/// The pixels [x_begin, x_end) x [y_begin, y_end) to sample. Their records include those of the corners at
+/// column x_end and row y_end.
 struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Traces the window in bands of rows and passes each complete band to `take`, from top to bottom. Subdivides
-/// a cell
+/// Traces the window in bands of rows and passes each complete band to `take`, from top to bottom. A cell is
+/// divided
 /// - if the primary ids of its corners differ, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 /// `colour_levels`;

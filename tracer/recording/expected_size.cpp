@@ -30,11 +30,12 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // Each stripe lies in the middle of its part of the window.
+        // The window is divided into equal parts, with a stripe of rows in the middle of each.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The band's last row holds only the stripe's lower corners, without subdivision, so it is left out.
+        // The last row of the band has only the lower corners of the stripe, without subdivision, so its
+        // bytes are not counted.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {

@@ -1,4 +1,4 @@
-// Predicts the size of a sample file from a preview pass over a few rows.
+// Predicts the size of a sample file from a preview pass, which traces a few rows.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace postlens {
 
-/// Number of rows that the preview pass traces in a window of `rows` rows: 2 of every 96, at least 8 and at
-/// most 64, but not more than `rows`.
+/// Returns the number of rows that the preview pass traces in a window of `rows` rows: 2 of every 96, but at
+/// least 8, at most 64, and at most `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
-/// Predicted size of a sample file, bytes, without its header. Pairs of rows, evenly spaced in the window,
-/// are traced and compressed like the rows of the file. The result is scaled to all rows and to `instants`
-/// instants.
+/// Returns the predicted size of a sample file, bytes, without its header. Pairs of rows, evenly spaced in
+/// the window, are traced and compressed like the rows of the file. Their size is scaled to all rows and to
+/// `instants` instants.
 [[nodiscard]] std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWindow& window,
                                                 const SubdivisionSettings& subdivision,
                                                 const SmallThings& things, const SampleHeader& header,

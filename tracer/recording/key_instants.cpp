@@ -15,20 +15,21 @@ namespace {
 
 using glm::dvec3;
 
-// Spacing of the keys, the instants at which a moving scene is recorded, as the angle by which the view of an
-// object turns between two keys. Halfway between two keys a ball has turned by 7.5 degrees since the nearer
-// key. Neither key shows a part of its silhouette of 1 - cos 7.5 degrees, 0.9 %, of its radius.
+// Spacing of the keys (the instants at which a moving scene is recorded). It is the angle, degrees, by which
+// an object turns relative to the camera between two keys. Halfway between two keys, a ball has turned by 7.5
+// degrees from either. A part of its silhouette that neither key shows is then 1 - cos 7.5 degrees, or 0.9 %,
+// of its radius wide.
 constexpr double degrees_per_key = 15;
 
-// Number of steps into which the shutter interval is divided, in addition to the keys of the motion.
-// Directions are assumed to turn by less than 180 degrees between two steps.
+// Number of steps into which the shutter interval is divided. The instants of the motion's keyframes are
+// added. Between two steps, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
 double angle(const dvec3& a, const dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
 
-// Position and direction of the camera at an instant.
+// Position and viewing direction of the camera at an instant.
 struct View {
     double time_s = 0;
     dvec3 position{0}, backwards{0, 0, 1};
@@ -39,8 +40,8 @@ struct View {
     }
 };
 
-// The camera poses `views`, and the poses at those keys of the camera's motion that lie between the first and
-// the last of them.
+// Returns the camera poses `views`, and between the first and the last of them also the poses at the
+// keyframes of the camera's motion.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -104,7 +105,8 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
 }
 
 int keys_for_sweep(double sweep_degrees) {
-    // Tolerance for rounding in the sum over the steps, so that a sweep of 60 degrees needs no extra key.
+    // Tolerance for the rounding of the sum over the steps. With it, a sweep of exactly 60 degrees needs no
+    // additional key.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

@@ -1,5 +1,5 @@
-// Chooses the instants of a shutter interval at which a scene is recorded. There are enough instants to
-// record the surfaces that become visible when objects turn.
+// Chooses the instants of a shutter interval at which a scene is recorded. They must be close enough to
+// record surfaces that become visible when objects turn.
 #pragma once
 
 #include <vector>
@@ -10,17 +10,19 @@
 
 namespace postlens {
 
-/// The greatest angle, degrees, by which the camera moves around an object while the shutter is open: the
-/// total rotation of the direction from the object's centre to the camera, in the object's own frame. This
-/// measures how much hidden surface turns into view. It is 0 for a roll about the optical axis and for a pan.
-/// Infinite planes do not count, nor does an object (a room) while the camera is inside its bounding box.
+/// Returns the greatest angle, degrees, by which the camera moves around an object while the shutter is open.
+/// It is the total rotation of the direction from the object's centre to the camera, in the frame of the
+/// object. It measures how much of the hidden surface turns into view. It is 0 for a roll about the optical
+/// axis and for a pan. Infinite planes are ignored, and so is an object (such as a room) while the camera is
+/// inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Number of keys for a sweep: 1 up to 15 degrees, else 1 + ceil(sweep / 15 degrees), at most 64.
+/// Returns the number of keys (recorded instants) for a sweep: 1 up to 15 degrees, else 1 + ceil(sweep / 15
+/// degrees), at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees);
 
-/// `count` instants, evenly spaced over the shutter with both ends included, in ascending order. Instants
-/// that equal `frame_s`, to 1e-9 of the times and of the shutter, are left out. Empty if `count` is 1.
+/// Returns `count` instants, evenly spaced over the shutter interval including both ends, in ascending order.
+/// Instants that equal `frame_s` up to a relative rounding of 1e-9 are omitted. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

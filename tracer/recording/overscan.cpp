@@ -12,7 +12,7 @@ namespace {
 constexpr int step_px = 8;
 constexpr int largest_px = 4096;
 
-// The widest circle of confusion, as a radius in px, among the visible nodes of one traced sample.
+// Returns the radius, px, of the widest circle of confusion among the visible nodes of one traced sample.
 double widest_radius_px(const FocusGeometry& lens, std::span<const Record> records) {
     double widest = 0;
     for (const Record& r : records) {
@@ -30,8 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Whether a surface that is seen at a position outside of the frame moves into the frame. The test includes a
-// margin of one sample spacing, because a surface between this sample and the next may move in as well.
+// True if a surface that is seen outside the frame moves into the frame. A margin of one sample spacing is
+// included, because a surface between two samples may move in as well.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

@@ -9,11 +9,13 @@
 
 namespace postlens {
 
-/// The moving objects with their bounding spheres, the camera's motion, and the lights that move or whose
-/// shadows may move. If shapes of one id move differently, the first moving shape stands for all.
+/// Returns the moving objects with their bounding spheres, the motion of the camera, and the lights that move
+/// or whose shadows may move. If shapes with the same id move differently, the motion of the first moving
+/// shape is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// The ids, ascending, whose shapes move differently, because their keys differ.
+/// Returns the ids, ascending, of objects whose shapes have different keyframes and therefore move
+/// differently.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 
 }  // namespace postlens

@@ -15,17 +15,17 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Long objects are divided into this many pieces along their axis, each treated as having one width and
-// depth.
+// Long objects are divided along their axis into this many pieces. Each piece is treated as if its width and
+// depth were constant.
 constexpr int pieces = 16;
-// Objects narrower than the smallest cells can only be hit by chance.
+// Objects narrower than the smallest cells may be missed by all corners.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// The ellipsoid that approximates an object in the world: its centre and three half axes.
+// The ellipsoid that approximates an object in the world, given by its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Width at both ends of the first axis, relative to half[1] and half[2].
+    // Widths at the two ends of the first axis, as factors of half[1] and half[2].
     dvec2 ends{1};
 };
 
@@ -38,7 +38,7 @@ struct AxesOf {
         const dvec3 h = (high - low) / 2.0;
         return {point((low + high) / 2.0), {vector({h.x, 0, 0}), vector({0, h.y, 0}), vector({0, 0, h.z})}};
     }
-    /// Two unit vectors that are perpendicular to `axis` and to each other.
+    /// Returns two unit vectors that are perpendicular to `axis` and to each other.
     [[nodiscard]] static std::array<dvec3, 2> across(const dvec3& axis) {
         const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
         const dvec3 u = glm::normalize(glm::cross(axis, other));
@@ -96,9 +96,9 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate ones. The image of the first is the longest, that of
-// the second is perpendicular to it, that of the third is a point. Returns the ratio of the lengths of the
-// first two images, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate ones. The image of the first is the longest possible.
+// The image of the second is perpendicular to it. The image of the third is a point. Returns the ratio of the
+// lengths of the first two images, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -113,7 +113,7 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (!(sight.depth_m > 0 && longest > 0)) return 0;
     const double angle = std::atan2(2 * xy, xx - yy) / 2;
     const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
-    // Computes unit vectors in the space in which the half axes are the coordinate axes.
+    // Computes vectors in the space in which the half axes are the coordinate axes.
     const auto weights = [&](const dvec2& direction) {
         return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
                      glm::dot(seen[2], direction));
@@ -172,7 +172,7 @@ void SmallThings::add(const Object& object, std::uint32_t index, double brightne
     }
     if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
         const double narrower = turn_to_sight(camera, *axes);
-        // An object whose image is at most four times as long as wide is treated as one piece without an
+        // An object whose image is at most four times as long as wide is treated as a single piece without an
         // axis.
         if (!(narrower > 4)) {
             add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
@@ -199,7 +199,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // The width is exact for the ellipsoid of these half axes, and less than that of the box.
+    // The width is exact for the ellipsoid with these half axes, and smaller than that of its bounding box.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -225,15 +225,15 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Only compact bright objects need small cells at their outline. Along an elongated object the errors of
+    // Only compact bright objects need small cells at their outline. For an elongated object, the errors of
     // neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
 }
 
 double SmallThings::Piece::cells() const {
-    // Cells cover a strip along the axis, as wide as the object plus one cell on either side, and the
-    // outline.
+    // The cells cover the outline, and a strip along the axis that is one cell wider than the object on
+    // either side.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -311,7 +311,8 @@ SmallThings::Wanted SmallThings::wanted(double x, double y, double size, double 
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // 0.7072 of the size is half of the cell's diagonal, so no cell that the object touches is missed.
+        // Half of the cell's diagonal is 0.7071 of its size. With 0.7072, no cell that the object touches is
+        // missed.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

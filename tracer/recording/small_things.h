@@ -1,5 +1,5 @@
-// Objects so narrow on the film that all corners of pixels may miss them, such as hairs, wires and distant
-// light sources. Their positions are known from the scene, so cells there are subdivided until a corner must
+// Objects so narrow on the film that they may lie between pixel corners, such as hairs, wires and distant
+// light sources. The scene contains their positions, so cells near them are subdivided until a corner must
 // hit them.
 #pragma once
 
@@ -14,40 +14,40 @@
 
 namespace postlens {
 
-/// Narrow objects that are seen directly, not in reflections or refractions. Planes, and meshes with a wide
-/// part, are not included.
+/// Narrow objects that are seen directly. Objects seen by reflection or refraction, planes, and meshes with a
+/// wide part are not included.
 class SmallThings {
   public:
-    /// Width in px above which an object is not narrow, because corners of undivided pixels hit it.
+    /// Width, px, above which an object is not narrow, because it cannot lie between the corners of pixels.
     static constexpr double widest_px = 1.5;
-    /// Largest size of a quadtree cell near a narrow object, relative to the object's width. Such a cell is
-    /// so small that one of its corners hits the object at any position.
+    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. A cell of
+    /// this size has a corner on the object, whatever the object's position.
     static constexpr double find_share = 0.5;
-    /// Largest size of a quadtree cell along the outline of a compact object brighter than white, relative to
-    /// the object's width. The area of a disc then has an error of 1.2 % (Kendall 1948), and so has the
-    /// brightness of its circle of confusion.
+    /// Largest size of a quadtree cell along the outline of a compact object brighter than white, as a
+    /// fraction of the object's width. The area of a disc then has an error of 1.2 % (Kendall 1948), and so
+    /// does the brightness of its circle of confusion.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Limit of the number of cells, per pixel of the raster. If it is exceeded, bright objects are kept
-    /// first, then wide ones.
+    /// Limit of the number of cells per pixel of the raster. If it is exceeded, bright objects are kept
+    /// first, and then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
-    /// No narrow objects, for sampling without a scene.
+    /// Contains no narrow objects; used to sample without a scene.
     SmallThings() = default;
-    /// The narrow objects of the scene at an instant near raster positions [x_begin, x_end] x
+    /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
     /// [y_begin, y_end], px.
     SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin, double x_end,
                 double y_begin, double y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
-    /// Levels of subdivision needed, at most `most_levels`; 0 without narrow objects.
+    /// Levels of subdivision that the narrow objects need, at most `most_levels`; 0 if there are none.
     [[nodiscard]] int levels() const { return levels_; }
     /// Approximate number of cells needed.
     [[nodiscard]] double cells() const;
     /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Number of narrow objects left out because they are too narrow or too many.
+    /// Number of narrow objects that are omitted because they are too narrow or too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
     /// Largest size of a cell, px.
@@ -55,8 +55,8 @@ class SmallThings {
         double find_px;     ///< for every cell near a narrow object
         double outline_px;  ///< for cells whose corners have different ids
     };
-    /// Limits for the square of `size` px with its upper left corner at (x, y) that shows nothing farther
-    /// away than `farthest_m`.
+    /// Returns the largest cell sizes for the square of `size` px with the upper left corner (x, y). Nothing
+    /// in the square is farther away than `farthest_m`.
     [[nodiscard]] Wanted wanted(double x, double y, double size, double farthest_m) const;
 
   private:
@@ -69,7 +69,7 @@ class SmallThings {
         double find_px = 1, outline_px = 1;
         double brightness = 0;
         std::uint32_t object = 0;
-        /// Approximate number of cells needed for it.
+        /// Approximate number of cells that this piece needs.
         [[nodiscard]] double cells() const;
     };
     void add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,

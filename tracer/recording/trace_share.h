@@ -1,5 +1,5 @@
-// A share of a trace: some rows of the records, in a sample file of their own. `merge` joins the files of all
-// shares.
+// A share of a trace: some rows of the records, written to a separate sample file. `merge` joins the files of
+// all shares.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,13 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// The rows of a share, when the rows [y_begin, y_end) of records are divided into shares. The numbers of
+/// Divides the rows [y_begin, y_end) of records into shares and returns the rows of one share. The numbers of
 /// rows of two shares differ by at most one. Throws Error(wrong_arguments) if there are more shares than
 /// rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces the rows of a share of `window`, as sample_corners traces them, and passes all rows of the window
-/// to `take`: the other rows have rays that hit nothing (records/lost_rows.h).
+/// Traces only the rows of a share of `window`, as sample_corners does. Passes all rows of the window to
+/// `take`; the other rows have rays that hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

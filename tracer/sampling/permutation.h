@@ -1,4 +1,4 @@
-// Random permutations of 0 .. n - 1. Any element can be computed without the others.
+// Random permutations of 0 .. n - 1. Each element is computed independently of the others.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// A permutation for any n in 1 .. 2^30, chosen by `key`. Rounds of x -> odd * x + c and x -> x ^ (x >> s)
-/// with random constants are bijections of the words of b bits, where 2^b >= n. They are repeated until the
-/// result is below n.
+/// A permutation for any n in 1 .. 2^30; `key` selects it. Rounds of x -> odd * x + c and x -> x ^ (x >> s)
+/// with random constants are bijections of the words of b bits, where 2^b >= n. The bijection is repeated
+/// until the result is below n.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {
@@ -23,21 +23,23 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // Shift of 1 .. b - 1, from the highest 4 bits of the offset, which the sum only uses if b > 28.
+            // A shift of 1 .. b - 1, from the highest 4 bits of the offset. The sum uses these bits only if b
+            // > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
     }
 
-    /// The image of x, which must be in [0, n).
+    /// Returns the image of x, which must be in [0, n).
     [[nodiscard]] std::uint32_t at(std::uint32_t x) const {
         assert(x < n_);
         permute<1>(&x);
         return x;
     }
 
-    /// Replaces several x, all in [0, n), by their images. The loop ends, since every cycle of the bijection
-    /// through [0, n) returns there; on average after less than two steps, as n is more than half of 2^b.
+    /// Replaces several x, all in [0, n), by their images. The loop ends because every cycle of the bijection
+    /// that contains x returns to [0, n). The average is less than two steps, because n is more than half of
+    /// 2^b.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -45,8 +47,8 @@ class Permutation {
     }
 
   private:
-    /// One step for all lanes, or only for lanes whose value is n or above. Returns true if any such lane is
-    /// left.
+    /// Performs one step for all lanes, or only for lanes whose value is n or more. Returns true if any such
+    /// lane remains.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;
@@ -63,9 +65,9 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Six rounds make all permutations of 2 .. 5 elements equally frequent to 4 %, and the positions of any
-    /// two of more elements to 2 %. With four rounds or a constant shift, frequencies differ by tens of
-    /// percent.
+    /// Number of rounds. With six rounds, the frequencies of all permutations of 2 to 5 elements agree within
+    /// 4 %. For more elements, the frequencies of the positions of any two agree within 2 %. With four rounds
+    /// or a constant shift, they differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

@@ -11,14 +11,15 @@
 namespace postlens {
 namespace {
 
-/// Squared distance on the torus in units of 2^-64, at most 2^63.
+/// Returns the squared distance on the torus, in units of 2^-64; at most 2^63.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// A grid that finds points by position. Its cells are so small that each holds at most one point.
+/// A grid in which points are found by position. Its cells are so small that a cell contains at most one
+/// point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -27,9 +28,9 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two cells away: `distance` is less than sqrt(2) +
-        // distance cells, which is at most 2 for distances up to 0.586. Two or more points always have such a
-        // distance.
+        // Only cells within a distance of two are searched. Points closer than `distance` are less than
+        // sqrt(2) + distance cells apart, which is at most 2 if `distance` is at most 0.586. This is the case
+        // for two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -56,8 +57,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of random points that are tried: ten times the average number that the last point
-    // needs.
+    // Limit of the number of random points that are tried: ten times the average number needed for the last
+    // point.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -74,8 +75,8 @@ std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
 
 /// Consecutive samples inside a block.
 struct PatternTask {
-    const std::uint32_t *u, *v;  ///< the block's points; v is null in one dimension
-    std::uint32_t size, first;   ///< number of points of the block; first sample, from the block's begin
+    const std::uint32_t *u, *v;  ///< the points of the block; v is null in one dimension
+    std::uint32_t size, first;  ///< number of points of the block; index of the first sample within the block
     std::uint32_t shift_u, shift_v;
     std::uint64_t key;
     bool permuted;
@@ -98,7 +99,7 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes `count` samples of one block. `u` and `v` need room for `count` values only.
+/// Writes `count` samples of one block. `u` and `v` must have space for `count` values.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);

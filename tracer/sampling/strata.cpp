@@ -16,22 +16,22 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// A divisor up to 2^20 with its reciprocal, for exact quotients of integers, rounded down or up. Adding half
-/// a unit to the dividend keeps the quotient at least 2^-21 away from an integer. Quotients are at most 2^24,
-/// so their rounding error is below 2^-27.
+/// A divisor up to 2^20 with its reciprocal, for exact quotients of integers that are rounded down or up.
+/// Half a unit is added to the dividend, so that the quotient is at least 2^-21 away from an integer.
+/// Quotients are at most 2^24, so their rounding error is below 2^-27.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Edge `cell` of `value` equal intervals of [0, 1), rounded up to 24 bits.
+    /// Returns edge number `cell` of `value` equal intervals of [0, 1), rounded up to 24 bits.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
 };
 
-/// A multiple of 2^-24 in [begin, end), as 24 bits.
+/// Returns a multiple of 2^-24 in [begin, end), as an integer of 24 bits.
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }
@@ -45,7 +45,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Positions of points in their cells, in [0, 1), with 24 bits.
+/// Computes the positions of points within their cells, in [0, 1), with 24 bits.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -67,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // The last row that begins at or before cell c: floor(row * n / rows) <= c means row * n < (c + 1) *
-        // rows.
+        // Finds the last row that begins at or before cell c: floor(row * n / rows) <= c is equivalent to row
+        // * n < (c + 1) * rows.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

@@ -1,5 +1,5 @@
-// Counts the materials and lights of a scene whose radiance varies over directions. A trace records the mean
-// of that radiance.
+// Counts the materials and lights of a scene whose radiance varies over directions. A trace records only the
+// mean of this radiance.
 #pragma once
 
 #include <cstdint>

@@ -12,7 +12,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-constexpr double target_noise = 2.0 / 255;  // standard deviation in one record, relative to white
+constexpr double target_noise = 2.0 / 255;  // standard deviation in one record, as a fraction of white
 constexpr int fewest_cells = 4;
 constexpr int first_points = 12;  // eight on the outline and one in each quarter
 constexpr double same_transmittance = 1e-3;
@@ -22,15 +22,15 @@ dvec2 jitter(std::uint64_t seed, std::uint32_t index) {
             static_cast<double>(unit_float(random_word(seed, 2 * index + 1)))};
 }
 
-// A jittered point in cell (i, j) of k x k cells.
+// Returns a random point within cell (i, j) of k x k cells.
 dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
     return (dvec2(i, j) + jitter(seed, static_cast<std::uint32_t>(k * k + j * k + i))) /
            static_cast<double>(k);
 }
 
-// Point i of the test whether an area light is visible: eight points on its outline, then one in each
-// quarter. The eight points of a sphere's outline are rotated at random, because occluders between fixed
-// points would be missed at every surface point.
+// Returns point i of the test whether an area light is visible: eight points on its outline, then one in each
+// quarter. For a sphere, the eight points on the outline are rotated at random. With fixed points, an
+// occluder between them would be missed from every surface point.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -45,7 +45,7 @@ Lit lit_at(const ExtentLit& p, const dvec2& uv) {
                   p.colour, p.direction);
 }
 
-// Angular diameter of the light source as seen from the surface, rad.
+// Returns the angular diameter of the light source as seen from the surface, rad.
 double extent_angle(const ExtentLit& p) {
     const Light& l = *p.light->light;
     const double distance = glm::length(p.light->position - p.surface.position);
@@ -55,8 +55,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// Mean radiance over the light source, without shadows. The cells into which the source is divided are halved
-// until the mean changes little and a cell is narrower than the specular highlight.
+// Returns the mean radiance over the light source, without shadows. The source is divided into cells. Their
+// size is halved until the mean changes little and a cell is narrower than the specular highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));
@@ -80,7 +80,7 @@ int cells_for(const ExtentLit& p, const dvec3& radiance) {
         std::clamp(k, static_cast<double>(fewest_cells), static_cast<double>(LightMeans::most_cells)));
 }
 
-// Adds the shadow ray to a point of the light source.
+// Adds the shadow ray from the surface point to a point of the light source.
 void send(const ExtentLit& p, const Lit& lit, RayBatch& rays) {
     rays.add(lit.origin, lit.segment, lit.reach, p.key);
 }

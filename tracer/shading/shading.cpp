@@ -18,8 +18,8 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // An interpolated normal that faces away from the ray has no mirrored direction, so the geometric
-        // normal replaces it.
+        // If the interpolated normal faces away from the ray, there is no mirrored direction. The geometric
+        // normal is used instead.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
@@ -61,8 +61,8 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     if (l.kind != Light::Kind::sphere) return placed.position;
     const dvec3 to_centre = placed.position - from;
     const double distance2 = glm::dot(to_centre, to_centre), sine2 = l.radius * l.radius / distance2;
-    if (!(sine2 < 1)) return placed.position;  // `from` is inside of the sphere, which has no outline there
-    // 1 - cos of the cone's half angle, without cancellation for small angles.
+    if (!(sine2 < 1)) return placed.position;  // `from` is inside the sphere, from where there is no outline
+    // Computes 1 - cos of half the cone's angle without cancellation for small angles.
     const double widest = sine2 / (1 + std::sqrt(1 - sine2));
     const double lowered = uv.x * widest, cosine = 1 - lowered;
     const double sine = std::sqrt(std::max(0.0, lowered * (2 - lowered))), turn = 2 * std::numbers::pi * uv.y;
@@ -71,7 +71,7 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 hint = std::abs(z.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - z * glm::dot(hint, z)), y = glm::cross(z, x);
     const dvec3 direction = sine * std::cos(turn) * x + sine * std::sin(turn) * y + cosine * z;
-    // The nearer crossing with the sphere lies on the visible part of its surface.
+    // The visible part of the sphere's surface contains the nearer crossing.
     const double across2 = distance2 * sine * sine;
     return from + (distance * cosine - std::sqrt(std::max(0.0, l.radius * l.radius - across2))) * direction;
 }
@@ -83,8 +83,8 @@ double schlick_weight(double cosine) {
 
 namespace {
 
-// The peak coefficient of a highlight. With `fresnel` it depends on the angle of the microfacets that reflect
-// it, whose normal is halfway between the directions to the light and to the eye.
+// Returns the peak coefficient of a highlight. With `fresnel`, it depends on the angle at the microfacets
+// that reflect the highlight. Their normal is halfway between the directions to the light and to the eye.
 dvec3 highlight(const Material& m, const dvec3& to_light, const dvec3& direction) {
     if (!m.fresnel) return m.specular;
     const dvec3 half = to_light - direction;
@@ -109,8 +109,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) return out;
     dvec3 intensity = l.intensity;
     if (!directional) {
-        // The attenuation of a spherical light is computed from the distance to its centre, so that its
-        // radius only affects shadows.
+        // For a spherical light, the attenuation depends on the distance to the centre. The radius therefore
+        // only affects shadows.
         const double r = l.kind == Light::Kind::sphere ? glm::length(placed.position - s.position) : distance;
         intensity /= l.attenuation.x + r * (l.attenuation.y + r * l.attenuation.z);
     }
@@ -124,7 +124,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // R . V, where R is the mirrored direction of L and V the direction to the eye.
+        // Computes R . V, where R is the mirrored direction of the light's direction L, and V is the
+        // direction to the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -132,10 +133,10 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     out.to_light = to_light;
     out.casts_shadow = l.casts_shadows;
     if (!l.casts_shadows || out.radiance == dvec3(0)) return out;
-    // The shadow ray starts on the light's side of the geometric surface.
+    // The shadow ray starts on that side of the geometric surface on which the light is.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
-    // The ray ends just before the light, so that a surface through the light's point does not block it.
+    // The ray ends just before the light, so that a surface at the same position does not block it.
     out.segment = directional ? to_light : at - out.origin;
     out.reach = directional ? std::numeric_limits<float>::infinity() : 1 - 1e-6F;
     return out;
@@ -149,7 +150,7 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
     const double k = 1 - c.eta * c.eta * (1 - c.d_n * c.d_n);
     c.refracts = m.transmission != dvec3(0);
     if (c.refracts && k <= 0) {
-        c.reflected += m.transmission;  // total internal reflection: the transmitted part is reflected
+        c.reflected += m.transmission;  // in total internal reflection, the transmitted part is reflected
         c.refracts = false;
     }
     if (c.refracts) {
@@ -157,8 +158,8 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation is fitted to the angle on the side of the smaller index. A material that
-        // does not transmit is only seen from outside.
+        // Schlick's approximation is fitted to the angle on the side with the smaller index of refraction. A
+        // material that does not transmit is only seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);
@@ -170,7 +171,7 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
 dvec3 mirrored_direction(const Continuation& c, const Facing& f, const dvec3& direction, bool& inwards) {
     dvec3 mirrored = direction - 2 * c.d_n * f.normal;
     inwards = glm::dot(mirrored, f.geometric_normal) <= 0;
-    // An interpolated normal may reflect the ray into the surface; the geometric normal cannot.
+    // An interpolated normal may reflect the ray into the surface; the geometric normal never does.
     if (inwards) mirrored = glm::reflect(direction, f.geometric_normal);
     return glm::normalize(mirrored);
 }

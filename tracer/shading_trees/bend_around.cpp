@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// The node of `layer` at `path`, or else the node of layer 0 at `path`: a hidden layer that begins after a
-/// bounce has no nodes before that bounce. Null if neither layer has a node there.
+/// Returns the node of `layer` at `path`, or else that of layer 0: a hidden layer that begins after a bounce
+/// has no nodes before that bounce. Null if neither layer has a node at `path`.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -28,9 +28,9 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// The nodes of one sample that are seen by the same path through the same objects as a given node.
+/// The nodes of one sample that have the same path as a given node, through the same objects.
 struct Seen {
-    float greatest = 0;  ///< greatest nonlinear W of these nodes, 1/m^2
+    float greatest = 0;  ///< greatest nonlinear W (second-order error of W) of these nodes, 1/m^2
     bool any = false;    ///< there is such a node
     bool same = false;   ///< one of these nodes lies on the same object as the given node
 };

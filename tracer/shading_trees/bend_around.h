@@ -1,5 +1,6 @@
-// Estimates the nonlinear W (`w_bend`, the second-order error of a node's W over the lens) from the values at
-// the samples around the node, if these are small. The estimate saves the rays of a measurement.
+// Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W over the lens) from
+// the values at samples around the node. The estimate is used if these values are small, and saves the rays
+// of a measurement.
 #pragma once
 
 #include <array>
@@ -11,10 +12,10 @@
 
 namespace postlens {
 
-/// Records of four point samples, laid out as in TracedSamples.
+/// Records of four point samples, stored as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// A node, and the ids of the objects at which its path reflects or transmits, in order from the eye.
+/// A node, and the ids of the objects at which its path reflects or transmits, starting at the eye.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -22,8 +23,8 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Greatest `w_bend`, 1/m^2, of those nodes in the four samples that have the path of `node` through the same
-/// objects. Empty if the value at `node` may differ, that is:
+/// Returns the greatest `w_bend`, 1/m^2, of the nodes in the four samples that have the same path as `node`,
+/// through the same objects. Empty if the value at `node` may be different, that is,
 /// - if a sample has no such node;
 /// - if no such node lies on the object of `node`;
 /// - if the value exceeds `little`, unless all four samples have a node on the object of `node` and their

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Purposes of the random decisions at a node. Each has its own sample set (sample_set).
+// Purposes of the random decisions at a node. Each purpose has its own sample set (sample_set).
 enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
@@ -23,11 +23,12 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    std::uint32_t node = no_node;  ///< index of the LimitedNode that receives the light; no_node: the eye ray
+    /// index of the LimitedNode that receives the light; `no_node` for the eye ray
+    std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped (LightElsewhere). All its light is summed before the clamp.
+/// A node whose radiance is clamped (LightElsewhere). All its light is summed before it is clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
@@ -54,7 +55,7 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // The density of directions is (n + 1) / (2 pi) cos^n, so the cosine's cumulative distribution is
+    // Directions have the density (n + 1) / (2 pi) cos^n, so the cumulative distribution of the cosine c is
     // c^(n + 1).
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
@@ -143,8 +144,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // A direction of the lobe that points to the wrong side of the surface is mirrored to the other
-            // side, so that no light is lost.
+            // If a direction of the lobe points to the wrong side of the surface, it is mirrored to the other
+            // side. Otherwise light would be lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

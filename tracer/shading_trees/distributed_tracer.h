@@ -1,5 +1,5 @@
 // Distributed ray tracing [cook1984]. Every eye ray has its own lens point and its own instant. Shadow rays
-// sample the extent of lights; reflected and refracted rays sample the lobes of rough surfaces.
+// sample the extent of lights. Reflected and refracted rays sample the lobes of rough surfaces.
 #pragma once
 
 #include <cstdint>
@@ -19,22 +19,23 @@ struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
     /// Russian roulette: a reflected or refracted ray is traced with a probability equal to its greatest
-    /// coefficient, by which its weight is divided. The expected radiance is the same, with fewer rays and
-    /// more noise.
+    /// coefficient, and its weight is divided by this probability. The expected radiance stays the same.
+    /// There are fewer rays, but more noise.
     bool roulette = false;
 };
 
-/// Eye rays, the samples that they are made from, and their radiance.
+/// Eye rays, the samples from which they are made, and their radiance.
 struct EyeRays {
     RayBatch rays;
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; empty: 1
-    /// Weight of each ray in the result; empty: 1. The contribution of a ray, times this weight, is compared
-    /// with `min_contribution`.
+    /// Weight of each ray in the result; if empty, all weights are 1. The contribution of a ray times this
+    /// weight is compared with `min_contribution`.
     std::vector<double> importance;
-    const LightElsewhere* less = nullptr;  ///< radiance that rays must not count; null: all counts
-    /// Only with `less`: raster position, px, at which the pinhole sees the point at distance t on a ray.
+    const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; null: none
+    /// Used only with `less`: returns the raster position, px, at which the pinhole sees the point at
+    /// distance t on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
 };
@@ -44,21 +45,20 @@ class DistributedTracer {
     /// Keeps references to scene and sampler.
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
-    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. Calls with the same rays in
-    /// the same order give the same bits.
+    /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
+    /// order have the same bits in every call.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// Whether eye rays are passed to Embree with its coherent flag. The flag doubles the speed with a
-    /// pinhole, changes nothing with a lens, and nearly halves the speed of moving geometry
-    /// (docs/performance.md).
+    /// True if eye rays are passed to Embree as coherent. This doubles the speed with a pinhole, changes
+    /// nothing with a lens, and almost halves the speed with moving geometry (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
-    /// Whether rays need their times: true if objects or lights move.
+    /// True if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
 
   private:
     struct PathRay;
     struct Workspace;
-    // How a hit on an object is shaded, from the cheapest to the most expensive.
+    // Work that is needed to shade a hit on an object, from the cheapest to the most expensive kind.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -87,8 +87,8 @@ class DistributedTracer {
     bool moving_lights_ = false;
 };
 
-/// Samples a direction from the lobe cos^exponent about `axis` [phong1975]; (u, v) in [0, 1)^2. For an
-/// infinite exponent it is the axis itself.
+/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2. For an
+/// infinite exponent it is `axis`.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

@@ -13,12 +13,12 @@ using glm::dvec3;
 
 namespace {
 
-// Limit of the number of bounding balls that a ray is tested against. More tests would cost more than the ray
-// that they may save.
+// Limit of the number of bounding balls that are tested against a ray. More tests would take longer than the
+// ray that they may save.
 constexpr std::size_t most_balls = 64;
 
-// Translation of the pinhole that counts as rounding error, in m per m of the camera's distance from the
-// origin. Below it, the keys of the motion are taken to rotate the camera only.
+// Largest translation of the pinhole that is treated as a rounding error, in m per m of the camera's distance
+// from the origin. If it is not exceeded, the camera is assumed only to rotate.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Predicts where a point recorded at one instant appears on the film at other instants: the point moves with
-// the object that its id names, and the camera moves as well.
+// Predicts the raster position, at other instants, of a point that was recorded at one instant. The point
+// moves with the object of its id, and the camera moves as well.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,28 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s`: the instant of the records. `instants_s`: the instants to predict for. `camera` must be the
-    /// camera from which `motion` was made.
+    /// `from_s`: instant of the records. `instants_s`: instants for which positions are predicted. `camera`
+    /// must be the camera from which `motion` was made.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Raster position, px, at instant i, of the point of object `id` that is at `point` (world, m) at
-    /// `from_s`. Empty if it is then behind the camera.
+    /// Returns the raster position, px, at instant i, of the point of object `id` whose world position at
+    /// `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Raster position, px, at instant i, of the point at infinity in `direction`, for a ray that hit
-    /// nothing. With an orthographic camera it is the ray's own position `at`.
+    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`, for a ray that
+    /// hit nothing. For an orthographic camera it is the position `at` of the ray itself.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// True if the pose of an object or the camera at one of the instants differs from that at `from_s`.
+    /// True if the pose of the camera or of an object at one of the instants differs from that at `from_s`.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
-    /// True if the camera's motion causes parallax between near and far points, which every motion does
-    /// except a rotation about the pinhole.
+    /// True if the motion of the camera causes parallax between near and far points. Only a rotation about
+    /// the pinhole causes none.
     [[nodiscard]] bool parallax() const { return parallax_; }
-    /// False only if the ray cannot hit a moving object beyond distance t, m.
+    /// True if the ray may hit a moving object beyond the distance t, m. False only if it cannot.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
 
   private:
@@ -46,18 +46,20 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// Per moving id and instant: maps a point at `from_s` to its position at that instant.
+    /// For each moving id and instant: maps the position of a point at `from_s` to its position at that
+    /// instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// The instants at which motion during a shutter interval is sampled, in ascending order: nine evenly spaced
-/// ones including both ends, and `recorded_s`.
+/// Returns the instants at which motion during a shutter interval is sampled, in ascending order: nine evenly
+/// spaced ones including both ends, and those in `recorded_s`.
 [[nodiscard]] std::vector<double> looked_at_instants(double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 
-/// Instant i of `count` (at least 2) instants spaced evenly from open to close, both included.
+/// Returns instant i of `count` (at least 2) instants that are evenly spaced from open to close, including
+/// both.
 [[nodiscard]] double even_instant(double open_s, double close_s, int i, int count);
 
 }  // namespace postlens

@@ -13,12 +13,11 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Smallest displacement on the film that reveals a surface, px. A pixel is the mean of at least four corners,
-// in which a smaller displacement is not visible.
+// Smallest displacement on the film that reveals a surface, px. A smaller displacement is not visible,
+// because a pixel is the mean of at least four corners.
 constexpr double same_place_px = 0.25;
 
-// Largest number of surfaces that one ray enters or leaves. The limit bounds the cost of rays through
-// foliage.
+// Largest number of surfaces that one ray enters or leaves. It bounds the cost of rays through foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -26,24 +25,24 @@ bool is_flat(const Shape& shape) {
            std::holds_alternative<Plane>(shape);
 }
 
-// The state of one ray that is continued through the surfaces that it hits.
+// The state of a ray that continues through the surfaces that it hits.
 struct Chain {
     std::uint32_t ray = 0;
     HitKey key;           // last hit
     double t = 0;         // distance of the last hit, m
-    double here_t = 0;    // distance of the first of the hits that coincide with the last one, m
+    double here_t = 0;    // distance, m, of the first of the hits that coincide with the last one
     bool beyond = false;  // the ray continues from behind t, not from just before t
     int crossings = 0;
     int layers = 0;                      // number of surfaces hit so far
     int kept = 0;                        // number of hidden surfaces returned so far
     bool still = false;                  // one of the surfaces so far does not move
-    std::vector<std::uint32_t> entered;  // objects that the ray is inside of
+    std::vector<std::uint32_t> entered;  // objects whose inside contains the end of the ray so far
     struct Met {
         std::uint32_t object;
         bool leaving;
     };
     std::vector<Met> here;       // coincident hits at here_t
-    std::vector<Places> places;  // per surface so far, its raster positions at all instants
+    std::vector<Places> places;  // for each surface so far, its raster positions at all instants
     LensReach::Covers covers;    // inverse depths of the surfaces so far
 };
 
@@ -63,15 +62,15 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Distance along the ray, m, from which the ray continues. It is just before the last hit, so that
-    // coincident surfaces (a box on a floor) are found. The key of the last hit excludes the primitive that
-    // was hit.
+    // Returns the distance along the ray, m, at which it continues. This is just before the last hit, so that
+    // coincident surfaces (a box on a floor) are found. The primitive of the last hit is excluded by its key.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of the ray to its chain of surfaces. Returns false if the chain has ended.
+    // Adds the next hit of a ray to its chain, the surfaces that the ray has passed so far. Returns false if
+    // the chain ends.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -84,7 +83,7 @@ class Follower {
     }
 
   private:
-    // Adds a hit, which may be a new surface, the exit from an object, or a repetition of a coincident hit.
+    // Adds a hit. The hit may be a new surface, the exit from an object, or a repetition of a coincident hit.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -112,8 +111,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next layer to the chain. The layer is a surface or the background, and is returned to the
-    // caller if the caller wants it.
+    // Adds the next layer, a surface or the background, to the chain. The layer is stored in the result if
+    // the caller needs it.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -139,14 +138,14 @@ class Follower {
 
     [[nodiscard]] bool may_come_to_light(const Chain& c) const {
         if (!by_motion(c)) return false;
-        // Without parallax, motion never reveals a still surface behind a still surface.
+        // Without parallax, motion never reveals a surface at rest behind another surface at rest.
         if (!c.still || wanted_.motion->parallax()) return true;
         const FirstHit& e = eye_[c.ray];
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // Whether some lens point sees surface `s` behind all surfaces of the chain. Adds the inverse depth of
-    // `s` to the chain.
+    // True if some lens point sees surface `s` behind all surfaces that the ray has passed (its chain). Adds
+    // the inverse depth of `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -158,8 +157,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object that is seen in a mirror or glass appears at another depth than the surface of the
-        // mirror, most often a greater one. So it is visible farther behind an edge.
+        // An object seen in a mirror or through glass has another depth than the surface of the mirror or
+        // glass, in most cases a greater one. The lens therefore sees it farther behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -175,8 +174,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // Whether, at some instant, every surface of the chain has moved away from surface `s` on the film. Adds
-    // the raster positions of `s` to the chain.
+    // True if at some instant every surface that the ray has passed (its chain) has moved away from surface
+    // `s` on the film. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -1,5 +1,5 @@
-// Hidden surfaces: those that an eye ray would hit next if it passed through its first hit. A wide lens sees
-// them past edges. An open shutter records them once the object in front has moved away.
+// Hidden surfaces: the surfaces that an eye ray would hit next if it passed through its first hit. A wide
+// lens sees them past edges. An open shutter sees them after the object in front has moved away.
 #pragma once
 
 #include <cstdint>
@@ -17,20 +17,20 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per ray with `motion`. Each hidden surface costs as much shading as
-    /// a visible one, and images seldom reveal more than four on one ray.
+    /// Largest number of hidden surfaces per ray with `motion`. Shading a hidden surface costs as much as
+    /// shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray with `lens` alone. A lens sees less far behind an edge than
-    /// moving objects reveal.
+    /// Largest number of hidden surfaces per ray with only `lens`. It is smaller, because a lens sees less
+    /// far behind an edge than moving objects reveal.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, returns only surfaces that motion may reveal, at most `most_uncovered`. Motion reveals a
-    /// surface if, at some instant, every surface in front has moved away from it on the film by more than a
-    /// quarter of a pixel.
+    /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion
+    /// reveals a surface if, at some instant, every surface in front of it is displaced on the film by more
+    /// than a quarter of a pixel relative to it.
     const FilmMotion* motion = nullptr;
-    /// If not null, returns surfaces that some lens point may see, in addition to those that `motion` may
-    /// reveal. They include surfaces behind reflections and refractions.
+    /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
+    /// may reveal. They include surfaces behind reflections and refractions.
     const LensReach* lens = nullptr;
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
@@ -39,19 +39,19 @@ struct HiddenLayers {
 /// An eye ray, or a reflected or refracted ray of its shading tree, and the first hit of that ray.
 struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
-    double cos_axis = 1;                 ///< between the eye ray and the optical axis
+    double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
     glm::dvec2 at{0};                    ///< raster position of the eye ray, px
     HitKey key;                          ///< `none`: the ray hit nothing
     SurfacePoint surface;
-    NodePath path;                   ///< of the hit; after a bounce only `HiddenLayers::lens` applies
+    NodePath path;                   ///< path of the hit; after a bounce, only `HiddenLayers::lens` is used
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0: none
-    RayDifferentials differentials;  ///< at the origin; only set after a bounce
+    RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Inverse depth (LensReach) of a point on the ray at infinite distance, 1/m.
+    /// Inverse depth, 1/m, of a point on the ray at infinite distance (see LensReach).
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
-/// A hidden surface, or the end of the ray behind the last one.
+/// A hidden surface, or the end of the ray behind the last surface.
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
     std::uint32_t layer = 0;  ///< number of surfaces in front of it
@@ -60,9 +60,9 @@ struct HiddenHit {
 };
 
 /// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. The point where a ray
-/// leaves a closed object that it has entered does not count as a surface; every hit of a flat object does.
-/// A ray that leaves the scene behind its last surface gets one entry with the key `none`, subject to the
-/// same criteria. Adds the number of rays traced to `rays_spent`. Thread-safe and deterministic.
+/// leaves a closed object that it has entered is not a surface; every hit of a flat object is. A ray that
+/// leaves the scene behind its last surface has an entry with the key `none`, if this entry satisfies the
+/// same criteria. Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// Position at which this thread's last search ended, probably in the same pyramid. Samples are sorted by
-/// position, so the next search often succeeds at that position.
+/// The position at which the last search of this thread ended. Samples are sorted by position, so the next
+/// search is often in the same pyramid and succeeds at this position.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -44,7 +44,7 @@ LensReach::LensReach(const RayScene& scene, const CameraModel& camera, double ap
         thread_local std::vector<glm::dvec2> positions;
         thread_local TracedSamples traced;
         positions.clear();
-        // A packet of 16 rays is a block of 4 x 4 pixels.
+        // Each packet of 16 rays is a block of 4 x 4 pixels.
         for (int block = 0; block < tile * tile / 16; ++block) {
             for (int k = 0; k < 16; ++k) {
                 const int x = left + block % 4 * 4 + k % 4, y = top + block / 4 * 4 + k / 4;
@@ -118,10 +118,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // The covers are the surfaces in front of the hidden one. Next to an edge of the covers the inverse depth
-    // is lower, and the lens sees past the edge if it lies within the displacement of the covers at the
-    // lens's rim. If a surface nearer than the covers hides the edge, the larger displacement of that surface
-    // applies. The first test uses an upper bound of all displacements and rejects most cases.
+    // The covers are the surfaces in front of the hidden one. Beside an edge of the covers, the inverse depth
+    // is lower. The lens sees past the edge if the edge is nearer than the displacement of the covers at the
+    // rim of the lens, px. If a surface nearer than the covers hides the edge, the larger displacement of
+    // that surface applies. The first test uses an upper bound of all displacements, and rejects most cases.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

@@ -16,27 +16,27 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 255;  // standard deviation relative to white
-// Largest weight that a hit gives to a ray of another hit. The limit bounds the variance from rays at the
-// edge of the other hit's lobe.
+// Largest weight that a hit gives to a ray of another hit. It limits the variance caused by rays at the edge
+// of the other hit's lobe.
 constexpr double most_weight = 8;
 
-// Whether two hits may share rays: the axes of their lobes differ by less than the width of the wider lobe.
+// True if two hits may share rays: the axes of their lobes differ by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Weight of hit b's rays at hit a. It falls from 1 to 0 at `reach_px`, so that the mean is continuous over
-// the image.
+// Returns the weight of the rays of hit b at hit a. It decreases from 1 at distance 0 to 0 at `reach_px`, so
+// that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Index of a raster position along the Morton curve, in steps of 1/4 px. Neighbours in the raster are close
-// on the curve, so that rays of neighbouring hits are stratified. The low 16 bits of each coordinate
-// distinguish the hits of one batch.
+// Returns the index of a raster position along the Morton curve, in steps of 1/4 px. Neighbours in the raster
+// are also close on the curve, so that the rays of neighbouring hits are stratified. The low 16 bits of each
+// coordinate suffice to distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -53,7 +53,7 @@ std::uint64_t seed_of(const LobeHit& h) {
     return mix64(mix64(mix64(x) ^ y) ^ (static_cast<std::uint64_t>(h.object) << 32 | h.path.bits()));
 }
 
-// A scrambled Sobol point for sampling the lobe. Points of consecutive indices are stratified.
+// Returns a scrambled Sobol point for sampling the lobe. Points with consecutive indices are stratified.
 glm::dvec2 lobe_point(std::uint64_t seed, std::uint32_t index) {
     const auto coordinate = [&](int dimension) {
         const auto key = static_cast<std::uint32_t>(mix64(seed + static_cast<std::uint64_t>(dimension)));
@@ -84,10 +84,10 @@ struct LobeMeans::Ray {
     dvec3 direction{0};
     double density = 0;  // folded_lobe * (exponent + 1)
     dvec3 radiance{0};
-    double t = 0;  // distance of the surface that the ray hits, m; infinity: none
+    double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// Hits [first, end) of the sorted order, which have one object and one path, and the rays that they share.
+// The hits [first, end) in sorted order, which have the same object and path, and the rays that they share.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
@@ -106,8 +106,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, sorted by the number of nodes that may still follow on their paths.
-// The rays may belong to any groups of hits.
+// Traces the rays from index `first` on, whatever their groups of hits. The rays are sorted by the number of
+// nodes that may still follow on their paths.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -210,7 +210,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const LobeHit& h = hits[order[i]];
             const double relative = largest(h.weight) * g.deviation / target_noise;
             if (relative * relative <= piloted) continue;
-            // Number of hits that share rays with this one, estimated from every `stride`-th hit.
+            // Number of hits that share rays with this hit. It is estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

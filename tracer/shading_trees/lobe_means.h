@@ -1,6 +1,6 @@
-// Mean radiance over wide lobes of reflection and transmission. Rays of all samples of a batch are shared to
-// compute the mean. The mean is nearly the same from every lens point, so it is added to the record of the
-// surface instead of a record of its own.
+// Mean radiance over wide lobes of reflection and transmission. All samples of a batch share the rays that
+// compute the mean. The mean is almost the same from every lens point, so it is added to the record of the
+// surface instead of a separate record.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ namespace postlens {
 /// A point of a surface whose lobe is averaged.
 struct LobeHit {
     std::uint32_t object = 0;  ///< index into Scene::objects
-    NodePath path;             ///< path of the node that an exact mirror's or glass's ray would create
-    int nodes_left = 0;    ///< greatest number of nodes along a path that begins with the lobe's ray, >= 1
+    NodePath path;             ///< path of the node that the ray of an exact mirror or glass would create
+    int nodes_left = 0;    ///< greatest number of nodes along a path that begins with a ray of the lobe, >= 1
     glm::dvec2 at{0};      ///< raster position of the sample, px
     glm::dvec3 origin{0};  ///< on the surface
     glm::dvec3 axis{0};    ///< exact direction of reflection or refraction, unit length
@@ -28,30 +28,31 @@ struct LobeHit {
     HitKey key;            ///< the surface that the rays leave
 };
 
-/// Means of incoming radiance over lobes cos^exponent [phong1975], as `render` samples them: directions on
-/// the wrong side of the surface are mirrored to the right side.
+/// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
+/// wrong side of the surface are mirrored to the right side.
 ///
-/// Hits of one object and one path share rays if they lie within `reach_px` of each other and their axes
+/// Hits of the same object and path share rays if they lie within `reach_px` of each other and their axes
 /// differ by less than the width of the lobe. Hit i weights a ray of hit j by the ratio of the two lobe
 /// densities in the direction of the ray's end point, times the squared ratio of the distances [bekaert2002].
 /// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
-/// Number of rays: a first pass sends 255 times the mean weight of the group, evenly spaced over its hits. A
-/// feature that all of these rays miss then contributes less than 1/255 of white (radiance 1). The rays give
-/// an estimate of the standard deviation s of the radiance. A second pass gives hit i (weight s 255)^2 rays
-/// within its reach, which leaves a standard deviation of 1/255, but at most `most_rays` per hit. The bits
-/// depend on the batch alone.
+/// The number of rays is determined in two passes. The first pass sends 255 rays times the mean weight of the
+/// group, evenly spaced over its hits. A feature that all of these rays miss then contributes less than 1/255
+/// of white (radiance 1). From these rays, the standard deviation s of the radiance is estimated. The second
+/// pass sends (weight s 255)^2 rays within the reach of hit i, but at most `most_rays` per hit; the standard
+/// deviation of the mean is then 1/255. The bits depend only on the batch.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Limits the cost of rough metals, which then have a noise of about 3/255 of white.
+    /// Largest number of rays per hit. It limits the cost of rough metals, whose noise is then about 3/255 of
+    /// white.
     static constexpr int most_rays = 2;
 
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);
 
-    /// Sets means[i] to the mean radiance over the lobe of hits[i], not multiplied by hits[i].weight. Adds
-    /// the numbers of rays traced to counts.reflect, counts.refract and counts.shadow. Thread-safe.
+    /// Sets means[i] to the mean radiance over the lobe of hits[i], without the factor hits[i].weight. Adds
+    /// the numbers of traced rays to counts.reflect, counts.refract and counts.shadow. Thread-safe.
     void average(std::span<const LobeHit> hits, std::vector<glm::dvec3>& means, RayCounts& counts) const;
 
   private:
@@ -61,11 +62,11 @@ class LobeMeans {
                RayCounts& counts) const;
 
     Sampler sampler_;
-    std::vector<DistributedTracer> tracers_;  ///< one per number of nodes left, from 1 on
+    std::vector<DistributedTracer> tracers_;  ///< one for each number of nodes left, from 1 on
 };
 
-/// Density of the lobe in a unit direction, relative to cos^exponent at its axis, with the part on the wrong
-/// side of the surface mirrored to the right side. 0 for directions on the wrong side.
+/// Returns the density of the lobe in a unit direction, relative to cos^exponent at its axis. The part of the
+/// lobe on the wrong side of the surface is mirrored to the right side. 0 for directions on the wrong side.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
-/// Squared distance from (x, y) to the nearest integer position in a square.
+/// Returns the squared distance from (x, y) to the nearest integer position in a square.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
     const double left = square_x * size, top = square_y * size;
     const double dx = std::max(std::max(left - x, x - (left + size - 1)), 0.0),
@@ -50,7 +50,7 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     }
 }
 
-// The highest level whose squares have a diagonal of at most an eighth of the radius.
+// Returns the highest level at which the diagonal of a square is at most an eighth of the radius.
 int MinMaxPyramid::coarse_level(double radius) const {
     const int highest = static_cast<int>(levels_.size()) - 1;
     int level = 0;
@@ -68,7 +68,8 @@ int MinMaxPyramid::level_of_width(double px) const {
 MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
     const Level& of = levels_[static_cast<std::size_t>(level)];
     const double x = at.x - x_begin_, y = at.y - y_begin_, per_px = 1.0 / (1 << level);
-    // Clamped first, so that the conversion, which rounds towards zero, rounds down.
+    // The value is clamped first, so that it is not negative. The conversion, which rounds towards zero, then
+    // rounds down.
     const auto square_of = [per_px](double place, int squares) {
         return static_cast<int>(std::clamp(place * per_px, 0.0, squares - 1.0));
     };
@@ -76,11 +77,11 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Depth-first search within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
-// into a square, skip it or end the search; single values are squares of level 0. `distance2()` is the
-// squared distance from `at` to the nearest integer position in the square. Among siblings, the square with
-// the greatest `promise(range)` comes first. A square is skipped if `keeps(promise)` is false when its turn
-// comes.
+// Searches depth-first within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
+// into a square, skip it or end the search. A single value is a square of level 0. `distance2()` is the
+// squared distance from `at` to the nearest integer position in the square. Among the four parts of a square,
+// the part with the greatest `promise(range)` is searched first. A part is skipped if `keeps(promise)` is
+// false when its turn comes.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {
@@ -89,12 +90,12 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // At most three siblings of a square wait on each of at most 31 levels, so 128 entries suffice.
+    // At most three parts of a square wait on each of at most 31 levels, so 128 entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits squares of one level. Returns false if the search ends.
+    // Visits some squares of one level. Returns false if the search ends.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);
@@ -114,8 +115,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // Starts at the level whose squares are as wide as the circle, which then overlaps at most 2 x 2 squares.
-    // Most circles are small, and a descent from the top would mostly serve to locate them.
+    // The search starts at the level whose squares are as wide as the circle, which then overlaps at most 2 x
+    // 2 squares. Most circles are small, and a search from the top would spend most of its time on finding
+    // the circle.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -1,5 +1,5 @@
-// A raster of values with a fast search around a position for values that are below a limit. The limit falls
-// with the distance from the position, as a cone does.
+// A raster of values with a fast search for values below a limit. The limit decreases with the distance from
+// a position, so the search region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -8,38 +8,37 @@
 
 namespace postlens {
 
-/// Values at integer positions, and the least and the greatest value in squares of 2, 4, 8, ... positions a
-/// side.
+/// Values at integer positions, and the least and the greatest value in squares of 2, 4, 8, ... positions
+/// along a side.
 class MinMaxPyramid {
   public:
-    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]; NaN: none.
+    /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A cone around the position `at`. It selects the values v at a distance d <= `radius` from `at` for
-    /// which top - v >= least and top - v >= slope d.
+    /// A cone around the position `at`. It contains a value v at a distance d <= `radius` from `at` if top -
+    /// v >= least and top - v >= slope d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square or value that an earlier search found. A search tests this square first, because a cone
-    /// nearby probably selects the same values. The hint may come from another pyramid.
+    /// The square or value that an earlier search found. It is tested first, because a cone nearby probably
+    /// contains the same value. The hint may come from another pyramid.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
     /// Whether the cone selects any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. The result may also be true because of a value
-    /// that lies outside of the cone by up to an eighth of the radius. The result does not depend on the
-    /// hint.
+    /// Like any_in, but several times faster for wide cones. It may also return true because of a value that
+    /// lies outside the cone by up to an eighth of the radius. The result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// The least of all values; infinity if there is none.
+    /// Returns the least of all values; infinity if there is none.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// The greatest value within `radius` of `at`, or a greater value that lies within 9/8 of the radius. If
-    /// all values are below `floor`, the result is `floor`.
+    /// Returns the greatest value within `radius` of `at`, or a greater value within 9/8 of the radius. If
+    /// all values are below `floor`, returns `floor`.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
-    /// An upper bound of greatest(at, radius, floor), from a few squares.
+    /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
 
   private:
@@ -54,9 +53,10 @@ class MinMaxPyramid {
         int x_first, x_last, y_first, y_last;
     };
     [[nodiscard]] int coarse_level(double radius) const;
-    /// The lowest level whose squares are at least `px` wide, or else the highest level.
+    /// Returns the lowest level whose squares are at least `px` wide, or the highest level if there is none.
     [[nodiscard]] int level_of_width(double px) const;
-    /// The squares of a level that overlap the bounding box of a circle, or else the nearest squares.
+    /// Returns the squares of a level that overlap the bounding box of a circle, or the nearest squares if
+    /// none does.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {
@@ -69,7 +69,7 @@ class MinMaxPyramid {
                  const Keeps& keeps) const;
 
     int x_begin_, y_begin_;
-    std::vector<Level> levels_;  ///< from the single values up to one square over all
+    std::vector<Level> levels_;  ///< from single values up to one square for all values
 };
 
 }  // namespace postlens

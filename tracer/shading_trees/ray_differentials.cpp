@@ -8,11 +8,11 @@ namespace {
 
 using glm::dvec3;
 
-// Solves A W = B by least squares. The columns of A and B lie in one plane, so the fit is exact.
+// Solves A W = B by least squares. The columns of A and B lie in the same plane, so the solution is exact.
 Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
     const double m00 = glm::dot(a0, a0), m01 = glm::dot(a0, a1), m11 = glm::dot(a1, a1);
     const double det = m00 * m11 - m01 * m01;
-    // At a fold of the image dX/dp has no inverse and W is unbounded. The limit 1e30 keeps it finite in
+    // At a fold of the image, dX/dp has no inverse and W is unbounded. The limit 1e30 keeps W finite in
     // float.
     const double inverse = det > 0 ? 1 / det : 1e300;
     const auto clamped = [](double v) {
@@ -28,7 +28,7 @@ Mat2 solve(const dvec3& a0, const dvec3& a1, const dvec3& b0, const dvec3& b1) {
 
 RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray) {
     RayDifferentials out;
-    // direction = v / |v| with v = forward + p_x right + p_y down, so d(direction) = (dv - D (D . dv)) / |v|.
+    // The direction is D = v / |v| with v = forward + p_x right + p_y down, so dD = (dv - D (D . dv)) / |v|.
     const auto across = [&](const dvec3& dv) {
         return (dv - ray.direction * glm::dot(ray.direction, dv)) * ray.cos_axis;
     };
@@ -65,7 +65,7 @@ RayDifferentials refract(const RayDifferentials& differentials, const dvec3& dir
                          const glm::dmat3& shape_operator, double eta) {
     RayDifferentials out;
     out.point = differentials.point;
-    // D' = eta D + mu N, mu = eta c - sqrt(k), c = -D . N, k = 1 - eta^2 (1 - c^2).
+    // Refraction: D' = eta D + mu N, where mu = eta c - sqrt(k), c = -D . N and k = 1 - eta^2 (1 - c^2).
     const double c = -glm::dot(direction, normal);
     const double root = std::sqrt(1 - eta * eta * (1 - c * c));
     const double mu = eta * c - root;

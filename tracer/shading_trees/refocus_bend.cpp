@@ -15,25 +15,25 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps by which the ray from a lens point to a node is found. The derivatives stay
-// those of the pinhole, so each step gains about one digit; near caustics the steps oscillate. If a ray has
+// Largest number of Newton steps that search the ray from a lens point to a node. The derivatives are always
+// those at the pinhole, so each step gains about one digit; near caustics the steps oscillate. If a ray has
 // not converged after the last step, its estimated residual is added to its error. If the steps grow, the
 // error is infinite.
 constexpr int most_steps = 5;
-// A ray has converged ("is settled") if its estimated residual is at most 5 % of its departure from the
-// prediction by W, or if its last step is at most 0.1 px.
+// A ray has converged ("is settled") if its estimated residual is at most 5 % of its difference from the
+// prediction by the matrix W, or if its last step was at most 0.1 px.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed residual after the first Newton step, relative to that step. Later residuals are estimated from the
-// ratio of the last two steps.
+// Assumed residual after the first Newton step, as a fraction of that step. After later steps, the residual
+// is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Fraction of settled_px. If the departures of the rays on one side of the lens are smaller than this, the
-// rays of the other side are skipped.
+// Fraction of settled_px. Rays on one side of the lens are compared with their prediction by the matrix W. If
+// their differences are smaller than this, the rays on the other side are not traced.
 constexpr double straight_share = 0.5;
 
-// Largest number of surfaces that a ray may pass through and that are not part of the node's path.
+// Largest number of surfaces that a ray may pass through although they are not part of the node's path.
 constexpr int most_passed = 16;
 
-// A ray from a lens point that is adjusted until it reaches a node.
+// A ray from a lens point. Its direction is adjusted until the ray reaches a node.
 struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
@@ -42,10 +42,12 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    double start = 0;  // distance from the origin at which the ray starts, behind passed surfaces
+    // distance from the origin at which the ray starts, behind the surfaces that it has passed
+    double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce: another object blocks it, or it cannot follow the path.
+    // The ray ended before its last bounce. hidden: another object blocks it; lost: it cannot follow the
+    // path.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -67,7 +69,7 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Processes a hit of the current ray: reflects or refracts the ray if the node's path does so there.
+    // Processes a hit of the current ray. Reflects or refracts the ray if the path of the node does so there.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -100,12 +102,12 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // The change of the tangent by which the ray reaches the target, computed with the derivatives at the
-    // pinhole.
+    // Returns the change of the tangent with which the ray reaches the target. It is computed with the
+    // derivatives at the pinhole.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
-        // Only the component of the distance from the target that is perpendicular to the ray counts.
+        // Of the vector to the target, only the component perpendicular to the ray matters.
         const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
         const dvec3 r = across(miss, p.direction);
         const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
@@ -150,23 +152,25 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest tangent of a ray from a lens point. A larger tangent means that the node lies at a fold of the
-/// image, where W is unbounded, or that the Newton steps diverge.
+/// Greatest tangent of a ray from a lens point. If it is exceeded, the node lies at a fold of the image,
+/// where W is unbounded, or the Newton steps diverge.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach given nodes, and the distances of their tangents from the
-/// tangents that W predicts.
+/// Finds the rays from lens points that reach given nodes. Computes the distances between the tangents of
+/// these rays and the tangents that W predicts.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
-    std::vector<bool> ended;       ///< one of its rays is lost
-    std::vector<double> greatest;  ///< greatest departure of its rays that have converged
-    std::vector<double> at_least;  ///< lower bound of the greatest departure of all its rays
+    std::vector<bool> ended;  ///< one of its rays is lost
+    /// greatest difference from the prediction, of the node's rays that have converged
+    std::vector<double> greatest;
+    /// lower bound of the greatest difference from the prediction, of all rays of the node
+    std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
         probes.clear();
@@ -187,9 +191,9 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Distance, on the plane of tangents, between the ray that a probe has found through its lens point and
-    /// the ray that the linear W predicts there. Infinite if the search found none. Not for rays to hidden
-    /// surfaces.
+    /// Returns the distance, in the plane of tangents, between the ray that a probe has found and the ray
+    /// that W predicts for its lens point. Infinite if no ray was found. Must not be called for rays to
+    /// hidden surfaces.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -202,7 +206,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // A node whose ray cannot be found has an infinite error, so its further rays need no search.
+        // If one ray to a node cannot be found, the error of the node is infinite, and its other rays need no
+        // search.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -226,7 +231,7 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // A ray whose departure cannot be the greatest of its node is dropped.
+            // A ray is dropped if its difference from the prediction cannot be the greatest of its node.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -252,9 +257,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The departures of rays from the prediction by W are of second order, so they are equal on both sides of
-    // the lens up to third order. If two rays at right angles have small departures, the two rays on the
-    // opposite sides have small departures too. This holds for most nodes.
+    // The differences from the prediction by W are of second order, so they are equal on opposite sides of
+    // the lens up to third order. If they are small for two rays at right angles, they are also small for the
+    // two opposite rays, which need not be traced. This is the case for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -267,11 +272,11 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
     out.assign(nodes.size(), -1);
     for (const Probe& p : search.probes) {
         if (p.hidden) continue;
-        // The conversion from float rounds values that are too large for a half to infinity.
+        // The conversion to half precision rounds values that are too large to infinity.
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A node whose rays are all hidden has an infinite error.
+    // If all rays of a node are hidden, its error is infinite.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

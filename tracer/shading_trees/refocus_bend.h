@@ -1,5 +1,5 @@
-// Measures the error of the matrix W. The image of a node behind mirrors and glass moves by -W q for a lens
-// point q only to first order. The second-order error is measured with exact rays from the rim of a lens.
+// Measures the error of the matrix W. For a lens point q, the image of a node behind mirrors and glass moves
+// by -W q only to first order. Exact rays from the rim of a lens measure the second-order error.
 #pragma once
 
 #include <array>
@@ -15,13 +15,13 @@
 
 namespace postlens {
 
-/// The objects at which a path has bounced so far.
+/// The objects at which a path has reflected or transmitted so far.
 struct Bounces {
     std::array<std::uint32_t, NodePath::max_bounces> object{};  ///< index into Scene::objects, per bounce
-    bool flat = true;  ///< all bounces are reflections at flat surfaces, so W is exact
+    bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A node after at least one bounce, and the target that a ray from another lens point must reach.
+/// A node after at least one bounce, with the target that a ray from another lens point must reach.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
@@ -31,23 +31,25 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< of the eye ray, along the raster's axes
-    /// Derivative of the target by the tangent of the eye ray, world.
+    /// Derivative of the target by the tangent of the eye ray, in the world.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };
 
-/// Nonlinear W (`w_bend`) of each node, 1/m^2. For a lens point q, let e be the difference between the
-/// tangent of the ray that reaches the target and its first-order prediction p - W q; the result is the
-/// largest |e| / |q|^2.
+/// Computes the nonlinear W (`w_bend`) of each node, 1/m^2. For a lens point q, let e be the difference
+/// between the tangent of the ray that reaches the target and its first-order prediction p - W q, where p is
+/// the tangent of the eye ray. The nonlinear W is the largest |e| / |q|^2.
 ///
-/// Lens points: four at `radius_m` on the raster axes; only two at right angles if both have an error below
-/// 0.05 px. Newton's method, with the derivatives at the pinhole, finds the ray from a lens point to the
-/// target that bounces at the same sequence of objects. The residual after five steps is added to the error.
-/// Infinity if this does not converge or ends in total internal reflection. A lens point whose ray is
-/// blocked, or passes the outline of an object, is skipped; if all four are, the result is infinity.
-/// Occlusion between the last bounce and the target is ignored.
+/// There are four lens points, at `radius_m` on the raster axes. Only two of them, at right angles, are used
+/// if both have an error below 0.05 px. Newton's method, with the derivatives at the pinhole, finds the ray
+/// from a lens point to the target that bounces at the same sequence of objects. The residual after five
+/// steps is added to the error. The result is infinite if the search does not converge or ends in total
+/// internal reflection. A lens point whose ray is blocked, or passes the outline of an object, is skipped. If
+/// all lens points are skipped, the result is infinite. Occlusion between the last bounce and the target is
+/// ignored.
 ///
-/// Rounded to half precision. Adds the number of rays traced to `rays_spent`. Thread-safe and deterministic.
+/// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`. Thread-safe and
+/// deterministic.
 void measure_bends(const RayScene& scene, const CameraModel& camera, double radius_m,
                    std::span<const BentNode> nodes, std::vector<float>& out, std::uint64_t& rays_spent);
 

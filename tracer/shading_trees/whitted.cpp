@@ -202,7 +202,7 @@ void WhittedTracer::Impl::spawn(const PathRay& ray, const SurfacePoint& s, const
         }
     }
     if (refracts) {
-        bounces.flat = false;  // behind glass, even flat glass, W depends on the angle
+        bounces.flat = false;  // behind glass, even if it is flat, W depends on the angle
         if (measures_bends()) w.next_bounces.add() = bounces;
         const dvec3 direction = refracted_direction(c, f, ray.direction);
         ++counts.refract;
@@ -231,7 +231,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // Radiance of a light's contribution below which its shadow is not visible.
+            // If the contribution of a light has a smaller radiance than this, its shadow is not visible.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);

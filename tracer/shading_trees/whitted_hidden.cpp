@@ -1,4 +1,4 @@
-// Hidden surfaces as roots of shading trees, behind eye rays and behind reflected and refracted rays.
+// Traces hidden surfaces as roots of shading trees, behind eye rays and behind reflected and refracted rays.
 #include <algorithm>
 #include <cstddef>
 #include <tuple>

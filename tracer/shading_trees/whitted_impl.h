@@ -1,4 +1,4 @@
-// The implementation of WhittedTracer. Only whitted*.cpp include this.
+// The implementation of WhittedTracer. Only whitted*.cpp include this header.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current generation. `origin` is exact; the origin in the packet is offset from the
+    // A ray of the current generation. `origin` is exact, while the origin in the packet is moved off the
     // surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
@@ -34,7 +34,7 @@ struct WhittedTracer::Impl {
         int root_depth = 0;  // depth of the first node of its layer
     };
 
-    // A light's contribution to a node, before occlusion.
+    // The contribution of a light to a node, before occlusion is tested.
     struct Shadow {
         std::uint32_t node = 0;
         glm::dvec3 radiance{0};
@@ -49,14 +49,14 @@ struct WhittedTracer::Impl {
         ColourSource source;
     };
 
-    // The node to which a lobe's mean is added, and the factor of the mean.
+    // The node to which the mean over a lobe is added, and the factor of the mean.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0};
     };
 
     // An array whose items are filled in place, field by field, and reused. Building items elsewhere and
-    // copying them took longer than the shading.
+    // copying them took longer than shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -81,18 +81,18 @@ struct WhittedTracer::Impl {
         std::vector<std::uint32_t> order;
         std::vector<FirstHit> eye_hits;  // empty if no hidden layers are recorded
         std::vector<HiddenHit> hidden;
-        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, and the rays of
-        // these hits.
+        // Hits of reflected and refracted rays behind which a lens may see hidden surfaces, together with
+        // their rays.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if the nonlinear W of nodes is measured: the bounces of each ray by index of its
-        // differentials, and the nodes to measure.
+        // The bounces of each ray, by index of its differentials, and the nodes to measure. Used only if the
+        // nonlinear W of nodes is measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Means over lobes and over lights with an extent, of all generations.
+        // Hits of all generations whose lobes, or whose lights with an extent, must be averaged.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -114,22 +114,24 @@ struct WhittedTracer::Impl {
     bool deeper_nodes = false;
     bool refocus = false;
     bool has_sources = false, has_textures = false;
-    std::vector<double> bound;  // per number of nodes left: upper bound of a subtree's radiance
+    std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     void start(Workspace& w) const;
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit where
-    // the ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind it.
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. The hit at
+    // which a ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind
+    // it.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces hidden surfaces that are seen by reflection or refraction. Each surface becomes a separate layer
-    // of its sample, without a primary node.
+    // Traces hidden surfaces that are seen by reflection or refraction. Each becomes a separate layer of its
+    // sample, without a primary node.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
-    // Adds a hidden surface as the root of its own shading tree, shaded as if nothing were in front of it.
+    // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
+    // of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
-    // Adds a node and sets all of it but its depth, id, W and radiance.
+    // Adds a node and sets everything in it except depth, id, W and radiance.
     [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
@@ -149,14 +151,14 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node whose matrix W may not be exact, so that its error is measured. `s` is null if the ray
-    // hit nothing.
+    // Stores a node whose matrix W may be inexact, so that its error is measured. `s` is null if the ray hit
+    // nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Takes the nonlinear W (`w_bend`) of nodes from samples nearby where possible. The nodes that must be
-    // measured stay in w.bent.
+    // Takes the nonlinear W (`w_bend`) of nodes from earlier samples nearby, where possible. The nodes that
+    // must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts nodes, which are ordered by generation, to records, ordered by sample, layer and path.
+    // Converts the nodes to records. Nodes are ordered by generation, records by sample, layer and path.
     static void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out);
 };
 

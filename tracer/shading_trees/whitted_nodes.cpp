@@ -1,5 +1,5 @@
-// Completes the nodes of shading trees after the last generation: means over lobes and lights, nonlinear W,
-// and their conversion to records.
+// Completes the nodes of shading trees after the last generation: adds the means over lobes and lights and
+// the nonlinear W, and converts the nodes to records.
 #include <algorithm>
 #include <array>
 #include <cstddef>
