@@ -13,7 +13,8 @@ namespace postlens {
 
 /// Sums of colour, weight and depth, each multiplied by the kernel. A splat costs as much as the length of
 /// its kernel's outline, because the uniform interior of a kernel row is stored as differences at its two
-/// ends (as in PointScatter).
+/// ends (as in PointScatter). The other pixels of the row are added directly, because the lens moments of
+/// small kernels are large, and the rounding errors of their differences would reach all pixels to the right.
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
@@ -26,9 +27,9 @@ class LayerSums {
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
     /// Sums of red, green, blue and weight at a pixel.
-    [[nodiscard]] const double* at(int x, int y) const { return sum_.data() + index(x, y) * stride_; }
-    [[nodiscard]] double depth_at(int x, int y) const { return depth_[index(x, y)]; }
-    [[nodiscard]] double covered_at(int x, int y) const { return covered_[index(x, y)]; }
+    [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
+    [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[stride_ - 2]; }
+    [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[stride_ - 1]; }
     /// The lens moments of the sums that `at` returns: each term is multiplied by the lens point of its
     /// light, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
@@ -43,11 +44,11 @@ class LayerSums {
     bool with_lens_ = false;
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels per row of the buffers: rows_ plus one, for the last difference
-    std::size_t stride_ = 4;  ///< values per pixel
-    /// Per pixel: red, green, blue, weight. With lens moments, each pixel also has these four values times
-    /// lens_per_px, and those products times the anchor's x and y, counted from the corner of rows_.
-    std::vector<double> sum_, change_;
-    std::vector<double> depth_, depth_change_, covered_, covered_change_;
+    std::size_t stride_ = 6;  ///< values per pixel
+    /// Per pixel: red, green, blue, weight. With lens moments follow these four values times lens_per_px, and
+    /// those products times the anchor's x and then y, counted from the corner of rows_. The last two values
+    /// are depth and covered weight.
+    std::vector<double> sums_, changes_;
 };
 
 }  // namespace postlens

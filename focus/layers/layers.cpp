@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, px. LayerSums need up to 280 B per pixel, so those of a block fit into the L2 cache.
+/// Width of a block, px. LayerSums need up to 288 B per pixel, so those of a block fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
 /// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time; each needs about
