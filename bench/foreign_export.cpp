@@ -1,19 +1,25 @@
 // Writes the pinhole image of a sample file as another program's renderer would: as a flat OpenEXR file with
-// one depth per pixel and optional ids. scripts/ids_table.py uses it.
+// one depth per pixel and optional ids, or as a deep one with a sample per surface and its id. The tables of
+// scripts/ use it.
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDeepFrameBuffer.h>
+#include <OpenEXR/ImfDeepScanLineOutputFile.h>
 #include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfVecAttribute.h>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <fmt/format.h>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -28,9 +34,11 @@ using namespace postlens;
 /// Greatest number of surfaces per pixel in a Cryptomatte with two layers of channels.
 constexpr std::size_t ranks = 4;
 
-/// A surface in a pixel: its share of the pixel, and the sum of share times z', m.
+/// A surface in a pixel: its share of the pixel, and the sums of share times z', m, and of share times
+/// colour.
 struct Part {
     double share = 0, depth = 0;
+    std::array<double, 3> rgb{};
 };
 
 class Picture {
@@ -50,6 +58,10 @@ class Picture {
     /// depth of all its surfaces. `ids`: "none", "id" or "cryptomatte".
     void write(const std::string& path, const std::string& depth, const std::string& ids) const;
 
+    /// The deep image. The colour of a surface is that of its first hits: reflections and refractions are
+    /// left out.
+    void write_deep(const std::string& path) const;
+
   private:
     using Ranked = std::vector<std::pair<std::uint32_t, Part>>;
 
@@ -65,6 +77,9 @@ class Picture {
                                 static_cast<std::size_t>(x)][node.id];
             part.share += static_cast<double>(s.weight[q]);
             part.depth += static_cast<double>(s.weight[q]) * static_cast<double>(node.z);
+            for (std::size_t c = 0; c < 3; ++c)
+                part.rgb[c] += static_cast<double>(s.weight[q]) *
+                               static_cast<double>(std::array{node.r, node.g, node.b}[c]);
         }
     }
     /// The surfaces of a pixel, sorted by falling share.
@@ -72,6 +87,16 @@ class Picture {
         Ranked out(parts_[pixel].begin(), parts_[pixel].end());
         std::stable_sort(out.begin(), out.end(),
                          [](const auto& a, const auto& b) { return a.second.share > b.second.share; });
+        return out;
+    }
+
+    [[nodiscard]] Imf::Header exr_header() const {
+        Imf::Header out(header_.width, header_.height);
+        const auto pitch_mm = static_cast<float>(header_.pixel_pitch_mm);
+        out.insert("pinholeFocalLength", Imf::FloatAttribute(static_cast<float>(header_.film_distance_mm)));
+        out.insert("sensorOverallDimensions",
+                   Imf::V2fAttribute({pitch_mm * static_cast<float>(header_.width),
+                                      pitch_mm * static_cast<float>(header_.height)}));
         return out;
     }
 
@@ -87,7 +112,12 @@ void Picture::write(const std::string& path, const std::string& depth, const std
         values.resize(parts_.size());
         values[pixel] = value;
     };
-    std::map<std::uint32_t, std::uint32_t> hashed;
+    std::map<std::uint32_t, std::uint32_t> hashed{{0, 0}};  // id 0 is what no object covers
+    nlohmann::json manifest = nlohmann::json::object();
+    for (const auto& [id, name] : header_.object_names) {
+        hashed[id] = cryptomatte_id(name);
+        manifest[name] = fmt::format("{:08x}", hashed[id]);
+    }
     for (std::size_t pixel = 0; pixel < parts_.size(); ++pixel) {
         for (std::size_t c = 0; c < 3; ++c) set(std::string(1, "RGB"[c]), pixel, rgb_.rgb[3 * pixel + c]);
         const Ranked surfaces = ranked(pixel);
@@ -95,33 +125,25 @@ void Picture::write(const std::string& path, const std::string& depth, const std
         if (depth == "mean") {
             of_depth = {};
             for (const auto& [id, part] : surfaces)
-                of_depth = {of_depth.share + part.share, of_depth.depth + part.depth};
+                of_depth = {of_depth.share + part.share, of_depth.depth + part.depth, {}};
         }
         set("Z", pixel, static_cast<float>(of_depth.depth / of_depth.share));
         if (ids == "id") set("id", pixel, static_cast<float>(surfaces.front().first + 1));
         if (ids != "cryptomatte") continue;
         for (std::size_t i = 0; i < ranks; ++i) {
             const std::string layer = fmt::format("CryptoObject{:02}.", i / 2);
-            std::uint32_t hash = 0;
-            if (i < surfaces.size()) {
-                const auto [at, is_new] = hashed.try_emplace(surfaces[i].first);
-                if (is_new) at->second = cryptomatte_id(fmt::format("object_{}", at->first));
-                hash = at->second;
-            }
+            const std::uint32_t hash = i < surfaces.size() ? hashed[surfaces[i].first] : 0;
             set(layer + (i % 2 == 0 ? "R" : "B"), pixel, std::bit_cast<float>(hash));
             set(layer + (i % 2 == 0 ? "G" : "A"), pixel,
                 i < surfaces.size() ? static_cast<float>(surfaces[i].second.share) : 0.0F);
         }
     }
-    Imf::Header header(header_.width, header_.height);
-    const auto pitch_mm = static_cast<float>(header_.pixel_pitch_mm);
-    header.insert("pinholeFocalLength", Imf::FloatAttribute(static_cast<float>(header_.film_distance_mm)));
-    header.insert("sensorOverallDimensions",
-                  Imf::V2fAttribute({pitch_mm * static_cast<float>(header_.width),
-                                     pitch_mm * static_cast<float>(header_.height)}));
+    Imf::Header header = exr_header();
     if (ids == "cryptomatte") {
-        for (const auto& [key, text] : std::map<std::string, std::string>{
-                 {"name", "CryptoObject"}, {"hash", "MurmurHash3_32"}, {"conversion", "uint32_to_float32"}})
+        for (const auto& [key, text] : std::map<std::string, std::string>{{"name", "CryptoObject"},
+                                                                          {"hash", "MurmurHash3_32"},
+                                                                          {"conversion", "uint32_to_float32"},
+                                                                          {"manifest", manifest.dump()}})
             header.insert("cryptomatte/1234567/" + key, Imf::StringAttribute(text));
     }
     Imf::FrameBuffer frame;
@@ -135,8 +157,56 @@ void Picture::write(const std::string& path, const std::string& depth, const std
     out.writePixels(header_.height);
 }
 
+void Picture::write_deep(const std::string& path) const {
+    constexpr std::array<const char*, 6> names{"R", "G", "B", "A", "Z", "id"};
+    std::array<std::vector<float>, names.size()> values;
+    std::vector<unsigned> counts;
+    std::vector<std::size_t> first;
+    for (std::size_t pixel = 0; pixel < parts_.size(); ++pixel) {
+        Ranked surfaces = ranked(pixel);
+        const auto depth_of = [](const auto& surface) { return surface.second.depth / surface.second.share; };
+        std::stable_sort(surfaces.begin(), surfaces.end(),
+                         [&](const auto& a, const auto& b) { return depth_of(a) < depth_of(b); });
+        first.push_back(values[0].size());
+        // Share of the pixel that nearer surfaces leave. Alphas are relative to it, as "over" multiplies them
+        // by it.
+        double left = 1;
+        for (const auto& [id, part] : surfaces) {
+            constexpr double least_share = 1e-6;
+            if (id == 0 || left < least_share) continue;
+            const double alpha = std::min(part.share / left, 1.0);
+            for (std::size_t c = 0; c < 3; ++c) values[c].push_back(static_cast<float>(part.rgb[c] / left));
+            values[3].push_back(static_cast<float>(alpha));
+            values[4].push_back(static_cast<float>(part.depth / part.share));
+            values[5].push_back(static_cast<float>(id));
+            left *= 1 - alpha;
+        }
+        counts.push_back(static_cast<unsigned>(values[0].size() - first.back()));
+    }
+    Imf::Header header = exr_header();
+    header.setType(Imf::DEEPSCANLINE);
+    header.compression() = Imf::ZIPS_COMPRESSION;
+    for (const char* name : names) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+    const auto width = static_cast<std::size_t>(header_.width);
+    Imf::DeepFrameBuffer frame;
+    frame.insertSampleCountSlice(Imf::Slice(Imf::UINT, reinterpret_cast<char*>(counts.data()),
+                                            sizeof(unsigned), sizeof(unsigned) * width));
+    std::array<std::vector<float*>, names.size()> pointers;
+    for (std::size_t c = 0; c < names.size(); ++c) {
+        for (const std::size_t i : first) pointers[c].push_back(values[c].data() + i);
+        frame.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(pointers[c].data()),
+                                              sizeof(float*), sizeof(float*) * width, sizeof(float)));
+    }
+    Imf::DeepScanLineOutputFile out(path.c_str(), header);
+    out.setFrameBuffer(frame);
+    out.writePixels(header_.height);
+}
+
 int usage() {
-    std::fputs("foreign_export FRAME.exr OUT.exr most|mean none|id|cryptomatte\n", stderr);
+    std::fputs(
+        "foreign_export FRAME.exr OUT.exr most|mean none|id|cryptomatte\n"
+        "foreign_export FRAME.exr OUT.exr deep\n",
+        stderr);
     return 2;
 }
 
@@ -147,11 +217,18 @@ int main(int argc, char** argv) {
     const auto one_of = [](const std::string& word, std::initializer_list<const char*> expected) {
         return std::find(expected.begin(), expected.end(), word) != expected.end();
     };
-    if (argc != 5 || !one_of(words[3], {"most", "mean"}) || !one_of(words[4], {"none", "id", "cryptomatte"}))
-        return usage();
+    const bool deep = argc == 4 && words[3] == "deep";
+    const bool flat =
+        argc == 5 && one_of(words[3], {"most", "mean"}) && one_of(words[4], {"none", "id", "cryptomatte"});
+    if (!deep && !flat) return usage();
     try {
         const SampleFileReader file(words[1]);
-        Picture(file).write(words[2], words[3], words[4]);
+        const Picture picture(file);
+        if (deep) {
+            picture.write_deep(words[2]);
+        } else {
+            picture.write(words[2], words[3], words[4]);
+        }
     } catch (const std::exception& error) {
         fmt::print(stderr, "foreign_export: {}\n", error.what());
         return 1;

@@ -48,6 +48,17 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
+/// Blends the shares of the pinhole image and those of the blurred image by the effect of the lens.
+void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
+    for (std::size_t k = 0; k < effect.size(); ++k) {
+        for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
+        for (ObjectShare o : pinhole.shares[k]) {
+            o.share *= 1 - effect[k];
+            if (o.share > 0) blurred.shares[k].push_back(o);
+        }
+    }
+}
+
 void add_sides(const StackField& field, Image& image) {
     const std::size_t first = image.planes.size();
     for (const char* name : {"focus.before", "focus.in", "focus.behind"})
@@ -103,8 +114,9 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
 }
 
 /// Adds the channel with the standard error of the mean of `a` and `b`, the images of two independent halves
-/// of the views. The standard deviation of half their difference equals that of their mean.
-void add_error(const Image& a, const Image& b, Image& image) {
+/// of the views. The standard deviation of half their difference equals that of their mean. `effect` scales
+/// the error, as it scales the blur of the image.
+void add_error(const Image& a, const Image& b, const std::vector<float>& effect, Image& image) {
     Image::Plane error = plane("error", a.rgb.size() / 3);
     for (std::size_t k = 0; k < error.values.size(); ++k) {
         double square = 0;
@@ -112,7 +124,7 @@ void add_error(const Image& a, const Image& b, Image& image) {
             const double d = static_cast<double>(a.rgb[3 * k + c]) - static_cast<double>(b.rgb[3 * k + c]);
             square += d * d / 12;
         }
-        error.values[k] = static_cast<float>(std::sqrt(square));
+        error.values[k] = (effect.empty() ? 1.0F : effect[k]) * static_cast<float>(std::sqrt(square));
     }
     image.planes.push_back(std::move(error));
 }
@@ -120,7 +132,7 @@ void add_error(const Image& a, const Image& b, Image& image) {
 }  // namespace
 
 void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
-                      Image& image) {
+                      Image& image, const std::vector<float>& effect) {
     if (!passes.any()) return;
     if (settings.framing != Framing::keep) {
         fail(ExitCode::wrong_arguments,
@@ -153,7 +165,12 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
     const std::vector<Behind> behind = pinhole ? std::vector<Behind>() : behind_fill(picture, geometry);
     if (passes.sides || passes.cryptomatte) {
         s.shares = true;
-        const StackField seen = stack_field(picture, behind, s);
+        StackField seen = stack_field(picture, behind, s);
+        if (!effect.empty() && !pinhole) {
+            s.geometry = FocusGeometry{};
+            limit_to(effect, stack_field(picture, {}, s), seen);
+            s.geometry = geometry;
+        }
         if (passes.sides) add_sides(seen, image);
         if (passes.cryptomatte) add_cryptomatte(picture, seen, image);
         s.shares = false;
@@ -163,7 +180,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
         s.set = 1;
         const Image first = stack_field(picture, behind, s).image;
         s.set = 2;
-        add_error(first, stack_field(picture, behind, s).image, image);
+        add_error(first, stack_field(picture, behind, s).image, effect, image);
     }
 }
 

@@ -20,11 +20,13 @@ struct FocusPasses {
 /// Adds the channels to a focused image. The shares of the objects in a blurred pixel are measured with
 /// `settings.views` views through the lens (focus/foreign/stack_field.h). For every method, a pixel's shares
 /// are then scaled so that they add up to the alpha of the image. A pixel is in focus if its CoC diameter is
-/// at most 1 px. CoC is negative in front of the focus, and 0 where nothing is hit or stored.
+/// at most 1 px. CoC is negative in front of the focus, and 0 where nothing is hit or stored. `effect` is the
+/// effect of the lens on each pixel (0: the pixel of the pinhole image, 1: the blurred one) with which the
+/// image was made; empty: 1 everywhere.
 ///
 /// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if a channel is not available with the
 /// method or the impulse response. Throws Error(out_of_memory).
 void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settings, const FocusPasses& passes,
-                      Image& image);
+                      Image& image, const std::vector<float>& effect = {});
 
 }  // namespace postlens

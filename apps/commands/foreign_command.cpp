@@ -199,17 +199,18 @@ CommandResult focus_foreign(const FocusOptions& options) {
                            .views = options.views,
                            .crop = options.crop};
     FocusResult result = focus_foreign(picture, settings);
+    std::vector<float> effect;
     if (options.foreign.matte) {
         if (lens.framing != Framing::keep) {
             fail(ExitCode::wrong_arguments,
                  "--matte: not for a picture that the lens crops or magnifies (expected --framing keep)");
         }
         settings.method = FocusMethod::pinhole;
-        limit_to(choose_pixels(picture, *options.foreign.matte), focus_foreign(picture, settings).image,
-                 result.image);
+        effect = choose_pixels(picture, *options.foreign.matte);
+        limit_to(effect, focus_foreign(picture, settings).image, result.image);
         settings.method = method;
     }
-    add_focus_passes(picture, settings, options.foreign.passes, result.image);
+    add_focus_passes(picture, settings, options.foreign.passes, result.image, effect);
     result.image.exposure_stops = stops;
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});

@@ -112,7 +112,12 @@ class Search {
         }
         Behind out;
         out.known = true;
-        out.inverse_z = nearest->stack.empty() ? 0 : nearest->stack[0].spread_inverse_z();
+        if (!nearest->stack.empty()) {
+            const StackSample& first = nearest->stack[0];
+            out.inverse_z = first.spread_inverse_z();
+            out.id = first.id;
+            out.holdout = first.holdout;
+        }
         out.r = static_cast<float>(sum[0] / sum[4]);
         out.g = static_cast<float>(sum[1] / sum[4]);
         out.b = static_cast<float>(sum[2] / sum[4]);

@@ -2,6 +2,7 @@
 // disoccludes.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "focus/responses/node_response.h"
@@ -16,6 +17,8 @@ struct Behind {
     float inverse_z = 0;
     float r = 0, g = 0, b = 0;  ///< premultiplied
     float alpha = 0;            ///< coverage by the surface; the rest is empty space
+    std::uint32_t id = 0;       ///< as StackSample::id
+    bool holdout = false;       ///< as StackSample::holdout
     bool known = false;
     bool fills = false;  ///< the pixel is translucent; only empty space behind it and its neighbours
 };
@@ -25,11 +28,11 @@ struct Behind {
 /// pixel. It must lie within the sum of both CoC radii plus a pixel. If samples have ids, only the id with
 /// the largest sum of 1 / squared distance counts.
 ///
-/// The depth is that of the nearest of the farther surfaces. The colour is a mean, weighted by 1 / squared
-/// distance, of the surfaces whose CoC radius differs from that of the nearest by less than a pixel. Empty
-/// space counts as farther than all surfaces and is not blurred. A translucent pixel is treated like an
-/// opaque one if there is only empty space behind it in every direction (`fills`). The result does not depend
-/// on the number of threads.
+/// The depth and the id are those of the nearest of the farther surfaces. The colour is a mean, weighted by
+/// 1 / squared distance, of the surfaces whose CoC radius differs from that of the nearest by less than a
+/// pixel. Empty space counts as farther than all surfaces and is not blurred. A translucent pixel is treated
+/// like an opaque one if there is only empty space behind it in every direction (`fills`). The result does
+/// not depend on the number of threads.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
 
 /// Computes, for each pixel of a window, row by row, an upper bound of the share of the pixel that shows

@@ -28,7 +28,13 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
         for (std::uint64_t k = p.offsets[i]; k < p.offsets[i + 1]; ++k) add(i, p.samples[k]);
         if (!behind.empty() && behind[i].known && behind[i].alpha > 0) {
             const Behind& b = behind[i];
-            add(i, {.inverse_z = b.inverse_z, .r = b.r, .g = b.g, .b = b.b, .alpha = b.alpha, .id = 0});
+            add(i, {.inverse_z = b.inverse_z,
+                    .r = b.r,
+                    .g = b.g,
+                    .b = b.b,
+                    .alpha = b.alpha,
+                    .id = b.id,
+                    .holdout = b.holdout});
         }
         offsets_.push_back(facets_.size());
     }

@@ -77,11 +77,11 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                    ? std::array{alpha, alpha, alpha}
                    : std::array{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b)};
     };
+    const std::array<double, 3> none{};
     for (const StackSample& s : stack) {
         const bool last = &s == &stack.back();
         const double alpha = fills && last ? 1 : std::max(static_cast<double>(s.alpha), least_alpha);
         const Depths depths{static_cast<double>(s.inverse_z), static_cast<double>(s.spread_inverse_z())};
-        const std::array<double, 3> none{};
         add_surface(surface_at(depths.spread), depths,
                     s.holdout ? none : rgb_of(s, static_cast<double>(s.alpha)), alpha, false);
     }
@@ -91,8 +91,8 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
         const auto inverse_depth = static_cast<double>(behind->inverse_z);
         const auto alpha = static_cast<double>(behind->alpha);
         if (alpha > least_share)
-            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth}, rgb_of(*behind, alpha),
-                        alpha, true);
+            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth},
+                        behind->holdout ? none : rgb_of(*behind, alpha), alpha, true);
         if (alpha < 1 - least_share) add_surface(nothing, {}, {}, 1 - alpha, true);
     }
     for (const Sum& s : sums_) {

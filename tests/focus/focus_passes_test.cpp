@@ -83,6 +83,27 @@ TEST(FocusPasses, CoverageThroughTheLensIsTheEdgeOfTheObject) {
     }
 }
 
+// Behind the card, the image has nothing. What blur shows there is estimated from the wall, and is the
+// wall's.
+TEST(FocusPasses, WhatIsEstimatedBehindAnEdgeIsOfTheObjectFoundThere) {
+    const Bench bench{.width = 80, .height = 4, .margin_px = 40};
+    ForeignPicture p = bench.picture([&](int x, int) {
+        return x < x0 ? Stack{{bench.inverse_z(6), 0, 0.25F, 1, 1, cryptomatte_id("wall")}}
+                      : Stack{{bench.inverse_z(-8), 1, 0.5F, 0, 1, cryptomatte_id("card")}};
+    });
+    p.channels.matte = Cryptomatte{"CryptoObject", {}, "{}"};
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        const FocusSettings s = settings_of(bench, method);
+        Image image = focus_foreign(p, s).image;
+        add_focus_passes(p, s, {.cryptomatte = true}, image);
+        for (int x = 0; x < bench.width; ++x) {
+            const auto k = static_cast<std::size_t>(bench.width + x);
+            EXPECT_NEAR(coverage(image, "wall", k), 1 - edge_response((x + 0.5 - x0) / 8), 0.016) << x;
+            EXPECT_NEAR(coverage(image, "card", k) + coverage(image, "wall", k), 1, 2e-4) << x;
+        }
+    }
+}
+
 TEST(FocusPasses, CoveragesAddUpToAlpha) {
     const Bench bench{.width = 80, .height = 4, .margin_px = 40};
     const ForeignPicture p = card(bench, 0.5F);
@@ -99,6 +120,27 @@ TEST(FocusPasses, CoveragesAddUpToAlpha) {
                         alpha(image, x, 1), 1e-5)
                 << x;
         }
+    }
+}
+
+// Where the lens has no effect, the image is the pinhole's, and so is the Cryptomatte.
+TEST(FocusPasses, WhereTheLensHasNoEffectCoveragesAreThePinholes) {
+    const Bench bench{.width = 80, .height = 4, .margin_px = 40};
+    const ForeignPicture p = card(bench);
+    const FocusSettings s = settings_of(bench, FocusMethod::layers);
+    std::vector<float> effect(static_cast<std::size_t>(bench.width * bench.height), 0.0F);
+    for (int x = 0; x < bench.width; ++x)
+        effect[static_cast<std::size_t>(bench.width + x)] = static_cast<float>(x % 3) / 2;
+    Image image = focus_foreign(p, s).image;
+    add_focus_passes(p, s, {.sides = true, .cryptomatte = true}, image, effect);
+    for (int x = 0; x < bench.width; ++x) {
+        const auto k = static_cast<std::size_t>(bench.width + x);
+        const double sharp = x < x0 ? 0 : 1, soft = edge_response((x + 0.5 - x0) / 8);
+        EXPECT_NEAR(coverage(image, "card", k), sharp + static_cast<double>(effect[k]) * (soft - sharp),
+                    0.016)
+            << x;
+        EXPECT_NEAR(coverage(image, "card", k) + coverage(image, "wall", k), 1, 2e-4) << x;
+        EXPECT_NEAR(plane(image, "focus.in")[k], 1 - effect[k], 2e-4) << x;
     }
 }
 

@@ -56,6 +56,25 @@ TEST_F(ObjectEffectsTest, AHoldoutHidesSharplyAndIsNotShown) {
     }
 }
 
+// Behind the card, the image has nothing. What is estimated there from the wall is as invisible as the wall.
+TEST_F(ObjectEffectsTest, WhatIsEstimatedFromAHoldoutIsNotShown) {
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        ForeignPicture p = bench_.picture([&](int x, int) {
+            return x < x0 ? Stack{{bench_.inverse_z(wall_px), 0, 0.25F, 1, 1, cryptomatte_id("wall")}}
+                          : Stack{{bench_.inverse_z(near_px), 1, 0.5F, 0, 1, cryptomatte_id("card")}};
+        });
+        p.channels.matte = Cryptomatte{"CryptoObject", {}, "{}"};
+        apply_object_effects(p, {.holdouts = {{"--holdout", "wall"}}}, bench_.inverse_focus_per_m);
+        const FocusResult r = bench_.focus(p, method);
+        for (int x = 0; x < bench_.width; ++x) {
+            const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
+            EXPECT_NEAR(value(r.image, x, 1, 0), front, method == FocusMethod::layers ? 1e-5 : 0.05) << x;
+            EXPECT_NEAR(alpha(r.image, x, 1), value(r.image, x, 1, 0), 1e-5) << x;
+            EXPECT_NEAR(value(r.image, x, 1, 2), 0, 1e-5) << x;
+        }
+    }
+}
+
 TEST_F(ObjectEffectsTest, AnObjectThatIsKeptSharpIsItsPixels) {
     for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
         const FocusResult r = focused({.sharp = {by_name_}}, method);
