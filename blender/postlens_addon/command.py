@@ -7,6 +7,10 @@ import subprocess
 import threading
 
 
+# Seconds that a command has to remove its unfinished output before it is killed.
+ENDING_S = 5.0
+
+
 class CommandError(Exception):
     """The command has failed. The text of the exception is its error message."""
 
@@ -26,8 +30,23 @@ def find(path):
     return program
 
 
+def end(child):
+    """Ends a command that still runs. It removes its unfinished output when it is asked to end, so it gets the time."""
+    if child.poll() is not None:
+        return
+    child.terminate()
+    try:
+        child.wait(ENDING_S)
+    except subprocess.TimeoutExpired:
+        child.kill()
+        child.wait()
+
+
 def run(program, words, cancelled=lambda: False):
-    """Runs a command and returns its JSON report (--json). Raises CommandError and Cancelled."""
+    """Runs a command. A generator that yields while the command runs, and returns its JSON report (--json).
+
+    Raises CommandError and Cancelled. The command ends if the generator is closed.
+    """
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     child = subprocess.Popen(
         [program, *words, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
@@ -35,12 +54,14 @@ def run(program, words, cancelled=lambda: False):
     said = []
     reader = threading.Thread(target=lambda: said.extend(child.communicate()), daemon=True)
     reader.start()
-    while reader.is_alive():
-        reader.join(0.05)
-        if reader.is_alive() and cancelled():
-            child.terminate()
-            reader.join()
-            raise Cancelled()
+    try:
+        while reader.is_alive():
+            if cancelled():
+                raise Cancelled()
+            yield
+    finally:
+        end(child)
+        reader.join()
     out, err = said
     if child.returncode not in (0, 6):
         line = (err.strip().splitlines() or [f"postlens ended with code {child.returncode}"])[-1]

@@ -1,5 +1,8 @@
 """The operators behind the panel's buttons: one image or a range of frames, rendered by Blender or by postlens."""
 
+import contextlib
+import time
+
 import bpy
 from bpy.props import BoolProperty
 
@@ -8,6 +11,23 @@ from . import command, pictures
 
 IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
+# Seconds between two looks at the work in a window.
+TICK_S = 0.05
+# Events that pass while a run changes the scene for its renders: those that look around and change nothing.
+LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
+           "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
+# Height of Blender's status bar at a resolution scale of 1.
+STATUS_BAR_PX = 21
+
+
+def folder_of(scene):
+    """The folder for the files. Raises CommandError if it is relative to a file that was never saved."""
+    folder = scene.postlens.folder
+    if folder.startswith("//") and not bpy.data.filepath:
+        raise command.CommandError(
+            f"folder {folder} is relative to the .blend file, which is not saved (save it, or choose another folder)"
+        )
+    return bpy.path.abspath(folder)
 
 
 def job_of(scene, animation):
@@ -15,7 +35,7 @@ def job_of(scene, animation):
     frames = range(scene.frame_start, scene.frame_end + 1, scene.frame_step) if animation else [scene.frame_current]
     return pictures.Job(
         scene=scene,
-        folder=bpy.path.abspath(s.folder),
+        folder=folder_of(scene),
         program=command.find(bpy.path.abspath(s.program) if s.program else ""),
         frames=list(frames),
         method=s.method,
@@ -26,8 +46,23 @@ def job_of(scene, animation):
     )
 
 
-def show(path):
-    """Loads an image file and shows it in all image editors. Returns Blender's image."""
+def is_harmless(context, event):
+    """Whether an event changes nothing of the scene: looking around, or the stop button of a render in the status bar."""
+    if event.ctrl or event.alt or event.shift or event.oskey:
+        return False
+    height = STATUS_BAR_PX * context.preferences.system.ui_scale if context.screen.show_statusbar else 0
+    return event.type in LOOKING or event.type == "LEFTMOUSE" and event.mouse_y < height
+
+
+def areas(kind):
+    return [a for w in bpy.context.window_manager.windows for a in w.screen.areas if a.type == kind]
+
+
+def show(path, can_open=False):
+    """Loads an image file and shows it in all image editors. Returns Blender's image.
+
+    `can_open`: opens the view that Blender's preferences choose for renders, if no image editor is open.
+    """
     image = bpy.data.images.get(IMAGE)
     if image is None:
         image = bpy.data.images.load(path)
@@ -35,85 +70,146 @@ def show(path):
     else:
         image.filepath = path
         image.reload()
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "IMAGE_EDITOR":
-                area.spaces.active.image = image
+    if can_open and not areas("IMAGE_EDITOR"):
+        bpy.ops.render.view_show("INVOKE_DEFAULT")
+    for area in areas("IMAGE_EDITOR"):
+        area.spaces.active.image = image
     return image
 
 
+def line_of(error):
+    """A failure as one line."""
+    if isinstance(error, OSError) and error.strerror:
+        return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
+    lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
+    return next((line for line in reversed(lines) if line), type(error).__name__)
+
+
 class Pictures:
-    """Base class of both operators. Makes one image at a time, so that Blender stays responsive between images."""
+    """Base of both operators. In a window it looks at the work on a timer, so that the window stays responsive."""
 
     animation: BoolProperty(name="All frames", default=False, description="Every frame of the scene's range")
 
-    def begin(self, context):
-        self.cancel = False
-        job = job_of(context.scene, self.animation)
-        job.cancelled = lambda: self.cancel
-        job.progress = lambda share, text: context.window_manager.progress_update(int(100 * share))
-        self.job, self.made, self.count = job, self.make(job), 0
+    running = None  # the operator that works in a window
+    said = ""  # what that operator does at present
 
-    def step(self):
-        """Makes the next image. Returns true if more images follow."""
-        try:
-            _, path = next(self.made)
-        except StopIteration:
+    @classmethod
+    def poll(cls, context):
+        if Pictures.running:
+            cls.poll_message_set("postlens is at work already (Esc stops it)")
             return False
-        self.count += 1
-        show(path)
+        if bpy.app.is_job_running("RENDER"):
+            cls.poll_message_set("Blender is rendering (Esc stops it)")
+            return False
         return True
 
-    def end(self, context):
-        context.window_manager.progress_end()
+    def begin(self, context, in_window):
+        self.cancel_asked = False
+        self.job, self.count = job_of(context.scene, self.animation), 0
+        self.job.in_window = in_window
+        self.job.cancelled = lambda: self.cancel_asked
+        self.job.progress = self.tell
+        self.made = self.make(self.job)
+        context.window_manager.progress_begin(0, 100)
+
+    def tell(self, share, text):
+        text = "stopping" if self.cancel_asked else text
+        said = f"postlens {100 * share:.0f} %: {text}"
+        if not self.job.in_window or said == Pictures.said:
+            return
+        Pictures.said = said
+        bpy.context.window_manager.progress_update(int(100 * share))
+        self.workspace.status_text_set(f"{said}   (Esc stops)")
+        for area in areas("PROPERTIES"):
+            area.tag_redraw()
+
+    def step(self):
+        """Goes on with the work. Returns whether more follows."""
+        try:
+            found = next(self.made)
+        except StopIteration:
+            return False
+        if found:
+            self.count += 1
+            # A window that opens before the last image would take Esc from the window of this operator.
+            is_last = self.count == len(self.job.frames)
+            show(found[1], can_open=self.job.in_window and is_last)
+        return True
+
+    def result(self):
+        count = f"{self.count} of {len(self.job.frames)} pictures in {self.job.folder}"
+        last = f", the last of frame {self.job.frames[self.count - 1]}" if self.count else ""
+        return count + last
+
+    def report_result(self, stopped):
         for text in self.job.warnings:
             self.report({"WARNING"}, text)
-        last = self.job.frames[self.count - 1] if self.count else None
-        self.report({"INFO"}, f"postlens: {self.count} of {len(self.job.frames)} pictures in {self.job.folder}" +
-                    (f", the last of frame {last}" if last is not None else ""))  # fmt: skip
+        self.report({"INFO"}, f"postlens{' was stopped' if stopped else ''}: {self.result()}")
 
     def execute(self, context):
         try:
-            self.begin(context)
-            context.window_manager.progress_begin(0, 100)
+            self.begin(context, in_window=False)
             while self.step():
-                pass
+                time.sleep(0.005)
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, line_of(error))
             return {"CANCELLED"}
-        self.end(context)
+        finally:
+            context.window_manager.progress_end()
+        self.report_result(stopped=False)
         return {"FINISHED"}
 
     def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
         try:
-            self.begin(context)
+            self.begin(context, in_window=True)
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, line_of(error))
             return {"CANCELLED"}
-        manager = context.window_manager
-        manager.progress_begin(0, 100)
-        self.timer = manager.event_timer_add(0.05, window=context.window)
-        manager.modal_handler_add(self)
+        Pictures.running = self
+        self.workspace, self.manager = context.workspace, context.window_manager
+        self.timer = self.manager.event_timer_add(TICK_S, window=context.window)
+        self.manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if event.type == "ESC":
-            self.cancel = True
+        if event.type == "ESC" and event.value == "PRESS":
+            self.cancel_asked = True
         elif event.type != "TIMER":
-            return {"PASS_THROUGH"}
+            return {"PASS_THROUGH" if is_harmless(context, event) else "RUNNING_MODAL"}
+        more = False
         try:
-            more = not self.cancel and self.step()
+            more = self.step()
+            if not more:
+                self.report_result(stopped=False)
         except command.Cancelled:
-            more = False
+            self.report_result(stopped=True)
+            return {"CANCELLED"}
         except FAILURES as error:
-            self.report({"ERROR"}, str(error))
-            more = False
-        if more:
-            return {"RUNNING_MODAL"}
-        context.window_manager.event_timer_remove(self.timer)
-        self.made.close()  # restores the scene's current frame
-        self.end(context)
-        return {"CANCELLED" if self.cancel else "FINISHED"}
+            self.report({"ERROR"}, line_of(error))
+            return {"CANCELLED"}
+        finally:
+            if not more:
+                self.finish()
+        # The timers of other operators come as the same events.
+        return {"PASS_THROUGH" if more else "FINISHED"}
+
+    def finish(self):
+        """Ends the work and puts the window and the scene back."""
+        self.made.close()
+        Pictures.running, Pictures.said = None, ""
+        # Neither exists any more if the window closes.
+        with contextlib.suppress(ReferenceError):
+            self.manager.event_timer_remove(self.timer)
+            self.manager.progress_end()
+            self.workspace.status_text_set(None)
+        for area in areas("PROPERTIES"):
+            area.tag_redraw()
+
+    def cancel(self, context):
+        """Blender calls this when the window closes or another file is opened."""
+        self.finish()
 
 
 class POSTLENS_OT_focus(Pictures, bpy.types.Operator):
@@ -147,5 +243,7 @@ def register():
 
 
 def unregister():
+    if Pictures.running:
+        Pictures.running.finish()
     for c in reversed(CLASSES):
         bpy.utils.unregister_class(c)

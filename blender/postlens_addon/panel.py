@@ -2,6 +2,8 @@
 
 import bpy
 
+from . import operators
+
 
 class POSTLENS_PT_render(bpy.types.Panel):
     bl_label = "postlens"
@@ -35,6 +37,8 @@ class POSTLENS_PT_render(bpy.types.Panel):
             row = layout.row(align=True)
             row.operator(operator).animation = False
             row.operator(operator, text="All frames").animation = True
+        if operators.Pictures.running:
+            layout.label(text=operators.Pictures.said or "postlens", icon="TIME")
 
 
 def register():

@@ -8,6 +8,7 @@ import os
 import bpy
 
 from . import camera as cameras
+from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
@@ -94,11 +95,56 @@ def pinhole(scene, camera, film, vectors):
         yield
 
 
-def render_to(scene, path):
-    """Renders a still image and writes it to `path`. Raises RuntimeError with Blender's error message."""
+@contextlib.contextmanager
+def without_render_window():
+    """Keeps Blender from opening its render view in the body, in which a render begins."""
+    preferences = bpy.context.preferences
+    with kept((preferences.view, ("render_display_type",)), (preferences, ("is_dirty",))):
+        preferences.view.render_display_type = "NONE"
+        yield
+
+
+def render_job(scene):
+    """Renders as the Render menu does, in a thread of Blender. Yields while it runs; raises Cancelled if it is stopped."""
+    stopped = []
+
+    def stop(*_):
+        stopped.append(True)
+
+    cancels = bpy.app.handlers.render_cancel
+    cancels.append(stop)
+    try:
+        with without_render_window():
+            bpy.ops.render.render("INVOKE_DEFAULT", write_still=True, scene=scene.name)
+        while bpy.app.is_job_running("RENDER"):
+            yield
+    finally:
+        cancels.remove(stop)
+    if stopped:
+        raise command.Cancelled()
+
+
+def render_to(scene, path, in_window=False):
+    """Renders a still image and writes it to `path`. A generator; it yields while the render runs, if `in_window`.
+
+    Raises RuntimeError with Blender's message, and Cancelled. `path` is either complete or as it was before.
+    """
     os.makedirs(os.path.dirname(path), exist_ok=True)
-    scene.render.filepath = path
-    bpy.ops.render.render(write_still=True, scene=scene.name)
+    part = path + ".part"
+    with contextlib.suppress(FileNotFoundError):
+        os.remove(part)
+    scene.render.filepath = part
+    try:
+        if in_window:
+            yield from render_job(scene)
+        else:
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        if not os.path.exists(part):
+            raise RuntimeError(f"Blender has not written its render (to {path})")
+        os.replace(part, path)
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            os.remove(part)
 
 
 @contextlib.contextmanager

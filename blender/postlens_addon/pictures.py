@@ -1,12 +1,19 @@
 """Makes focused images of a Blender scene: renders the passes and runs the postlens commands, frame by frame."""
 
+import contextlib
 import os
+import time
 from dataclasses import dataclass, field
 
 import bpy
 
 from . import camera as cameras
 from . import command, passes
+
+# The share of a frame's time that each of its two renders takes in the progress that is shown.
+RENDER_SHARE = 0.4
+# Seconds without a pause while the lenses of all frames are looked up.
+SURVEY_S = 0.1
 
 
 @dataclass
@@ -23,11 +30,31 @@ class Job:
     behind_distance_m: float = 0  # 0: the distance at which blur becomes visible
     only_lens_changes: bool = False
     cancelled: object = lambda: False
+    in_window: bool = False  # Blender's renders run in its own thread, and its window stays responsive
     progress: object = lambda share, text: None
     warnings: list = field(default_factory=list)
 
     def path(self, name, frame, ending=".exr"):
         return os.path.join(self.folder, f"{name}.{frame:04d}{ending}")
+
+    def tell(self, frame, share, text):
+        """Reports the completed share of a frame, and what is done at present."""
+        i, count = self.frames.index(frame), len(self.frames)
+        self.progress((i + share) / count, f"frame {frame} ({i + 1} of {count}): {text}")
+
+    def run(self, frame, words):
+        """Runs a command and keeps its warnings. A generator that yields while the command runs."""
+        said = yield from command.run(self.program, words, self.cancelled)
+        for warning in said.get("warnings", []):
+            text = f"frame {frame}: {warning['text']}"
+            if text not in self.warnings:
+                self.warnings.append(text)
+
+    def pause(self):
+        """Lets Blender's window respond between two steps that each take little time. Raises Cancelled."""
+        yield
+        if self.cancelled():
+            raise command.Cancelled()
 
 
 @dataclass
@@ -50,25 +77,20 @@ def at_frame(job, frame):
     return camera, depsgraph, cameras.lens_of(camera, depsgraph), cameras.film_of(job.scene, camera)
 
 
-def widest_margin(job):
-    """The margin, px, that suffices for the lenses of all frames."""
-    widest = 0
+def survey(job):
+    """The margin, px, that suffices for the lenses of all frames, and the distance, m, at which the scene is split.
+
+    Objects before that distance are left out of the second image. It is the farthest over all frames.
+    """
+    margin, split, paused = 0, 0, time.monotonic()
     for frame in job.frames:
         camera, depsgraph, lens, film = at_frame(job, frame)
-        widest = max(widest, passes.margin_px(job.scene, camera, depsgraph, lens, film))
-    return widest
-
-
-def farthest_split(job):
-    """The distance, m, before which objects are omitted from the second image: the farthest such distance of all
-    frames."""
-    if job.behind_distance_m > 0:
-        return job.behind_distance_m
-    farthest = 0
-    for frame in job.frames:
-        _, _, lens, film = at_frame(job, frame)
-        farthest = max(farthest, lens.distance_in_front_m(passes.VISIBLE_RADIUS_PX, film))
-    return farthest
+        margin = max(margin, passes.margin_px(job.scene, camera, depsgraph, lens, film))
+        split = max(split, lens.distance_in_front_m(passes.VISIBLE_RADIUS_PX, film))
+        if time.monotonic() - paused > SURVEY_S:
+            yield from job.pause()
+            paused = time.monotonic()
+    return margin, job.behind_distance_m or split
 
 
 def render_passes(job, frame, margin_px, split_m):
@@ -76,14 +98,18 @@ def render_passes(job, frame, margin_px, split_m):
     wide = film.with_margin(margin_px)
     made = Passes(film, margin_px, job.path("front", frame))
     near = passes.hidden_before(job.scene, camera, depsgraph, split_m) if job.behind else []
+
+    def render(path, share, text):
+        job.tell(frame, share, text)
+        yield from passes.render_to(job.scene, path, job.in_window)
+        yield from job.pause()
+
     with passes.pinhole(job.scene, camera, wide, vectors=job.scene.render.use_motion_blur):
-        passes.render_to(job.scene, made.front)
-        if near and not job.cancelled():
+        yield from render(made.front, 0, "rendering")
+        if near:
             made.behind = job.path("behind", frame)
             with passes.without(near):
-                passes.render_to(job.scene, made.behind)
-    if job.cancelled():
-        raise command.Cancelled()
+                yield from render(made.behind, RENDER_SHARE, "rendering what is behind")
     return made
 
 
@@ -120,45 +146,49 @@ def blur_motion(job, made, frame):
     ]
     smeared = job.path("moved", frame)
     words = ["motionblur", made.front, "-o", smeared, f"--shutter={begin:.9g}:{begin + shutter:.9g}"]
-    said = command.run(job.program, words + layer_words(job.scene), job.cancelled)
-    take_warnings(job, frame, said)
+    yield from job.run(frame, words + layer_words(job.scene))
     return smeared
 
 
-def take_warnings(job, frame, said):
-    for warning in said.get("warnings", []):
-        text = f"frame {frame}: {warning['text']}"
-        if text not in job.warnings:
-            job.warnings.append(text)
+@contextlib.contextmanager
+def frame_kept(scene):
+    """Restores the scene's current frame after the body."""
+    start = scene.frame_current
+    try:
+        yield
+    finally:
+        with contextlib.suppress(ReferenceError):  # the scene was removed, as when another file is opened
+            scene.frame_set(start)
 
 
 def focus_frames(job):
-    """Makes the images and yields (frame, path) for each. Raises CameraError, CommandError, Cancelled, RuntimeError."""
-    start = job.scene.frame_current
-    try:
-        margin, split = widest_margin(job), farthest_split(job)
+    """Makes the images. A generator that yields (frame, path) for each, and None while work goes on elsewhere.
+
+    Raises CameraError, CommandError, Cancelled, OSError and RuntimeError. Everything is put back if it is closed.
+    """
+    with frame_kept(job.scene):
+        margin, split = yield from survey(job)
         made = None
-        for i, frame in enumerate(job.frames):
-            job.progress(i / len(job.frames), f"frame {frame}")
+        for frame in job.frames:
             if made is None or not job.only_lens_changes:
-                made = render_passes(job, frame, margin, split)
+                made = yield from render_passes(job, frame, margin, split)
+            job.tell(frame, 2 * RENDER_SHARE, "applying the lens")
             _, _, lens, _ = at_frame(job, frame)
             output = job.path("focused", frame)
-            moved = blur_motion(job, made, frame) if job.scene.render.use_motion_blur else ""
-            said = command.run(job.program, focus_words(job, made, lens, output, moved), job.cancelled)
-            take_warnings(job, frame, said)
+            moved = ""
+            if job.scene.render.use_motion_blur:
+                moved = yield from blur_motion(job, made, frame)
+            yield from job.run(frame, focus_words(job, made, lens, output, moved))
             yield frame, output
         job.progress(1, "")
-    finally:
-        job.scene.frame_set(start)
 
 
 def trace_frames(job):
-    """Exports each frame as glTF, traces and focuses it with postlens, and yields (frame, path)."""
-    start = job.scene.frame_current
-    try:
-        for i, frame in enumerate(job.frames):
-            job.progress(i / len(job.frames), f"frame {frame}")
+    """Exports each frame as glTF, and traces and focuses it with postlens. A generator as focus_frames is."""
+    with frame_kept(job.scene):
+        for frame in job.frames:
+            job.tell(frame, 0, "exporting")
+            yield from job.pause()
             _, _, lens, film = at_frame(job, frame)
             scene, records = job.path("scene", frame, ".glb"), job.path("records", frame)
             os.makedirs(job.folder, exist_ok=True)
@@ -166,18 +196,16 @@ def trace_frames(job):
                 filepath=scene, export_cameras=True, export_lights=True, export_current_frame=True,
                 export_animations=False, use_active_scene=True,
             )  # fmt: skip
+            job.tell(frame, 0.1, "tracing")
             view = ["--size", f"{film.width_px}x{film.height_px}", "--film-width", f"{film.width_mm:.9g}"]
             view += ["--film-distance", f"{film.distance_mm:.9g}", "--camera", job.scene.camera.name]
             options = lens.options()
             words = ["trace", scene, "-o", records, *view, "--overscan", "auto"]
             words += ["--for-f-number", f"{lens.f_number:.9g}", "--for-focus", f"{lens.focus_m:.9g}"]
-            take_warnings(job, frame, command.run(job.program, words, job.cancelled))
+            yield from job.run(frame, words)
+            job.tell(frame, 0.5, "applying the lens")
             output = job.path("traced", frame)
             method = ["--method", "hybrid", "--scene", scene]
-            take_warnings(
-                job, frame, command.run(job.program, ["focus", records, "-o", output, *options, *method], job.cancelled)
-            )
+            yield from job.run(frame, ["focus", records, "-o", output, *options, *method])
             yield frame, output
         job.progress(1, "")
-    finally:
-        job.scene.frame_set(start)
