@@ -20,28 +20,30 @@ constexpr double most_back = 0.02;
 constexpr double coarse_from_px = 6;
 
 /// Fits planes to the cells of a patch by least squares. The origin of the planes is the corner of the patch.
-/// Each cell contributes its values at four points.
+/// Each cell contributes the values of its plane at the four points (+-1/4, +-1/4) from its centre. All sums
+/// over these points are written in closed form.
 template <std::size_t values>
 class Fit {
   public:
     void add(int x, int y, const CellPlane* planes) {
-        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
-            n_ += 1;
-            x_ += px;
-            y_ += py;
-            xx_ += px * px;
-            xy_ += px * py;
-            yy_ += py * py;
-            for (std::size_t i = 0; i < values; ++i) {
-                v_[i] += v[i];
-                vx_[i] += v[i] * px;
-                vy_[i] += v[i] * py;
-            }
-        });
+        const double px = x + 0.5, py = y + 0.5;
+        n_ += 1;
+        x_ += px;
+        y_ += py;
+        xx_ += px * px;
+        xy_ += px * py;
+        yy_ += py * py;
+        for (std::size_t i = 0; i < values; ++i) {
+            const auto value = static_cast<double>(planes[i].value);
+            v_[i] += value;
+            vx_[i] += value * px + spread * static_cast<double>(planes[i].x);
+            vy_[i] += value * py + spread * static_cast<double>(planes[i].y);
+        }
     }
     void solve() {
         const double mx = x_ / n_, my = y_ / n_;
-        const double xx = xx_ / n_ - mx * mx, xy = xy_ / n_ - mx * my, yy = yy_ / n_ - my * my;
+        const double xx = xx_ / n_ + spread - mx * mx, xy = xy_ / n_ - mx * my,
+                     yy = yy_ / n_ + spread - my * my;
         const double det = xx * yy - xy * xy;
         for (std::size_t i = 0; i < values; ++i) {
             const double mean = v_[i] / n_, cx = vx_[i] / n_ - mx * mean, cy = vy_[i] / n_ - my * mean;
@@ -49,13 +51,16 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// The largest difference between the fitted planes and the exact planes of the pixel (x, y).
+    /// The largest difference between the fitted planes and the exact planes at the four points of the pixel
+    /// (x, y).
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
-        each(x, y, planes, [&](double px, double py, const std::array<double, values>& v) {
-            for (std::size_t i = first_moving; i < values; ++i)
-                worst = std::max(worst, std::abs(v[i] - at(i, px, py)));
-        });
+        for (std::size_t i = first_moving; i < values; ++i) {
+            const double middle = static_cast<double>(planes[i].value) - at(i, x + 0.5, y + 0.5),
+                         across = static_cast<double>(planes[i].x) - plane_[i][1],
+                         down = static_cast<double>(planes[i].y) - plane_[i][2];
+            worst = std::max(worst, std::abs(middle) + quarter * (std::abs(across) + std::abs(down)));
+        }
         return worst;
     }
     [[nodiscard]] double at(std::size_t i, double x, double y) const {
@@ -67,21 +72,10 @@ class Fit {
     }
 
   private:
+    static constexpr double quarter = 0.25;              ///< px, distance of the points from the centre
+    static constexpr double spread = quarter * quarter;  ///< px^2, variance of the points along an axis
     static constexpr std::size_t first_moving =
         values == 1 ? 0 : 1;  ///< first value that affects positions; if W is stored, 1/z' has no effect
-    template <typename Visit>
-    void each(int x, int y, const CellPlane* planes, const Visit& visit) const {
-        for (const double oy : {-0.25, 0.25}) {
-            for (const double ox : {-0.25, 0.25}) {
-                std::array<double, values> v{};
-                for (std::size_t i = 0; i < values; ++i) {
-                    v[i] = static_cast<double>(planes[i].value) + static_cast<double>(planes[i].x) * ox +
-                           static_cast<double>(planes[i].y) * oy;
-                }
-                visit(x + 0.5 + ox, y + 0.5 + oy, v);
-            }
-        }
-    }
     double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
     std::array<double, values> v_{}, vx_{}, vy_{};
     std::array<std::array<double, 3>, values> plane_{};
@@ -96,6 +90,11 @@ class Cutter {
     void cut(std::uint32_t sheet) {
         sheet_ = sheet;
         const Sheet& s = sheets_.sheets[sheet];
+        blur_px_.resize(static_cast<std::size_t>(s.width) * static_cast<std::size_t>(s.height));
+        each_cell(0, 0, s.width, s.height, [&](int, int, std::size_t k, const CellPlane* p) {
+            blur_px_[k - s.first_cell] = lens_.least_blur_px(w_of(p));
+            return true;
+        });
         cut(0, 0, s.width, s.height);
     }
 
@@ -105,15 +104,18 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
+    /// Visits the cells of a rectangle until `visit` returns false; returns whether it visited all.
     template <typename Visit>
-    void each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
+    bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
             for (int x = x0; x < x0 + width; ++x) {
                 const std::size_t k = cell(x, y);
-                if (sheets_.fine[k] != SheetNode::none)
-                    visit(x - x0, y - y0, k, sheets_.planes.data() + k * values);
+                if (sheets_.fine[k] != SheetNode::none &&
+                    !visit(x - x0, y - y0, k, sheets_.planes.data() + k * values))
+                    return false;
             }
         }
+        return true;
     }
     [[nodiscard]] Mat2 w_of(const CellPlane* p) const {
         if constexpr (values == 5) {
@@ -127,10 +129,12 @@ class Cutter {
         Fit<values> fit;
         double blur_px = HUGE_VAL;
         int cells = 0;
-        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
+        const std::size_t first = sheets_.sheets[sheet_].first_cell;
+        each_cell(x0, y0, width, height, [&](int x, int y, std::size_t k, const CellPlane* p) {
             fit.add(x, y, p);
-            blur_px = std::min(blur_px, lens_.least_blur_px(w_of(p)));
+            blur_px = std::min(blur_px, blur_px_[k - first]);
             ++cells;
+            return true;
         });
         if (cells == 0) return;
         fit.solve();
@@ -138,11 +142,10 @@ class Cutter {
         const double within = std::min(std::max(lens_.exact_px, exact_share * blur_px) / lens_.radius_px_m,
                                        lens_.exact_px / strain.px_m);
         if (width > 1 || height > 1) {
-            double error = 0;
-            each_cell(x0, y0, width, height, [&](int x, int y, std::size_t, const CellPlane* p) {
-                error = std::max(error, fit.error(x, y, p));
-            });
-            if (!(error <= within) || 2 * strain.bend_px > lens_.overlap_px) {
+            const bool fits = each_cell(
+                x0, y0, width, height,
+                [&](int x, int y, std::size_t, const CellPlane* p) { return fit.error(x, y, p) <= within; });
+            if (!fits || 2 * strain.bend_px > lens_.overlap_px) {
                 const int left = (width + 1) / 2, upper = (height + 1) / 2;
                 cut(x0, y0, left, upper);
                 if (left < width) cut(x0 + left, y0, width - left, upper);
@@ -184,6 +187,7 @@ class Cutter {
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
+            return true;
         });
         p.depth = divided ? static_cast<std::uint8_t>(sheets_.sheets[sheet_].depth) : std::uint8_t{0};
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
@@ -201,6 +205,7 @@ class Cutter {
     PatchLens lens_;
     PatchMesh& out_;
     std::uint32_t sheet_ = 0;
+    std::vector<double> blur_px_;  ///< per cell of the sheet, PatchLens::least_blur_px
 };
 
 }  // namespace

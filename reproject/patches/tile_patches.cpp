@@ -1,8 +1,12 @@
 #include "reproject/patches/tile_patches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <glm/glm.hpp>
+#include <utility>
+#include <vector>
 
 #include "core/threads.h"
 #include "reproject/patches/patch_raster.h"
@@ -14,6 +18,16 @@ namespace {
 
 int tiles(int px) {
     return (px + SeenTile::edge - 1) / SeenTile::edge;
+}
+
+/// Orders the patches of a tile by path, and those of one path from near to far.
+std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
+    // The bits of floats that are not negative are in the order of their values. Negative floats are
+    // reversed.
+    const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
+    constexpr std::uint32_t sign = 0x80000000U;
+    const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
+    return std::uint64_t{mesh.sheet(patch).key.path.bits()} << 32U | std::uint32_t{~ascending};
 }
 
 }  // namespace
@@ -73,12 +87,11 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
         }
     }
     parallel_for(bins.size(), [&](std::size_t t) {
-        std::stable_sort(bins[t].begin(), bins[t].end(), [&](std::uint32_t a, std::uint32_t b) {
-            const Patch &p = mesh.patches[a], &q = mesh.patches[b];
-            const std::uint32_t path = mesh.sheet(p).key.path.bits(), other = mesh.sheet(q).key.path.bits();
-            if (path != other) return path < other;
-            return mesh.planes[p.first_plane].value > mesh.planes[q.first_plane].value;
-        });
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
+        order.reserve(bins[t].size());
+        for (const std::uint32_t i : bins[t]) order.emplace_back(order_key(mesh, mesh.patches[i]), i);
+        std::sort(order.begin(), order.end());
+        for (std::size_t i = 0; i < order.size(); ++i) bins[t][i] = order[i].second;
     });
     return bins;
 }

@@ -41,10 +41,8 @@ void TreeSums::begin(std::vector<NodePath> paths, const TilePlace& at) {
         c.bounce = child_bit(path.kind());
         c.part = {};
         c.children = {no_chain, no_chain};
-        c.sums.resize(SeenTile::pixels);
-        fill_pixels(at, c.sums, {});
         c.brightest = 0;
-        c.any_wanted = c.any_seen = false;
+        c.used = c.any_wanted = c.any_seen = false;
         chains_.push_back(std::move(c));
         (parent == number ? first_ : chains_[parent].children)[static_cast<std::size_t>(path.kind()) - 1] =
             number;
@@ -58,6 +56,15 @@ void TreeSums::begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_
     primary_ = &primary;
     for (Chain& c : chains_) c.part = {};
     if (deeper_mesh != nullptr) primary_part_ = find_parents(primary_mesh, primary, at_);
+}
+
+TreeSums::Sums& TreeSums::sums_of(Chain& chain, std::size_t k) {
+    if (!chain.used) {
+        chain.used = true;
+        chain.sums.resize(SeenTile::pixels);
+        fill_pixels(at_, chain.sums, {});
+    }
+    return chain.sums[k];
 }
 
 std::uint32_t TreeSums::number_of(NodePath path) const {
@@ -141,7 +148,7 @@ void TreeSums::add(std::size_t k, double weight, const Children& chains, std::ui
         if (chains[bounce] == no_chain) continue;
         Chain& c = chains_[chains[bounce]];
         if ((children & c.bounce) == 0) continue;
-        Sums& s = c.sums[k];
+        Sums& s = sums_of(c, k);
         s.wanted += weight;
         c.any_wanted = true;
         const std::uint32_t texel = c.part.empty() ? SeenTile::no_texel : c.seen->texel[k];
@@ -162,7 +169,7 @@ void TreeSums::add_seen(std::size_t k, double weight, Chain& chain, std::uint32_
                         std::uint32_t primary_texel) {
     const std::uint32_t number = texel & ~SeenTile::bent;
     const glm::vec3 light = deeper_mesh_->light(number);
-    Sums& s = chain.sums[k];
+    Sums& s = sums_of(chain, k);
     if ((texel & SeenTile::bent) != 0) s.bent += weight;
     chain.brightest = std::max({chain.brightest, light[0], light[1], light[2]});
     chain.any_seen = true;
@@ -177,7 +184,7 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
     for (const std::uint32_t number : chain.children) {
         if (number == no_chain || chains_[number].part.empty()) continue;
         Chain& c = chains_[number];
-        Sums& s = c.sums[k];
+        Sums& s = sums_of(c, k);
         const std::uint32_t texel = c.seen->texel[k];
         if (texel != SeenTile::no_texel) {
             add_seen(k, weight, c, texel, primary_texel);
@@ -194,6 +201,10 @@ bool TreeSums::add_beside(std::size_t k, double weight, const Chain& chain, std:
 }
 
 void TreeSums::end_views() {
+    used_.clear();
+    for (std::size_t i = 0; i < chains_.size(); ++i) {
+        if (chains_[i].used) used_.push_back(i);
+    }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
         // No view has a shading-tree node of this path, so its radiance has no upper bound.
@@ -203,7 +214,7 @@ void TreeSums::end_views() {
 }
 
 TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
-    for (std::size_t i = 0; i < chains_.size(); ++i) {
+    for (const std::size_t i : used_) {
         const Chain& c = chains_[i];
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
@@ -223,7 +234,7 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
     }
     const double light = std::max({sum[0], sum[1], sum[2]}) / weight;
     Unknown unknown;
-    for (std::size_t i = 0; i < chains_.size(); ++i) {
+    for (const std::size_t i : used_) {
         const Chain& c = chains_[i];
         const Sums& s = c.sums[k];
         const auto brightest = static_cast<double>(c.brightest);

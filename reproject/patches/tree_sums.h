@@ -76,7 +76,8 @@ class TreeSums {
         TilePart part;  ///< part of `seen` in which nodes may be drawn; if empty, `seen` is not valid
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
-        std::vector<Sums> sums;
+        bool used = false;       ///< whether anything was added to `sums`; if not, their values are undefined
+        std::vector<Sums> sums;  ///< per pixel of the tile
         /// Largest radiance of a shading-tree node of this path in the tile. From end_views on, it also
         /// includes the radiance of the node's descendants.
         float brightest = 0;
@@ -95,9 +96,13 @@ class TreeSums {
     /// the nearest ancestor of the node that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
+    /// The sums of pixel k, which are cleared at the first use of the chain in a tile. A used chain has used
+    /// parents, because its nodes are added after theirs.
+    [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce
     std::vector<Chain> chains_;           ///< sorted by path, parents first
+    std::vector<std::size_t> used_;       ///< indices of used chains, set by end_views
     std::vector<Chain> spare_;            ///< memory of earlier tiles
     const PatchMesh *primary_mesh_ = nullptr, *deeper_mesh_ = nullptr;
     const SeenTile* primary_ = nullptr;
