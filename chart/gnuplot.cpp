@@ -12,7 +12,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
+std::string with_every(std::string text, const std::string& what, const std::string& by) {
     for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
         text.replace(at, what.size(), by);
     return text;
@@ -20,7 +20,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
 
 // Quotes a path for gnuplot. Within single quotes, only the quote itself must be doubled.
 std::string quoted(const fs::path& path) {
-    return fmt::format("'{}'", replaced(path.string(), "'", "''"));
+    return fmt::format("'{}'", with_every(path.string(), "'", "''"));
 }
 
 }  // namespace
@@ -43,8 +43,8 @@ void draw_with_gnuplot(const std::string& script, const fs::path& base, int widt
     for (const auto& kind : kinds) {
         OutputFile out(with(kind.ending)), log(with(".log"));
         OutputFile source(with(".gp"));
-        const std::string text =
-            replaced(replaced(script, "@TERMINAL@", kind.terminal), "@OUTPUT@", quoted(out.temporary_path()));
+        const std::string text = with_every(with_every(script, "@TERMINAL@", kind.terminal), "@OUTPUT@",
+                                            quoted(out.temporary_path()));
         source.write(text);
         const int status =
             run_child({"gnuplot", source.temporary_path().string()}, log.temporary_path()).exit_code;
@@ -58,8 +58,8 @@ void draw_with_gnuplot(const std::string& script, const fs::path& base, int widt
         }
         out.commit();
     }
-    write_file(with(".gp"), replaced(replaced(script, "@TERMINAL@", kinds[0].terminal), "@OUTPUT@",
-                                     quoted(with(".svg").filename())));
+    write_file(with(".gp"), with_every(with_every(script, "@TERMINAL@", kinds[0].terminal), "@OUTPUT@",
+                                       quoted(with(".svg").filename())));
 }
 
 }  // namespace postlens

@@ -17,7 +17,7 @@
 namespace postlens {
 namespace {
 
-constexpr int views = 256;
+constexpr int many_views = 256;
 /// A cause explains a pixel's error if, in an image without this cause, the pixel has at most half of the
 /// error, that is a quarter of the squared error.
 constexpr double explained = 0.25;
@@ -154,7 +154,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
 
     // The light field of the records resolves visibility. With a shutter, it also resolves the motion.
     FieldFocusSettings by_field{
-        geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, views, {}, {}};
+        geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, many_views, {}, {}};
     if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
     MisplacedLight misplaced_light(h, geometry);
     RecordFloor record_floor(h, geometry);

@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-constexpr Rgb8 background{24, 24, 24}, missing{48, 48, 48};
+constexpr Rgb8 background{24, 24, 24}, not_there{48, 48, 48};
 constexpr int gap_px = 6, line_px = 18;
 /// Approximate width of the sheet, and least and greatest width of a thumbnail, px.
 constexpr int wide_px = 2400, least_px = 72, most_px = 320;
@@ -106,7 +106,7 @@ EncodedPicture ContactSheet::picture() const {
         const int x = gap_px + static_cast<int>(i % columns_) * step_x,
                   y = gap_px + static_cast<int>(i / columns_) * step_y;
         if (small_[i].rgb.empty()) {
-            canvas.fill(x, y, width_, height_, missing);
+            canvas.fill(x, y, width_, height_, not_there);
         } else {
             canvas.picture(x, y, small_[i]);
         }

@@ -10,6 +10,9 @@
 
 namespace postlens {
 
+/// The first four bytes of an OpenEXR file, as a little-endian number.
+inline constexpr std::uint32_t exr_magic = 20000630;
+
 /// Tests the size of an attribute. For most types, the OpenEXR library (3.1) ignores the size that the file
 /// states. If the stated size is wrong, the library continues inside another value, interprets its bytes as a
 /// size, and allocates gigabytes. Returns false if the library would read more or fewer bytes than `value`

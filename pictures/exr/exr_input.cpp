@@ -20,7 +20,6 @@ constexpr std::uint64_t largest_header_bytes = 64U << 20U;
 constexpr std::size_t most_attributes = 1000;
 constexpr std::size_t longest_name = 255;
 
-constexpr std::uint32_t exr_magic = 20000630;
 constexpr std::uint32_t tiled_flag = 0x200;
 constexpr std::uint32_t multi_part_flag = 0x1000;
 

@@ -14,12 +14,12 @@
 #include <xxhash.h>
 
 #include "core/error.h"
+#include "pictures/exr/exr_attributes.h"
 
 namespace postlens {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 18U;
-constexpr std::uint32_t exr_magic = 20000630;
 /// File version 2. A file with several parts adds the flags for multi-part (0x1000) and deep data (0x800).
 constexpr std::uint32_t one_part_version = 2U, parts_version = 2U | 0x800U | 0x1000U;
 
