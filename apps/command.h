@@ -192,7 +192,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// for sample files: scene in which rays replace samples that the records do not determine
+    /// Only for sample files: the scene. Rays into it replace samples whose colour cannot be computed from
+    /// the records, for example of surfaces that were not recorded.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR, dB, that `auto` must reach
     VectorChoice vectors;             ///< for images of other programs

@@ -73,20 +73,21 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-std::string cells_text(const AtlasEntry& e) {
-    return e.what.remedy
-               ? "the method that fails, the remedy, rays and the error map of the method, from left to right"
-               : "the method that fails, rays and the error map of the method, from left to right";
+/// Names the four images of a case's strip.
+std::string cells_text(const AtlasCase& c) {
+    std::string out = fmt::format("From left to right: {} (the method that fails), ", label(c.method));
+    if (c.remedy) out += fmt::format("{} (the remedy), ", label(*c.remedy));
+    return out + "distributed rays, and the error of the method that fails";
 }
 
-std::string noise_text(const AtlasResult& r) {
-    std::string out =
-        fmt::format("{:.0f} % of the pixels are affected. The noise of a reference is at {:.1f} dB.",
-                    100 * r.affected_share, r.noise_db);
-    if (r.named_share)
-        out +=
-            fmt::format(" `compare --map-causes` attributes {:.0f} % of the error to the cause named here.",
-                        100 * *r.named_share);
+std::string noise_text(const AtlasEntry& e) {
+    std::string out = fmt::format(
+        "The lens and the shutter change {:.0f} % of the pixels, which the column \"affected\" is about. The "
+        "noise of the rays alone would be an error of {:.1f} dB.",
+        100 * e.result.affected_share, e.result.noise_db);
+    if (e.result.named_share)
+        out += fmt::format(" `compare --map-causes` attributes {:.0f} % of the error to {}.",
+                           100 * *e.result.named_share, e.what.cause);
     return out;
 }
 
@@ -144,17 +145,17 @@ std::string atlas_markdown(const AtlasRun& run) {
         std::string text;
         for_each(cause.word, [&](const AtlasEntry& e) {
             const AtlasCase& c = e.what;
-            text += fmt::format("### <a id=\"{}\"></a>{}\n\n![{}: {}]({})\n\n", c.name, c.title, c.title,
-                                cells_text(e), atlas_strip(c.name).generic_string());
-            text += fmt::format("*{}: {}.*\n\n{}\n\n- Detected: {}\n- What happens: {}\n\n",
-                                view_text(c.view), cells_text(e), c.why, c.detection, c.outcome);
+            text += fmt::format("### <a id=\"{}\"></a>{}\n\n![{}. {}]({})\n\n", c.name, c.title, c.title,
+                                cells_text(c), atlas_strip(c.name).generic_string());
+            text += fmt::format("*{}. {}.*\n\n{}\n\n- Detected: {}\n- What happens: {}\n\n",
+                                view_text(c.view), cells_text(c), c.why, c.detection, c.outcome);
             text +=
                 "| method | dB | affected, dB | energy | traced again | warnings |\n| --- | --- | --- | --- "
                 "| --- | --- |\n";
             for (const Row& r : rows(e, "`"))
                 text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", r.method, r.whole, r.affected,
                                     r.energy, r.retraced, r.warnings);
-            text += fmt::format("\n{}\n\n", noise_text(e.result));
+            text += fmt::format("\n{}\n\n", noise_text(e));
         });
         if (!text.empty()) out += fmt::format("\n## {}\n\n{}\n\n{}", cause.word, cause.meaning, text);
     }
@@ -181,18 +182,18 @@ std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder)
                                    html_escaped(cause.meaning));
             is_first = false;
             out += fmt::format("<h3 id=\"{}\">{}</h3>\n<img alt=\"{}\" src=\"{}\">\n", html_escaped(c.name),
-                               html_escaped(c.title), html_escaped(cells_text(e)),
+                               html_escaped(c.title), html_escaped(cells_text(c)),
                                picture_url(folder / atlas_strip(c.name), "png"));
             out += fmt::format(
-                "<p class=\"view\">{}: {}.</p>\n<p>{}</p>\n<p><b>Detected:</b> {}</p>\n<p><b>What "
+                "<p class=\"view\">{}. {}.</p>\n<p>{}</p>\n<p><b>Detected:</b> {}</p>\n<p><b>What "
                 "happens:</b> {}</p>\n",
-                html_escaped(view_text(c.view)), html_escaped(cells_text(e)), html_escaped(c.why),
+                html_escaped(view_text(c.view)), html_escaped(cells_text(c)), html_escaped(c.why),
                 html_escaped(c.detection), html_escaped(c.outcome));
             out += "<table><tr><th>method<th>dB<th>affected, dB<th>energy<th>traced again<th>warnings</tr>\n";
             for (const Row& r : rows(e, ""))
                 out += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n", html_escaped(r.method),
                                    r.whole, r.affected, r.energy, r.retraced, html_escaped(r.warnings));
-            out += fmt::format("</table>\n<p>{}</p>\n", noise_text(e.result));
+            out += fmt::format("</table>\n<p>{}</p>\n", noise_text(e));
         }
     }
     return out + "</body></html>\n";

@@ -83,9 +83,9 @@ class FieldHighlights::OverViews final : public Lights {
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Fraction of the views near one lens point that see the source of light at the pixel. The source's
-    /// light reaches `at`, the pixel's centre in image px, through this lens point. If Source::by_all is set,
-    /// all views count.
+    /// Fraction of the views that see the light source at a pixel. Only those views count that are near the
+    /// lens point through which the source's light reaches the pixel, or all views if Source::by_all is set.
+    /// `at` is the pixel's centre, in image px.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Whether one view sees the source at a pixel of the tile.

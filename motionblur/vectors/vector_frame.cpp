@@ -89,8 +89,8 @@ class Reader {
              file_.name());
     }
 
-    /// Finds colours and their vectors. If no colours are requested, the first colours in the file are used
-    /// or, if these have no vectors, the colours that have vectors.
+    /// Finds the channels of the colours and of their motion vectors. If no colours are requested, the first
+    /// colours in the file are used. If those have no motion vectors, the colours that have some are used.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;

@@ -41,7 +41,8 @@ class PatchBins {
     [[nodiscard]] int rows() const { return rows_; }
     /// Whether an instant has patches of reflected and transmitted nodes.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Numbers of the directly visible patches of an instant that some view may show in a tile.
+    /// Indices of those patches of an instant that are directly visible, not reflected or transmitted, and
+    /// that may appear in a tile in at least one view.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile];
     }

@@ -84,8 +84,9 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A recorded reflected or transmitted surface has the id of the object that reflects or transmits it.
-        // The surface is not drawn where the missing parent node would lie on another object.
+        // The node of a reflected or transmitted surface has the id of the object that reflects or transmits
+        // it. In a pixel without its parent node in the shading tree, the node is drawn only if the nearest
+        // ancestor in this pixel lies on that object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);

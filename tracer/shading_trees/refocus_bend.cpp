@@ -276,7 +276,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // If all rays of a node are hidden, its error is infinite.
+    // A negative value means that no ray from the lens reached the node. The error of its W (`bend`) is then
+    // unknown, which is recorded as infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -92,7 +92,8 @@ struct WhittedTracer::Impl {
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Hits of all generations whose lobes, or whose lights with an extent, must be averaged.
+        // Hits, at any depth of the shading tree, where several rays must be averaged: over a glossy lobe, or
+        // over a light that has an extent.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
