@@ -41,16 +41,21 @@ function stages() {
 let shown = null;    // the displayed image: {width, height, halves, report, options}
 let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
+let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // number of the latest request
 let firstUnderWay = false, refining = false;
 let again = 0;       // time of the input that arrived while the first, coarse image was being made; 0: none
 const timings = [];  // for benchmarks: {views, input, answered, painted}
-window.postlens = { timings, state: () => ({ shown, other, lens, frame, generation, working: firstUnderWay || refining }) };
+window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
+
+/** The JSON text at the begin of a reply with binary data, and the position of that data. */
+function parseReport(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  return { report: JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length))), begin: Math.ceil((4 + length) / 4) * 4 };
+}
 
 function parsePicture(buffer) {
-  const length = new DataView(buffer).getUint32(0, true);
-  const report = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
-  const begin = Math.ceil((4 + length) / 4) * 4;
+  const { report, begin } = parseReport(buffer);
   const halves = new Uint16Array(buffer, begin, report.width * report.height * 3);
   const end = begin + 2 * halves.length;
   const rayShare = report.has_ray_share ? new Uint16Array(buffer, end, report.width * report.height) : null;
@@ -77,6 +82,7 @@ async function refocus(input = performance.now()) {
     return;
   }
   const mine = ++generation;
+  dropCauses();
   const options = lensOptions();
   for (const [i, stage] of stages().entries()) {
     const asked = { ...options, ...stage }, isFirst = i === 0;
@@ -113,6 +119,7 @@ async function refocus(input = performance.now()) {
     if (!picture) return;
   }
   describe();
+  findCauses();
 }
 
 /** Displays method, views, stated error and warnings of the current image. */
@@ -181,6 +188,65 @@ async function traceRays() {
   }
 }
 
+// ---- Causes of the error --------------------------------------------------------------------------------------------
+
+let causesOf = null;             // the image whose causes are being found
+let dropping = null;             // the request that cancels them
+let causesFailure = "";
+
+/** Requests the causes of the error of the displayed image, if they are to be shown. */
+async function findCauses() {
+  if ($("show").value !== "causes" || !shown || firstUnderWay || refining || causes?.picture === shown || causesOf === shown) return;
+  const picture = causesOf = shown;
+  causesFailure = "";
+  showLegend();
+  try {
+    await dropping;
+    const answer = causesOf === picture && await ask("causes", picture.options);
+    if (causesOf !== picture) return;
+    if (!answer) throw new Error("cancelled: another page of this viewer asked as well");
+    const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
+    if (causesOf !== picture) return;
+    const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
+    // Three quarters of a wrong pixel are its cause's colour, the rest is its brightness.
+    for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
+    causes = { picture, rgba, report };
+  } catch (error) {
+    if (causesOf !== picture) return;
+    causesFailure = error.message;
+  }
+  causesOf = null;
+  showLegend();
+  drawSoon();
+}
+
+/** Forgets the causes, and cancels their search. */
+function dropCauses() {
+  if (causesOf) dropping = fetch("drop_causes").catch(() => null);
+  causes = causesOf = null;
+  causesFailure = "";
+  showLegend();
+}
+
+function showLegend() {
+  $("legend").hidden = $("show").value !== "causes";
+  if ($("legend").hidden) return;
+  const line = (text, colour) => {
+    const row = document.createElement("p");
+    if (colour) row.appendChild(document.createElement("i")).style.background = `rgb(${colour.join(" ")})`;
+    row.append(text);
+    return row;
+  };
+  if (!causes) {
+    const text = causesFailure || (causesOf ? "finding the causes of the error: rays, then a test of each cause…" : "the causes follow when the picture is ready");
+    return $("legend").replaceChildren(line(text));
+  }
+  const found = causes.report.causes.filter((cause) => cause.error_share > 0).sort((a, b) => b.error_share - a.error_share);
+  const rows = found.map((cause) => line(`${cause.name}: ${(100 * cause.error_share).toFixed(1)} % of the squared error`, cause.colour));
+  if (found.length === 0) rows.push(line("no pixel is wrong"));
+  $("legend").replaceChildren(...rows, line(`against ${causes.report.spp} rays a pixel`));
+}
+
 // ---- Numbers --------------------------------------------------------------------------------------------------------
 
 const halfTable = new Float32Array(65536);
@@ -195,10 +261,12 @@ const valuesOf = (p, k) => p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.f
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
-  return lens.focalLength / lens.fNumber * frame.film_distance_mm / 1000 / frame.pixel_pitch_mm;
+  // The film of a picture that does not state its camera is as far away as the focal length (docs/inputs.md).
+  const filmDistance = frame.film_distance_from_focal_length ? lens.focalLength : frame.film_distance_mm;
+  return lens.focalLength / lens.fNumber * filmDistance / 1000 / frame.pixel_pitch_mm;
 }
 const inverseFocus = () => lens.focus === Infinity ? 0 : 1 / lens.focus;
-const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"];
+const modes = ["picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise", "causes"];
 const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
 
 /** Per-pixel values, 0 to 1, for the modes "unsure" and "noise". "unsure" is the square root of the fraction of the
@@ -220,6 +288,7 @@ function sharesNow(mode) {
   if (sharesOf.picture !== shown || sharesOf.mode !== mode) sharesOf = { picture: shown, mode, values: shares(mode) };
   return sharesOf;
 }
+const needsShares = (mode) => ["unsure", "noise"].includes(mode);
 const sharpPx = 1.5;  // px; a pixel is drawn as in focus if its CoC has at most this diameter
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
@@ -240,7 +309,7 @@ const vec2 corners[3] = vec2[](vec2(-1, -1), vec2(3, -1), vec2(-1, 3));
 void main() { gl_Position = vec4(corners[gl_VertexID], 0, 1); }`;
 const fragmentShader = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
-uniform sampler2D now, before, inverse, shares; uniform usampler2D ids;
+uniform sampler2D now, before, inverse, shares, causes; uniform usampler2D ids;
 uniform vec2 window, origin; uniform float scale, gain, wipe, coc_scale, focus, nearest; uniform int mode; uniform bool has_before;
 out vec4 colour;
 vec3 heat(float t) { t = clamp(t, 0.0, 1.0);
@@ -260,6 +329,7 @@ void main() {
   else if (mode == 4) { uint id = texelFetch(ids, p, 0).r; uint h = (id + 1u) * 2654435761u;
     c = id == 0u ? vec3(0) : vec3(h & 255u, (h >> 8) & 255u, (h >> 16) & 255u) / 255.0; }
   else if (mode == 5) { float l = dot(c, vec3(0.2126, 0.7152, 0.0722)); c = l <= 0.0 ? vec3(0) : heat((log2(l) + 8.0) / 12.0); }
+  else if (mode == 8) { vec4 cause = texelFetch(causes, p, 0); c = mix(vec3(0.5 * dot(srgb(c), vec3(0.3333))), cause.rgb, cause.a); }
   else if (mode >= 6) { float t = texelFetch(shares, p, 0).r; c = mix(vec3(0.5 * dot(srgb(c), vec3(0.3333))), heat(t), t > 0.0 ? 0.75 : 0.0); }
   else c = srgb(c);
   colour = vec4(c, 1);
@@ -280,7 +350,7 @@ class GlPainter {
     gl.useProgram(program);
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     this.at = (name) => gl.getUniformLocation(program, name);
-    this.textures = ["now", "before", "inverse", "ids", "shares"].map((name, unit) => {
+    this.textures = ["now", "before", "inverse", "ids", "shares", "causes"].map((name, unit) => {
       const texture = gl.createTexture();
       gl.activeTexture(gl.TEXTURE0 + unit);
       gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -313,7 +383,10 @@ class GlPainter {
       this.hold(2, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.HALF_FLOAT, depths.inverse));
       this.hold(3, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, width, height, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, depths.ids));
     }
-    if (s.mode >= 6) {
+    const rgba = causes?.rgba ?? null;
+    this.hold(5, rgba, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, rgba ? frame.width : 1, rgba ? frame.height : 1, 0, gl.RGBA,
+                                           gl.UNSIGNED_BYTE, rgba ?? new Uint8Array(4)));
+    if (needsShares(modes[s.mode])) {
       const now = sharesNow(modes[s.mode]);
       this.hold(4, now, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, shown.width, shown.height, 0, gl.RED, gl.FLOAT, now.values));
     }
@@ -348,6 +421,10 @@ class PlainPainter {
           else if (s.mode === 3) c = heat(z / s.nearest);
           else if (s.mode === 4) { const h2 = Math.imul((depths?.ids[k] ?? 0) + 1, 2654435761) >>> 0; c = [h2 & 255, (h2 >> 8) & 255, (h2 >> 16) & 255].map((v) => v / 255); }
           else if (s.mode === 5) c = light <= 0 ? [0, 0, 0] : heat((Math.log2(light) + 8) / 12);
+          else if (s.mode === 8) {
+            const grey = 0.5 * (srgb(rgb[0]) + srgb(rgb[1]) + srgb(rgb[2])) / 3, a = causes ? causes.rgba[4 * k + 3] / 255 : 0;
+            c = [0, 1, 2].map((i) => (1 - a) * grey + (a > 0 ? a * causes.rgba[4 * k + i] / 255 : 0));
+          }
           else if (s.mode >= 6) {
             const t = sharesNow(modes[s.mode]).values[k], grey = 0.5 * (srgb(rgb[0]) + srgb(rgb[1]) + srgb(rgb[2])) / 3;
             c = heat(t).map((v) => t > 0 ? 0.25 * grey + 0.75 * v : grey);
@@ -412,7 +489,7 @@ function pixelAt(event) {
   return x >= 0 && y >= 0 && x < frame.width && y < frame.height ? [x, y] : null;
 }
 
-const pixelOptions = ([x, y]) => ({ x: x.toFixed(2), y: y.toFixed(2), ...Object.fromEntries(Object.entries(lensOptions()).filter(([k]) => k === "f-number" || k === "focus")) });
+const pixelOptions = ([x, y]) => ({ x: x.toFixed(2), y: y.toFixed(2), ...Object.fromEntries(Object.entries(lensOptions()).filter(([k]) => ["f-number", "focus", "focal-length"].includes(k))) });
 const metres = (m) => m === null ? "∞" : `${Number(m.toPrecision(3))} m`;
 let hover = 0;
 
@@ -423,13 +500,14 @@ async function tellPixel(at) {
   if (depths) lines[0] += `   CoC ${(cocPerInverse() * Math.abs(floatOf(depths.inverse[k]) - inverseFocus())).toFixed(1)} px`;
   $("under").textContent = lines[0];
   await new Promise((resolve) => setTimeout(resolve, 250));
-  if (mine !== hover || !frame.records_kept || firstUnderWay) return;
+  if (mine !== hover || firstUnderWay) return;
   try {
     const answer = await ask("pixel", pixelOptions(at));
     if (!answer || mine !== hover) return;
     for (const node of (await answer.json()).nodes.slice(0, 6)) {
       const coc = node.coc_px ? `CoC ${Math.max(...node.coc_px).toFixed(1)} px` : "";
-      lines.push(`${(100 * node.share).toFixed(0)} %  ${node.path}  ${node.name || node.id}  z' ${metres(node.z_m)}  ${coc}`);
+      const what = [node.path, node.name || node.id || ""].filter(Boolean).join("  ");
+      lines.push(`${(100 * node.share).toFixed(0)} %  ${what}  z' ${metres(node.z_m)}  ${coc}`);
     }
     $("under").textContent = lines.join("\n");
   } catch (error) {
@@ -439,20 +517,14 @@ async function tellPixel(at) {
 
 async function focusAt(at) {
   try {
-    if (!frame.records_kept) {
-      // The depth of a pixel is the focus distance of an image that consists of this pixel and is focused on it by
-      // --focus-at.
-      const { focus: _, ...options } = lensOptions(), corner = at.map(Math.floor);
-      const one = await askPicture("picture", { ...options, "focus-at": at.map((v) => v.toFixed(2)).join(","), crop: [...corner, 1, 1].join(",") });
-      if (one) change({ focus: one.report.focus_m === null ? Infinity : Number(one.report.focus_m.toPrecision(4)) });
-      return;
-    }
     const answer = await ask("pixel", pixelOptions(at));
-    const node = answer && (await answer.json()).nodes[0];
-    if (!node) return;
+    if (!answer) return;
+    const node = (await answer.json()).clicked;
+    if (!node) return say("nothing is stored there", true);
     change({ focus: node.focus_m === null ? Infinity : Number(node.focus_m.toPrecision(4)) });
-    const where = node.path === "primary" ? "" : ` in ${node.path.replaceAll("R", "mirror ").replaceAll("T", "glass ").trim()}`;
-    const text = `focus on ${node.name || "background"}${where}: ${metres(node.focus_m)}${node.behind_infinity ? " (its image lies behind infinity)" : ""}`;
+    const where = !node.path || node.path === "primary" ? "" : ` in ${node.path.replaceAll("R", "mirror ").replaceAll("T", "glass ").trim()}`;
+    const name = node.name || (node.focus_m === null ? "background" : "this depth");
+    const text = `focus on ${name}${where}: ${metres(node.focus_m)}${node.behind_infinity ? " (its image lies behind infinity)" : ""}`;
     say(text);
   } catch (error) {
     say(error.message, true);
@@ -517,7 +589,10 @@ function showControls() {
 }
 
 async function showMode() {
-  if (needsDepths($("show").value) && !depths && frame.records_kept) {
+  if ($("status").classList.contains("error")) describe();  // what was wrong with the mode before
+  if ($("show").value === "causes") findCauses(); else if (causesOf) dropCauses();
+  showLegend();
+  if (needsDepths($("show").value) && !depths) {
     say("reading depths…");
     try {
       const answer = await ask("depths", {});
@@ -529,7 +604,7 @@ async function showMode() {
       say(error.message, true);
     }
   }
-  if (["unsure", "noise"].includes($("show").value) && !shown?.report.tiles && !refining)
+  if (needsShares($("show").value) && !shown?.report.tiles && !refining)
     say("known of pictures by auto, with the scene: postlens view FRAME SCENE", true);
   drawSoon();
 }
@@ -540,7 +615,11 @@ const stepFocus = (by) => change({ focus: focusOf(Math.min(sliderSteps, Math.max
 function onKey(event) {
   if (event.ctrlKey || event.metaKey || event.altKey || $("shortcuts").open) return;
   if (/^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && (event.key.length > 1 || event.target.type === "text" || event.target.type === "number")) return;
-  const next = (id, by = 1) => { const s = $(id); s.selectedIndex = (s.selectedIndex + by) % s.options.length; s.dispatchEvent(new Event("change")); };
+  const next = (id) => {
+    const s = $(id);
+    do s.selectedIndex = (s.selectedIndex + 1) % s.options.length; while (s.options[s.selectedIndex].disabled);
+    s.dispatchEvent(new Event("change"));
+  };
   const onCanvas = event.target === canvas || event.target === document.body;
   const step = canvas.width / 12;
   const keys = {
@@ -649,7 +728,7 @@ async function begin() {
   lens.fNumber = Number.isFinite(frame.f_number) ? frame.f_number : 2.8;
   lens.focus = frame.focus_m ?? 2;
   if (!frame.scene) $("compare").querySelector("[value=rays]").disabled = true;
-  if (!frame.records_kept) for (const mode of $("show").options) mode.disabled = needsDepths(mode.value);
+  if (!frame.scene || !frame.records_kept) $("show").querySelector("[value=causes]").disabled = true;
   $("shutter_label").hidden = !frame.records_kept;
   listen();
   showControls();

@@ -134,9 +134,9 @@ void add_view(CLI::App& root, CommandOptions& s) {
         app.add_option("frame", o.input, "Sample file, or an OpenEXR picture of another program with depth"))
         ->required()
         ->type_name("FRAME");
-    reads(app.add_option(
-              "scene", o.scene,
-              "The scene that the frame was traced from: for method auto, and for rays to compare with"))
+    reads(app.add_option("scene", o.scene,
+                         "The scene that the frame was traced from: for method auto, rays to compare with, "
+                         "and the causes of errors"))
         ->type_name("SCENE");
     app.add_option_function<std::string>(
            "--port",

@@ -24,14 +24,17 @@ const Record* brightest(const RecordBand& band, int x, int y) {
     return best;
 }
 
+ImageDepths all_infinitely_far(int width, int height) {
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return {std::vector<float>(pixels), std::vector<std::uint32_t>(pixels)};
+}
+
 }  // namespace
 
 ImageDepths image_depths(const SampleFileReader& file) {
     const int width = file.header().width, height = file.header().height;
     const auto columns = static_cast<std::size_t>(width);
-    ImageDepths out;
-    out.inverse_per_m.resize(columns * static_cast<std::size_t>(height));
-    out.ids.resize(out.inverse_per_m.size());
+    ImageDepths out = all_infinitely_far(width, height);
     constexpr int rows_at_once = 64;
     RecordBand band;
     for (int first = 0; first < height; first += rows_at_once) {
@@ -48,6 +51,22 @@ ImageDepths image_depths(const SampleFileReader& file) {
             }
         });
     }
+    return out;
+}
+
+ImageDepths image_depths(const ForeignPicture& picture) {
+    ImageDepths out = all_infinitely_far(picture.width, picture.height);
+    parallel_for(static_cast<std::size_t>(picture.height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < picture.width; ++x) {
+            const StackSample* seen = picture.stores(x, y) ? picture.seen_sample(x, y) : nullptr;
+            if (seen == nullptr) continue;
+            const std::size_t at =
+                row * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x);
+            out.inverse_per_m[at] = seen->inverse_z;
+            out.ids[at] = seen->id;
+        }
+    });
     return out;
 }
 

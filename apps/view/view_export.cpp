@@ -6,9 +6,8 @@
 #include <openssl/evp.h>
 
 #include "apps/cli.h"
-#include "apps/open_frame.h"
-#include "apps/view/image_depths.h"
 #include "apps/view/view_page.h"
+#include "apps/view/viewed_frame.h"
 #include "core/files/output_file.h"
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
@@ -96,22 +95,23 @@ struct Plan {
 class Exporter {
   public:
     explicit Exporter(const ViewExportOptions& options)
-        : options_(options), kept_(std::make_shared<KeptFrame>(options.input, Damage::refuse)) {}
+        : options_(options), frame_(open_viewed_frame(options.input)) {
+        const Json facts = frame_->facts();
+        width_ = facts["width"].get<int>();
+        height_ = facts["height"].get<int>();
+        if (!facts["f_number"].is_null()) f_number_ = facts["f_number"].get<double>();
+    }
 
     CommandResult run() {
-        const auto open = kept_->at(std::nullopt);
-        const SampleHeader& h = open->file.header();
-        std::vector<float> inverse = image_depths(open->file).inverse_per_m;
-        // Negative values, which lie behind infinity, are set to 0, because a lens can focus at infinity at
-        // most.
+        std::vector<float> inverse = frame_->depths().inverse_per_m;
+        // Negative values, behind infinity, are set to 0, because a lens focuses at infinity at most.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
-        const double f_number = h.f_number && std::isfinite(*h.f_number) ? *h.f_number : 2.8;
-        // The total size of all images, bytes, is estimated from one image at the middle focus distance.
+        // The size of all images in bytes is estimated from one image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
-            static_cast<double>(picture(2 * f_number, all[all.size() / 2], 1).size()) * 4 / 3;
+            static_cast<double>(picture(2 * f_number_, all[all.size() / 2], 1).size()) * 4 / 3;
         const auto expected = [&](const Plan& p) {
             return p.pictures() * one_bytes / (p.shrunk_by * p.shrunk_by);
         };
@@ -119,47 +119,47 @@ class Exporter {
                      room = 0.9 * most_bytes - 2e4;  // without the page's own text
         while (expected(plan) > room) {
             plan = plan.less();
-            if (h.width / plan.shrunk_by < 64)
+            if (width_ / plan.shrunk_by < 64)
                 fail(ExitCode::wrong_arguments, "--export-mb: too little for any picture (got {:g})",
                      options_.most_mb);
         }
         for (;;) {
-            const std::string page = page_of(plan, inverse, greatest, h, f_number);
-            if (static_cast<double>(page.size()) <= most_bytes) return written(page, plan, h);
+            const std::string page = page_of(plan, inverse, greatest);
+            if (static_cast<double>(page.size()) <= most_bytes) return written(page, plan);
             plan = plan.less();
         }
     }
 
   private:
-    /// The bytes of a JPEG image.
-    [[nodiscard]] std::string picture(double f_number, double focus_m, int by) const {
-        const ParsedCommand command =
-            parse_command_line({"focus", options_.input, fmt::format("--f-number={}", f_number),
-                                fmt::format("--focus={}", focus_m), "--method=lightfield", "--views=64"},
-                               {.pictures_stay = true, .kept = kept_});
-        const CommandResult result = command.run();
+    /// The bytes of a JPEG image. Sample files are focused by 64 views, other images by the usual method.
+    [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
+        std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
+                                       fmt::format("--focus={}", focus_m)};
+        const std::shared_ptr<KeptFrame> kept = frame_->kept();
+        if (kept) words.insert(words.end(), {"--method=lightfield", "--views=64"});
+        const CommandResult result = parse_command_line(words, {.pictures_stay = true, .kept = kept}).run();
+        method_ = result.json["method"].get<std::string>();
         const ScratchFile file("picture.jpg");
         write_image(file.path(), shrunk(result.pictures.front(), by));
         constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 30U;
         return read_text_file(file.path(), most_bytes);
     }
 
-    [[nodiscard]] std::string page_of(const Plan& plan, const std::vector<float>& inverse, float greatest,
-                                      const SampleHeader& h, double f_number) const {
+    [[nodiscard]] std::string page_of(const Plan& plan, const std::vector<float>& inverse, float greatest) {
         const std::vector<double> focus = focus_distances(inverse, plan.focus_distances);
         Json data{{"name", std::filesystem::path(options_.input).filename().string()},
-                  {"width", h.width},
-                  {"height", h.height},
+                  {"width", width_},
+                  {"height", height_},
                   {"f_numbers", Json::array()},
                   {"focus_m", Json::array()},
                   {"first_focus", focus.size() / 2},
                   {"greatest_inverse", greatest},
-                  {"about", about(plan, h)}};
+                  {"about", about(plan)}};
         for (const double f : focus) data["focus_m"].push_back(json_number(f));
         data["pictures"] = Json::array();
         Progress progress("pictures", static_cast<std::uint64_t>(plan.f_numbers) * focus.size());
         for (int n = 0; n < plan.f_numbers; ++n) {
-            const double number = f_number * (1 << n);
+            const double number = f_number_ * (1 << n);
             data["f_numbers"].push_back(number);
             Json row = Json::array();
             for (const double f : focus) {
@@ -169,7 +169,7 @@ class Exporter {
             data["pictures"].push_back(std::move(row));
         }
         data["depths"] =
-            data_uri("image/png", png_file(depth_map(inverse, h.width, h.height, greatest), "depths"));
+            data_uri("image/png", png_file(depth_map(inverse, width_, height_, greatest), "depths"));
         std::string json = data.dump();
         // Escapes '<', because a name could otherwise contain the end tag of the script element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
@@ -179,32 +179,35 @@ class Exporter {
         return page.replace(page.find(place), place.size(), json);
     }
 
-    [[nodiscard]] static std::string about(const Plan& plan, const SampleHeader& h) {
-        std::string text = "Click on what is to be in focus; 64 points of the lens a picture, by postlens.";
+    [[nodiscard]] std::string about(const Plan& plan) const {
+        std::string text = fmt::format("Click on what is to be in focus. Made by postlens, method {}{}.",
+                                       method_, frame_->kept() ? ", 64 points of the lens a picture" : "");
         const Plan whole;
         if (plan.pictures() < whole.pictures() || plan.shrunk_by > 1) {
             text +=
-                fmt::format(" Of {} pictures of {}x{} px it holds {} of {}x{} px.", whole.pictures(), h.width,
-                            h.height, plan.pictures(), h.width / plan.shrunk_by, h.height / plan.shrunk_by);
+                fmt::format(" Of {} pictures of {}x{} px it holds {} of {}x{} px.", whole.pictures(), width_,
+                            height_, plan.pictures(), width_ / plan.shrunk_by, height_ / plan.shrunk_by);
         }
         return text;
     }
 
-    [[nodiscard]] CommandResult written(const std::string& page, const Plan& plan,
-                                        const SampleHeader& h) const {
+    [[nodiscard]] CommandResult written(const std::string& page, const Plan& plan) const {
         write_file(options_.output, page);
         CommandResult out;
         out.json = {{"pictures", plan.pictures()},
-                    {"width", h.width / plan.shrunk_by},
-                    {"height", h.height / plan.shrunk_by},
+                    {"width", width_ / plan.shrunk_by},
+                    {"height", height_ / plan.shrunk_by},
                     {"bytes", page.size()}};
         out.text = fmt::format("{}: {:.1f} MB. {}", options_.output, static_cast<double>(page.size()) / 1e6,
-                               about(plan, h));
+                               about(plan));
         return out;
     }
 
     const ViewExportOptions& options_;
-    std::shared_ptr<KeptFrame> kept_;
+    std::unique_ptr<ViewedFrame> frame_;
+    int width_ = 0, height_ = 0;
+    double f_number_ = 2.8;  ///< of the widest aperture: the file's, if it states one
+    std::string method_;     ///< that made the last image
 };
 
 }  // namespace
@@ -213,9 +216,6 @@ CommandResult export_view(const ViewExportOptions& options) {
     if (std::filesystem::path(options.output).extension() != ".html")
         fail(ExitCode::wrong_arguments, "--export: no page (got {}; expected a name that ends with .html)",
              options.output);
-    if (is_foreign(options.input))
-        fail(ExitCode::wrong_arguments,
-             "--export: needs records (got a picture of another program; expected a sample file)");
     return Exporter(options).run();
 }
 

@@ -92,6 +92,10 @@ struct ViewServer::Impl {
             send(session.pixel(parameters_of(request)), response);
         } else if (*name == "depths") {
             send(session.depths(), response);
+        } else if (*name == "causes") {
+            send(session.causes(parameters_of(request)), response);
+        } else if (*name == "drop_causes") {
+            send(session.drop_causes(), response);
         } else if (*name == "save") {
             send(session.save(parameters_of(request)), response);
         } else {

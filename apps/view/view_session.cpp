@@ -2,22 +2,24 @@
 
 #include <Imath/half.h>
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
-#include <map>
+#include <limits>
 #include <set>
 #include <string_view>
-#include <tuple>
 
 #include "apps/cli.h"
+#include "apps/numbers.h"
 #include "apps/open_frame.h"
-#include "apps/view/image_depths.h"
+#include "apps/scene_input.h"
+#include "apps/view/error_reference.h"
+#include "compare/drawing/cause_picture.h"
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
 #include "core/threads.h"
+#include "motionblur/paths/paths_file.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 namespace {
@@ -43,10 +45,25 @@ void append_halves(std::string& out, const std::vector<float>& values) {
     append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
-/// Runs a command that returns its image. The reply has the format of ViewSession::picture.
-ViewReply picture_reply(const ParsedCommand& command) {
-    const auto start = std::chrono::steady_clock::now();
-    const CommandResult result = command.run();
+/// The beginning of a reply with binary data: the length of the text, the text, and zeros up to a multiple of
+/// 4 bytes. `bytes` is the expected size of the data.
+ViewReply reply_with(const Json& json, std::size_t bytes) {
+    const std::string text = json.dump();
+    ViewReply out{.type = "application/octet-stream"};
+    const auto length = static_cast<std::uint32_t>(text.size());
+    out.body.reserve(8 + text.size() + bytes);
+    append_bytes(out.body, &length, sizeof length);
+    out.body += text;
+    out.body.append((4 - out.body.size() % 4) % 4, '\0');
+    return out;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// The reply to a request for an image, in the format of ViewSession::picture.
+ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
@@ -60,16 +77,10 @@ ViewReply picture_reply(const ParsedCommand& command) {
     json["has_ray_share"] = !result.ray_share.empty();
     json["width"] = image.width;
     json["height"] = image.height;
-    json["seconds"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    json["seconds"] = seconds;
     json["warnings"] = Json::array();
     for (const Warning& w : result.warnings) json["warnings"].push_back({{"code", w.code}, {"text", w.text}});
-    const std::string text = json.dump();
-    ViewReply out{.type = "application/octet-stream"};
-    const auto length = static_cast<std::uint32_t>(text.size());
-    out.body.reserve(8 + text.size() + 2 * image.rgb.size());
-    append_bytes(out.body, &length, sizeof length);
-    out.body += text;
-    out.body.append((4 - out.body.size() % 4) % 4, '\0');
+    ViewReply out = reply_with(json, 2 * image.rgb.size());
     append_halves(out.body, image.rgb);
     append_halves(out.body, result.ray_share);
     return out;
@@ -83,6 +94,27 @@ const std::set<std::string_view>& picture_options() {
         "cats-eye", "spherical", "method",     "views",         "depths",          "target-db", "crop",
         "shutter",  "exposure",  "film-width", "film-distance", "metres-per-unit", "z"};
     return names;
+}
+
+/// Those of them with which the causes of an error can be found.
+const std::set<std::string_view>& cause_options() {
+    static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
+                                                  "method",   "views", "depths",       "target-db"};
+    return names;
+}
+
+/// The options of `render` that the page may set.
+const std::set<std::string_view>& ray_options() {
+    static const std::set<std::string_view> names{"f-number", "focus",   "focal-length", "framing",
+                                                  "impulse",  "squeeze", "cats-eye",     "spherical",
+                                                  "shutter",  "spp",     "seed",         "exposure"};
+    return names;
+}
+
+void check_names(const ViewParameters& parameters, const std::set<std::string_view>& known) {
+    for (const auto& [name, value] : parameters) {
+        if (!known.contains(name)) fail(ExitCode::wrong_arguments, "{:.20}: unknown", name);
+    }
 }
 
 void check_value(const std::string& name, const std::string& value) {
@@ -106,31 +138,35 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
+/// The method that made an image, by its name in the command's result. `auto` with a scene makes a light
+/// field in which rays replace views, as `hybrid` does.
+std::optional<FocusMethod> method_of(const std::string& name) {
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
+                                     FocusMethod::hybrid, FocusMethod::pinhole}) {
+        if (name == method_name(method)) return method;
+    }
+    return name == method_name(FocusMethod::automatic) ? std::optional(FocusMethod::hybrid) : std::nullopt;
+}
+
 std::string option(const std::string& name, const std::string& value) {
     return "--" + name + "=" + value;
 }
 
 }  // namespace
 
-ViewSession::ViewSession(ViewOptions options) : options_(std::move(options)) {
-    info_ = run_info({.input = options_.input});
-    if (info_.json["kind"] == "samples") {
-        kept_ = std::make_shared<KeptFrame>(options_.input, Damage::refuse);
-    } else if (info_.json["kind"] != "image") {
-        fail(ExitCode::invalid_input, "{}: nothing to view (got a {}; expected a sample file or a picture)",
-             options_.input, info_.json["kind"].get<std::string>());
-    }
+ViewSession::ViewSession(ViewOptions options)
+    : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
     if (options_.scene) static_cast<void>(run_info({.input = *options_.scene}));
 }
 
 ViewReply ViewSession::frame() const {
-    Json json = info_.json;
-    json.erase("ids");
+    Json json = facts_;
     json["file"] = options_.input;
     json["name"] = std::filesystem::path(options_.input).filename().string();
     json["scene"] = options_.scene ? Json(*options_.scene) : Json(nullptr);
-    json["records_kept"] = kept_ != nullptr;
-    return {.body = json.dump()};
+    json["records_kept"] = frame_->kept() != nullptr;
+    // Names in a file need not be UTF-8.
+    return {.body = json.dump(-1, ' ', false, Json::error_handler_t::replace)};
 }
 
 /// Cancels the current request of the slot, and runs `make` in its place.
@@ -160,8 +196,8 @@ std::vector<std::string> ViewSession::words_of(const ViewParameters& parameters)
     const bool shoots = parameters.contains("shutter");
     std::vector<std::string> words{shoots ? "shoot" : "focus", options_.input};
     bool with_scene = false;
+    check_names(parameters, picture_options());
     for (const auto& [name, value] : parameters) {
-        if (!picture_options().contains(name)) fail(ExitCode::wrong_arguments, "{:.20}: unknown", name);
         check_value(name, value);
         words.push_back(option(name, value));
         with_scene = with_scene || (name == "method" && (value == "auto" || value == "hybrid"));
@@ -170,107 +206,174 @@ std::vector<std::string> ViewSession::words_of(const ViewParameters& parameters)
     return words;
 }
 
+std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& parameters) const {
+    if (!options_.scene) fail(ExitCode::wrong_arguments, "rays: need the scene (postlens view FRAME SCENE)");
+    std::vector<std::string> words{"render", *options_.scene};
+    for (const auto& [name, value] : parameters) {
+        if (!ray_options().contains(name)) continue;
+        check_value(name, value);
+        words.push_back(option(name, value));
+    }
+    // The raster, the field of view and the exposure are those of the frame, even if the scene's differ.
+    const int width = facts_["width"].get<int>();
+    words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
+    const auto add = [&](const char* name, double value) {
+        words.push_back(option(name, fmt::format("{}", value)));
+    };
+    const auto add_fact = [&](const char* name, const char* fact) {
+        const bool known = facts_.contains(fact) && !facts_[fact].is_null();
+        if (known && !parameters.contains(name)) add(name, facts_[fact].get<double>());
+    };
+    if (facts_.value("projection", "") == "perspective") {
+        add("film-width", width * facts_["pixel_pitch_mm"].get<double>());
+        add("film-distance", facts_["film_distance_mm"].get<double>());
+    }
+    add_fact("exposure", "exposure_stops");
+    add_fact("lumens-per-watt", "lumens_per_watt");
+    if (!parameters.contains("shutter")) add_fact("time", "time_s");
+    return words;
+}
+
 ViewReply ViewSession::picture(const ViewParameters& parameters) {
     return made(pictures_, [&] {
-        const ParsedCommand command =
-            parse_command_line(words_of(parameters), {.pictures_stay = true, .kept = kept_});
-        const auto lock = kept_ ? kept_->lock() : std::unique_lock<std::mutex>();
+        const std::vector<std::string> words = words_of(parameters);
+        const std::shared_ptr<KeptFrame> kept = frame_->kept();
+        const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
+        const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
         throw_if_interrupted();
-        return picture_reply(command);
+        const auto start = std::chrono::steady_clock::now();
+        CommandResult result = command.run();
+        ViewReply reply = picture_reply(result, seconds_since(start));
+        const auto last = std::make_shared<const MadeImage>(
+            MadeImage{words, std::move(result.pictures.front()), result.json.value("method", "")});
+        const std::lock_guard guard(last_mutex_);
+        last_ = last;
+        return reply;
     });
 }
 
 ViewReply ViewSession::rays(const ViewParameters& parameters) {
     return made(rays_, [&] {
-        if (!options_.scene)
-            fail(ExitCode::wrong_arguments, "rays: need the scene (postlens view FRAME SCENE)");
-        static const std::set<std::string_view> names{"f-number", "focus",   "focal-length", "framing",
-                                                      "impulse",  "squeeze", "cats-eye",     "spherical",
-                                                      "shutter",  "spp",     "seed",         "exposure"};
-        std::vector<std::string> words{"render", *options_.scene};
-        for (const auto& [name, value] : parameters) {
-            if (!names.contains(name)) fail(ExitCode::wrong_arguments, "{:.20}: unknown", name);
-            check_value(name, value);
-            words.push_back(option(name, value));
-        }
-        // Raster and field of view are those of the frame, even if the camera of the scene differs.
-        const Json& frame = info_.json;
-        const int width = frame["width"].get<int>();
-        words.push_back(option("size", fmt::format("{}x{}", width, frame["height"].get<int>())));
-        if (frame.value("projection", "") == "perspective") {
-            words.push_back(
-                option("film-width", fmt::format("{}", width * frame["pixel_pitch_mm"].get<double>())));
-            words.push_back(
-                option("film-distance", fmt::format("{}", frame["film_distance_mm"].get<double>())));
-        }
-        if (!parameters.contains("shutter") && frame.contains("time_s"))
-            words.push_back(option("time", fmt::format("{}", frame["time_s"].get<double>())));
-        return picture_reply(parse_command_line(words, {.pictures_stay = true}));
+        check_names(parameters, ray_options());
+        const ParsedCommand command = parse_command_line(ray_words_of(parameters), {.pictures_stay = true});
+        const auto start = std::chrono::steady_clock::now();
+        const CommandResult result = command.run();
+        return picture_reply(result, seconds_since(start));
     });
 }
 
 ViewReply ViewSession::pixel(const ViewParameters& parameters) {
     return made(others_, [&] {
-        if (!kept_) fail(ExitCode::wrong_arguments, "a picture of another program has no records");
-        RecordsOptions options{.input = options_.input,
-                               .at = {number_of(parameters, "x"), number_of(parameters, "y")}};
-        if (parameters.contains("f-number")) options.lens.f_number = number_of(parameters, "f-number");
-        if (parameters.contains("focus") && parameters.at("focus") != "inf")
-            options.lens.focus_m = number_of(parameters, "focus");
-        const Json json = run_records(options).json;
-        // One visible surface of a pixel: the nodes of all its samples with the same object and path are
-        // merged.
-        struct Seen {
-            double light = 0, inverse_depth = 0;
-            const Json* node = nullptr;
-        };
-        std::map<std::pair<std::string, std::uint32_t>, Seen> seen;
-        for (const Json& sample : json["samples"]) {
-            for (const Json& node : sample["nodes"]) {
-                if (node["layer"] != 0) continue;
-                const auto rgb = node["rgb"].get<std::array<double, 3>>();
-                const double light = sample["weight"].get<double>() *
-                                     std::max(1e-12, 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);
-                Seen& s = seen[{node["path"].get<std::string>(), node["id"].get<std::uint32_t>()}];
-                const auto& w = node["w_per_m"];
-                const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;
-                s.light += light;
-                s.inverse_depth += light * inverse;
-                if (s.node == nullptr) s.node = &node;
-            }
+        LensOptions lens;
+        if (parameters.contains("f-number")) lens.f_number = number_of(parameters, "f-number");
+        if (parameters.contains("focal-length")) lens.focal_length_mm = number_of(parameters, "focal-length");
+        if (parameters.contains("focus")) {
+            lens.focus_m = parameters.at("focus") == "inf" ? std::numeric_limits<double>::infinity()
+                                                           : number_of(parameters, "focus");
         }
-        Json out{{"x", json["x"]}, {"y", json["y"]}, {"nodes", Json::array()}};
-        std::vector<const Seen*> by_light;
-        double all = 0;
-        for (const auto& [key, s] : seen) {
-            by_light.push_back(&s);
-            all += s.light;
-        }
-        std::stable_sort(by_light.begin(), by_light.end(),
-                         [](const Seen* a, const Seen* b) { return a->light > b->light; });
-        for (const Seen* s : by_light) {
-            const double inverse = s->inverse_depth / s->light;
-            Json node = *s->node;
-            node.erase("rgb");
-            node["share"] = s->light / all;
-            // null means infinity. An image behind infinity is also sharpest with the focus at infinity.
-            node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
-            node["behind_infinity"] = inverse < 0;
-            out["nodes"].push_back(std::move(node));
-        }
-        return ViewReply{.body = out.dump()};
+        return ViewReply{
+            .body = frame_->pixel(number_of(parameters, "x"), number_of(parameters, "y"), lens).dump()};
     });
 }
 
 ViewReply ViewSession::depths() {
     return made(others_, [&] {
-        if (!kept_) fail(ExitCode::wrong_arguments, "a picture of another program has no records");
-        const ImageDepths depths = image_depths(SampleFileReader(options_.input, Damage::refuse, 0.0));
+        const ImageDepths depths = frame_->depths();
         ViewReply out{.type = "application/octet-stream"};
         append_bytes(out.body, depths.ids.data(), depths.ids.size() * sizeof depths.ids[0]);
         append_halves(out.body, depths.inverse_per_m);
         return out;
     });
+}
+
+/// The image of `picture`: that which was made last, or made now. It is made from the file instead of the
+/// kept frame, so that requests for images need not wait meanwhile.
+std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
+    const std::vector<std::string> words = words_of(parameters);
+    const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});
+    {
+        const std::lock_guard guard(last_mutex_);
+        if (last_ && last_->words == words) return last_;
+    }
+    CommandResult result = command.run();
+    return std::make_shared<const MadeImage>(
+        MadeImage{words, std::move(result.pictures.front()), result.json.value("method", "")});
+}
+
+ViewReply ViewSession::causes(const ViewParameters& parameters) {
+    return made(causes_, [&] {
+        const auto start = std::chrono::steady_clock::now();
+        check_names(parameters, cause_options());
+        if (!options_.scene || !frame_->kept())
+            fail(ExitCode::wrong_arguments,
+                 "causes: need records and the scene that they were traced from (postlens view FRAME SCENE)");
+        const auto image = image_of(parameters);
+        ErrorReference reference = trace_error_reference([&](int spp) {
+            std::vector<std::string> words = ray_words_of(parameters);
+            words.push_back(option("spp", fmt::format("{}", spp)));
+            words.emplace_back("--halves");
+            CommandResult result = parse_command_line(words, {.pictures_stay = true}).run();
+            std::vector<Image>& p = result.pictures;
+            return HalvedImage{std::move(p.at(0)), std::move(p.at(1)), std::move(p.at(2)),
+                               result.json["seconds_render"].get<double>()};
+        });
+        take_out_noise(reference, image->image);
+        const CauseMap map = causes_of(parameters, *image, reference.image);
+        Json json{{"width", map.width},
+                  {"height", map.height},
+                  {"spp", reference.spp},
+                  {"seconds", seconds_since(start)},
+                  {"causes", Json::array()}};
+        for (std::size_t c = 0; c < error_causes; ++c) {
+            const auto cause = static_cast<ErrorCause>(c);
+            json["causes"].push_back({{"name", cause_name(cause)},
+                                      {"colour", cause_colour(cause)},
+                                      {"error_share", map.error_share[c]}});
+        }
+        ViewReply out = reply_with(json, map.causes.size());
+        append_bytes(out.body, map.causes.data(), map.causes.size());
+        return out;
+    });
+}
+
+CauseMap ViewSession::causes_of(const ViewParameters& parameters, const MadeImage& made,
+                                const Image& reference) const {
+    const SampleFileReader file(options_.input, Damage::refuse, std::nullopt);
+    const auto text_of = [&](const char* name) {
+        const auto found = parameters.find(name);
+        return found == parameters.end() ? std::optional<std::string>() : found->second;
+    };
+    LensOptions lens;
+    const auto take = [&](std::optional<double>& to, const char* name, bool infinite) {
+        if (const auto text = text_of(name)) to = parse_number(name, *text, infinite);
+    };
+    take(lens.f_number, "f-number", true);
+    take(lens.focus_m, "focus", true);
+    take(lens.focal_length_mm, "focal-length", false);
+    const ResolvedLens resolved = resolve_lens(lens, file);
+    const FrameMotion motion = motion_of(file.header(), {});
+    CommandResult warnings;
+    const Scene scene = read_scene_of_file(*options_.scene, 1, std::nullopt, file, {}, warnings);
+    CauseRequest request;
+    request.view.focus.lens = resolved.lens;
+    request.view.focus.focus_distance_m = resolved.focus_m;
+    if (const auto text = text_of("impulse")) request.view.focus.impulse = parse_impulse("impulse", *text);
+    request.view.motion = &motion;
+    request.view.scene = &scene;
+    if (const auto text = text_of("shutter")) {
+        const auto [open, close] = parse_span("shutter", *text);
+        request.view.shutter = TimeSpan{open, close};
+    }
+    request.method = method_of(made.method);
+    if (const auto text = text_of("depths")) request.depths = parse_whole("depths", *text);
+    FocusFrame frame(file);
+    return find_error_causes(frame, made.image, reference, request);
+}
+
+ViewReply ViewSession::drop_causes() {
+    const std::lock_guard lock(causes_.mutex);
+    if (causes_.current) causes_.current->cancel();
+    return {.body = "{}"};
 }
 
 ViewReply ViewSession::save(const ViewParameters& parameters) {
@@ -283,8 +386,9 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
         const ScratchFile file("picture." + format);
         std::vector<std::string> words = words_of(asked);
         words.push_back("--output=" + file.path().string());
-        const ParsedCommand command = parse_command_line(words, {.kept = kept_});
-        const auto lock = kept_ ? kept_->lock() : std::unique_lock<std::mutex>();
+        const std::shared_ptr<KeptFrame> kept = frame_->kept();
+        const ParsedCommand command = parse_command_line(words, {.kept = kept});
+        const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
         static_cast<void>(command.run());
         constexpr std::uintmax_t most_bytes = std::uintmax_t{4} << 30U;
         return ViewReply{.type = format == "png" ? "image/png" : "image/x-exr",
@@ -294,7 +398,7 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
 
 void ViewSession::stop() {
     stopped_ = true;
-    for (Slot* slot : {&pictures_, &rays_, &others_}) {
+    for (Slot* slot : {&pictures_, &rays_, &others_, &causes_}) {
         const std::lock_guard lock(slot->mutex);
         if (slot->current) slot->current->cancel();
     }

@@ -11,7 +11,9 @@
 #include <string>
 
 #include "apps/command.h"
+#include "apps/view/viewed_frame.h"
 #include "core/job.h"
+#include "planner/error_causes.h"
 
 namespace postlens {
 
@@ -49,13 +51,17 @@ class ViewSession {
     /// Returns an image by `render` of the scene, in the format of `picture`. Cancels only older requests for
     /// rays.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns the visible nodes of a pixel, each with the focus distance that brings it into focus. Nodes of
-    /// the same object and path are merged. The nodes are sorted by their fraction of the pixel's light.
-    /// Parameters: x and y, px.
+    /// Returns what a pixel shows (ViewedFrame::pixel). Parameters: x and y, px, and those of the lens.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns the ids (32 bits each) of the brightest visible node in all pixels, then the inverse focus
-    /// distances of these nodes (half floats, 1/m); see ImageDepths.
+    /// Returns the ids (32 bits each) of all pixels, then their inverse focus distances (half floats, 1/m);
+    /// see ImageDepths.
     [[nodiscard]] ViewReply depths();
+    /// Finds out why the image that `picture` makes with the same parameters differs from rays
+    /// (find_error_causes). The body begins as that of `picture`. One byte per pixel follows, its ErrorCause.
+    /// The JSON lists "causes", in the order of ErrorCause, with "name", "colour" (sRGB) and "error_share".
+    [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
+    /// Cancels the work of `causes`.
+    [[nodiscard]] ViewReply drop_causes();
     /// Returns the file that the command would write. The parameter `format` is png or exr.
     [[nodiscard]] ViewReply save(const ViewParameters& parameters);
     /// Cancels all work.
@@ -68,13 +74,26 @@ class ViewSession {
         std::mutex mutex;  ///< guards `current`
         std::shared_ptr<Job> current;
     };
+    /// An image by `focus` or `shoot`, and the words of its command.
+    struct MadeImage {
+        std::vector<std::string> words;
+        Image image;
+        std::string method;
+    };
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters) const;
+    /// The command for rays through the same lens. Ignores parameters of `focus` and `shoot` alone.
+    [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
+    [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
+    [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,
+                                     const Image& reference) const;
 
     ViewOptions options_;
-    CommandResult info_;
-    std::shared_ptr<KeptFrame> kept_;  ///< null for another program's image
-    Slot pictures_, rays_, others_;
+    std::unique_ptr<ViewedFrame> frame_;
+    nlohmann::ordered_json facts_;  ///< of the frame
+    Slot pictures_, rays_, others_, causes_;
+    std::mutex last_mutex_;                  ///< guards `last_`
+    std::shared_ptr<const MadeImage> last_;  ///< that `picture` made last
     std::atomic<bool> stopped_{false};
 };
 

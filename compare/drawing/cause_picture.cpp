@@ -10,20 +10,23 @@
 namespace postlens {
 namespace {
 
-// One colour per cause: grey for "none", then the palette of Okabe and Ito, and white for the last cause.
-constexpr std::array<Rgb8, error_causes> colours{{{90, 90, 90},
-                                                  {213, 94, 0},
-                                                  {0, 114, 178},
-                                                  {204, 121, 167},
-                                                  {240, 228, 66},
-                                                  {0, 158, 115},
-                                                  {86, 180, 233},
-                                                  {230, 159, 0},
-                                                  {255, 255, 255}}};
 constexpr Rgb8 background{24, 24, 24};
 constexpr int least_width_px = 440, line_px = 18, margin_px = 10;
 
 }  // namespace
+
+std::array<std::uint8_t, 3> cause_colour(ErrorCause cause) {
+    constexpr std::array<std::array<std::uint8_t, 3>, error_causes> colours{{{90, 90, 90},
+                                                                             {213, 94, 0},
+                                                                             {0, 114, 178},
+                                                                             {204, 121, 167},
+                                                                             {240, 228, 66},
+                                                                             {0, 158, 115},
+                                                                             {86, 180, 233},
+                                                                             {230, 159, 0},
+                                                                             {255, 255, 255}}};
+    return colours[static_cast<std::size_t>(cause)];
+}
 
 Image cause_picture(const CauseMap& map, const Image& reference) {
     const int width = std::max(map.width, least_width_px);
@@ -46,13 +49,13 @@ Image cause_picture(const CauseMap& map, const Image& reference) {
             const float grey = srgb_from_linear(0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
             const auto level = static_cast<std::uint8_t>(std::lround(20 + 90 * grey));
             const Rgb8 dim{level, level, level};
-            canvas.dot(x, y, cause == ErrorCause::none ? dim : colours[static_cast<std::size_t>(cause)]);
+            canvas.dot(x, y, cause == ErrorCause::none ? dim : cause_colour(cause));
         }
     }
     int y = map.height + px(margin_px);
     if (listed.empty()) canvas.text(px(margin_px), y + px(13), scale, "no pixel is wrong");
     for (const std::size_t c : listed) {
-        canvas.fill(px(margin_px), y + px(2), px(14), px(12), colours[c]);
+        canvas.fill(px(margin_px), y + px(2), px(14), px(12), cause_colour(static_cast<ErrorCause>(c)));
         canvas.text(px(margin_px + 22), y + px(13), scale,
                     fmt::format("{}: {:.1f} % of the error", cause_name(static_cast<ErrorCause>(c)),
                                 100 * map.error_share[c]));

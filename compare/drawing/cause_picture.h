@@ -6,9 +6,13 @@
 
 namespace postlens {
 
+/// The colour, sRGB, in which images and the viewer show a cause: grey for none, then the palette of Okabe
+/// and Ito, which colour-blind readers can distinguish, and white for the last cause.
+[[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
+
 /// Shows each pixel with an error in the colour of its cause, over the reference in grey. The legend below
 /// lists the causes with their fractions of the squared error. The values are scene-linear, for
-/// `write_image`. Colour-blind readers can distinguish the colours.
+/// `write_image`.
 [[nodiscard]] Image cause_picture(const CauseMap& causes, const Image& reference);
 
 }  // namespace postlens

@@ -173,19 +173,27 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
     return out;
 }
 
-std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
+std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest) {
     // This parser reports errors without exceptions. Deeply nested JSON cannot overflow its call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
-    std::vector<std::string> names;
+    std::vector<ManifestObject> objects;
     for (const auto& [name, id] : json.items()) {
         if (!id.is_string()) return std::nullopt;
         const auto& digits = id.get_ref<const std::string&>();
         if (digits.empty() || digits.size() > 8 ||
             digits.find_first_not_of("0123456789abcdefABCDEF") != std::string::npos)
             return std::nullopt;
-        names.push_back(name);
+        objects.push_back({name, static_cast<std::uint32_t>(std::stoul(digits, nullptr, 16))});
     }
+    return objects;
+}
+
+std::optional<std::vector<std::string>> manifest_names(const std::string& manifest) {
+    const auto objects = manifest_objects(manifest);
+    if (!objects) return std::nullopt;
+    std::vector<std::string> names;
+    for (const ManifestObject& o : *objects) names.push_back(o.name);
     return names;
 }
 

@@ -41,8 +41,16 @@ struct Cryptomattes {
 /// View and layer of a usable Cryptomatte, from its own name and the name of its first part.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
-/// Returns the names in a manifest. Empty unless the manifest is a JSON object of names with up to eight
-/// hexadecimal digits each.
+/// An object that a manifest lists.
+struct ManifestObject {
+    std::string name;
+    std::uint32_t id = 0;
+};
+
+/// Returns the objects in a manifest, sorted by name. Empty unless the manifest is a JSON object of names
+/// with up to eight hexadecimal digits each.
+[[nodiscard]] std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest);
+/// Returns the names of these objects.
 [[nodiscard]] std::optional<std::vector<std::string>> manifest_names(const std::string& manifest);
 
 /// Computes the id of a name as the specification states: MurmurHash3 (x86, 32 bits, seed 0). If the hash,

@@ -92,7 +92,9 @@ ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part, const Fo
         out.film_distance_mm = *nominal;
     } else if (asked_focal) {
         out.film_distance_mm = *asked_focal;
+        out.film_distance_from_focal_length = true;
     } else {
+        out.film_distance_from_focal_length = true;
         assume("the film's distance", out.film_distance_mm, " mm", "--film-distance");
     }
     out.focal_length_mm = asked_focal.value_or(nominal.value_or(out.film_distance_mm));

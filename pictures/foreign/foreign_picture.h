@@ -68,6 +68,7 @@ struct ForeignPicture {
     ForeignCamera camera;
     ForeignChannels channels;
     bool deep = false;
+    bool whole_ids = false;  ///< ids are the whole numbers of an id channel; false: the bits of floats
     std::vector<ForeignRepair> repairs;
 
     [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width; }

@@ -60,7 +60,7 @@ class Reader {
         }
         take_camera(camera);
         const ForeignChannels& c = out_.channels;
-        whole_ids_ = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
+        out_.whole_ids = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
         for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
         for (const std::string& text : c.assumed) out_.repairs.push_back({"assumed", text, 0});
         const auto aspect = file_.number(c.part, "pixelAspectRatio");
@@ -156,7 +156,7 @@ class Reader {
                               value(g, 0),
                               value(b, 0),
                               checked_alpha(value(a, 1)),
-                              surface_id(value(id, 0), whole_ids_)};
+                              surface_id(value(id, 0), out_.whole_ids)};
                 if (ry) add_chroma(s, value(ry, 0), value(by, 0));
                 depths.push_back(value(z, infinite));
                 covered.push_back(s.alpha);
@@ -205,7 +205,7 @@ class Reader {
                                  value(g, 0),
                                  value(b, 0),
                                  checked_alpha(value(a, 1)),
-                                 surface_id(value(id, 0), whole_ids_)};
+                                 surface_id(value(id, 0), out_.whole_ids)};
                     pixel.push_back(s);
                 }
                 tidy_volumes(pixel);
@@ -267,7 +267,6 @@ class Reader {
 
     ForeignFile file_;
     const ForeignPart* part_ = nullptr;
-    bool whole_ids_ = false;
     ForeignDepths depths_;
     std::array<double, 3> luminance_{};
     ForeignPicture out_;

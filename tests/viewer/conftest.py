@@ -7,7 +7,9 @@ import urllib.parse
 import pytest
 
 PROGRAM = os.environ["POSTLENS_PROGRAM"]
-SCENE = str(pathlib.Path(__file__).resolve().parents[2] / "samples" / "scenes" / "bars.toml")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCENE = str(ROOT / "samples" / "scenes" / "bars.toml")
+DEEP = str(ROOT / "tests" / "data" / "exr" / "deep_alpha.exr")
 
 
 @pytest.fixture(scope="session")
@@ -15,6 +17,14 @@ def frame(tmp_path_factory):
     path = str(tmp_path_factory.mktemp("frame") / "a frame.exr")  # a space, for what is copied as a command
     subprocess.run([PROGRAM, "trace", SCENE, "-o", path, "--size", "240x135", "--for-f-number", "1.4", "--for-focus", "5",
                     "--overscan", "auto", "--quiet"], check=True)  # fmt: skip
+    return path
+
+
+@pytest.fixture(scope="session")
+def flat(frame, tmp_path_factory):
+    """The frame as another program would write it: colour, depth and a Cryptomatte."""
+    path = str(tmp_path_factory.mktemp("flat") / "flat.exr")
+    subprocess.run([os.environ["POSTLENS_EXPORT"], frame, path, "most", "cryptomatte"], check=True)
     return path
 
 

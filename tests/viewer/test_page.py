@@ -15,7 +15,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
-from conftest import PROGRAM, Viewer
+from conftest import PROGRAM, ROOT, Viewer
 
 
 def browser_at(url, size="1280,800"):
@@ -34,9 +34,14 @@ def page(viewer):
     driver = browser_at(viewer.url)
     wait(driver)
     yield driver
-    wrong = [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE" and " 409 " not in entry["message"]]
+    wrong = errors(driver)
     driver.quit()
     assert not wrong
+
+
+def errors(driver):
+    """What the page reported, but for requests that a newer one cancelled."""
+    return [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE" and " 409 " not in entry["message"]]
 
 
 def until(what, seconds=60):
@@ -243,12 +248,36 @@ def test_windows_of_all_sizes(viewer, size):
         driver.quit()
 
 
-def test_another_programs_picture(tmp_path, frame):
-    import os
+def test_the_causes_of_the_error(page):
+    Select(page.find_element(By.ID, "blades")).select_by_value("polygon:6")
+    wait(page)
+    legend = page.find_element(By.ID, "legend")
+    assert not legend.is_displayed()
+    body = page.find_element(By.TAG_NAME, "body")
+    while page.execute_script("return document.getElementById('show').value") != "causes":
+        body.send_keys("v")
+    assert "finding the causes" in legend.text
+    grey = pixels(page)
+    until(lambda: page.execute_script("return Boolean(postlens.state().causes)"), 120)
+    assert "of the squared error" in legend.text and "rays a pixel" in legend.text
+    names = page.execute_script("return postlens.state().causes.report.causes.filter((c) => c.error_share > 0).map((c) => c.name)")
+    assert names and all(name in legend.text for name in names)
+    assert len(legend.find_elements(By.TAG_NAME, "i")) == len(names)
+    assert pixels(page) != grey
+    # Another lens drops them, and asks anew.
+    body.send_keys("[")
+    until(lambda: "of the squared error" not in legend.text)
+    wait(page)
+    until(lambda: "finding the causes" in legend.text)
+    # Another kind of picture cancels the search.
+    Select(page.find_element(By.ID, "show")).select_by_value("picture")
+    assert not legend.is_displayed()
+    time.sleep(1)
+    assert not page.execute_script("return Boolean(postlens.state().causes)")
 
-    flat = tmp_path / "flat.exr"
-    subprocess.run([os.environ["POSTLENS_EXPORT"], frame, flat, "most", "none"], check=True)
-    made = Viewer(str(flat))
+
+def test_another_programs_picture(flat):
+    made = Viewer(flat)
     driver = browser_at(made.url)
     try:
         wait(driver)
@@ -259,15 +288,52 @@ def test_another_programs_picture(tmp_path, frame):
         until(lambda: lens(driver)["focus"] != 2)
         wait(driver)
         near = lens(driver)["focus"]
+        assert near == pytest.approx(5, rel=0.01)  # the chequered board
         click(driver, 30, 120)
         until(lambda: lens(driver)["focus"] != near)
         assert lens(driver)["focus"] > near
+        wait(driver)
+        under = driver.find_element(By.ID, "under")
+        ActionChains(driver).move_to_element_with_offset(
+            driver.find_element(By.ID, "picture"), *(int(v) for v in at_picture(driver, 150, 85))
+        ).perform()  # fmt: skip
+        until(lambda: "leaning bar" in under.text)
+        assert "CoC" in under.text and "undefined" not in under.text and "%" in under.text
+        show, seen = driver.find_element(By.ID, "show"), []
+        for mode in ("picture", "in_focus", "coc", "depth", "id"):
+            Select(show).select_by_value(mode)
+            until(lambda: mode == "picture" or driver.execute_script("return Boolean(postlens.state().depths)"))
+            time.sleep(0.3)
+            seen.append(tuple(pixels(driver)))
+        assert len(set(seen)) == len(seen)
+        # What needs records is not reached by keyboard either.
+        for _ in range(12):
+            driver.find_element(By.TAG_NAME, "body").send_keys("v")
+            assert driver.execute_script("return document.getElementById('show').value") != "causes"
+        assert not errors(driver)
     finally:
         driver.quit()
         assert made.close() == 0
 
 
-def test_an_exported_page_needs_no_server(frame, tmp_path):
+def test_a_click_beside_what_is_stored(tmp_path):
+    made = Viewer(str(ROOT / "tests" / "data" / "exr" / "windows" / "autocrop.exr"))
+    driver = browser_at(made.url)
+    try:
+        wait(driver)
+        before = lens(driver)["focus"]
+        click(driver, *driver.execute_script("const f = postlens.state().frame; return [f.width - 1, f.height - 1];"))
+        until(lambda: "nothing is stored there" in driver.find_element(By.ID, "status").text)
+        assert lens(driver)["focus"] == before
+    finally:
+        driver.quit()
+        assert made.close() == 0
+
+
+@pytest.mark.parametrize("kind", ["lightfield", "layers"])
+def test_an_exported_page_needs_no_server(frame, flat, kind, tmp_path):
+    if kind == "layers":
+        frame = flat
     page, small = tmp_path / "page.html", tmp_path / "small.html"
     subprocess.run([PROGRAM, "view", frame, "--export", page, "--quiet"], check=True)
     said = json.loads(subprocess.run([PROGRAM, "view", frame, "--export", small, "--export-mb", "0.1", "--json"], check=True,
@@ -282,6 +348,7 @@ def test_an_exported_page_needs_no_server(frame, tmp_path):
         picture = driver.find_element(By.ID, "picture")
         ActionChains(driver).move_to_element(picture).click().perform()
         near, first = value(), shown()
+        assert kind in driver.find_element(By.ID, "about").text
         # The wall, far behind what is in the middle.
         driver.execute_script("""
           const p = document.getElementById("picture"), box = p.getBoundingClientRect(), k = Math.min(box.width / data.width, box.height / data.height);

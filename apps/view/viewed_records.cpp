@@ -1,0 +1,98 @@
+// A sample file in the viewer.
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include "apps/open_frame.h"
+#include "apps/view/viewed_frame.h"
+
+namespace postlens {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The nodes of all samples of a pixel that have the same object and path.
+struct MergedNodes {
+    double light = 0, inverse_depth = 0;
+    const Json* first = nullptr;
+};
+
+class ViewedRecords : public ViewedFrame {
+  public:
+    ViewedRecords(const std::string& input, Json info)
+        : input_(input), facts_(std::move(info)), kept_(std::make_shared<KeptFrame>(input, Damage::refuse)) {
+        facts_.erase("ids");
+    }
+
+    [[nodiscard]] Json facts() const override { return facts_; }
+    [[nodiscard]] std::shared_ptr<KeptFrame> kept() const override { return kept_; }
+
+    [[nodiscard]] ImageDepths depths() const override {
+        return image_depths(SampleFileReader(input_, Damage::refuse, 0.0));
+    }
+
+    [[nodiscard]] Json pixel(double x, double y, const LensOptions& lens) const override {
+        RecordsOptions options{.input = input_, .at = {x, y}};
+        options.lens = lens;
+        const Json json = run_records(options).json;
+        std::map<std::pair<std::string, std::uint32_t>, MergedNodes> seen;
+        for (const Json& sample : json["samples"]) {
+            for (const Json& node : sample["nodes"]) {
+                if (node["layer"] != 0) continue;
+                const auto rgb = node["rgb"].get<std::array<double, 3>>();
+                const double light = sample["weight"].get<double>() *
+                                     std::max(1e-12, 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);
+                MergedNodes& s = seen[{node["path"].get<std::string>(), node["id"].get<std::uint32_t>()}];
+                const auto& w = node["w_per_m"];
+                const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;
+                s.light += light;
+                s.inverse_depth += light * inverse;
+                if (s.first == nullptr) s.first = &node;
+            }
+        }
+        Json out{{"x", json["x"]}, {"y", json["y"]}, {"nodes", Json::array()}};
+        std::vector<const MergedNodes*> by_light;
+        double all = 0;
+        for (const auto& [key, s] : seen) {
+            by_light.push_back(&s);
+            all += s.light;
+        }
+        std::stable_sort(by_light.begin(), by_light.end(),
+                         [](const MergedNodes* a, const MergedNodes* b) { return a->light > b->light; });
+        for (const MergedNodes* s : by_light) {
+            const double inverse = s->inverse_depth / s->light;
+            Json node = *s->first;
+            node.erase("rgb");
+            node["share"] = s->light / all;
+            // null means infinity, which is also the best focus for an image behind infinity.
+            node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
+            node["behind_infinity"] = inverse < 0;
+            out["nodes"].push_back(std::move(node));
+        }
+        // A click focuses on the node that contributes most of the light.
+        out["clicked"] = out["nodes"].empty() ? Json(nullptr) : out["nodes"][0];
+        return out;
+    }
+
+  private:
+    std::string input_;
+    Json facts_;
+    std::shared_ptr<KeptFrame> kept_;
+};
+
+}  // namespace
+
+std::unique_ptr<ViewedFrame> view_records(const std::string& input, Json info) {
+    return std::make_unique<ViewedRecords>(input, std::move(info));
+}
+
+std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input) {
+    Json info = run_info({.input = input}).json;
+    if (info["kind"] == "samples") return view_records(input, std::move(info));
+    if (is_foreign(input)) return view_foreign_picture(input, std::move(info));
+    fail(ExitCode::invalid_input,
+         "{}: nothing to view (got a {}; expected a sample file or an OpenEXR picture)", input,
+         info["kind"].get<std::string>());
+}
+
+}  // namespace postlens
