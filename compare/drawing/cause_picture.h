@@ -13,6 +13,6 @@ namespace postlens {
 /// Shows each pixel with an error in the colour of its cause, over the reference in grey. The legend below
 /// lists the causes with their fractions of the squared error. The values are scene-linear, for
 /// `write_image`.
-[[nodiscard]] Image cause_picture(const CauseMap& causes, const Image& reference);
+[[nodiscard]] Image cause_picture(const CauseMap& map, const Image& reference);
 
 }  // namespace postlens

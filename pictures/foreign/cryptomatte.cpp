@@ -51,8 +51,8 @@ std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, c
 struct Letter {
     std::array<const char*, 3> names;
 };
-constexpr Letter letter_r{{"R", "r", "red"}}, letter_g{{"G", "g", "green"}}, letter_b{{"B", "b", "blue"}},
-    letter_a{{"A", "a", "alpha"}};
+constexpr Letter red{{"R", "r", "red"}}, green{{"G", "g", "green"}}, blue{{"B", "b", "blue"}},
+    alpha{{"A", "a", "alpha"}};
 
 std::optional<MatteRank> rank_of(const ForeignFile& file, std::size_t own, const std::string& layer,
                                  const Letter& id, const Letter& coverage) {
@@ -71,8 +71,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     if (name.size() > longest_name) return out;
     for (int i = 0; i < most_layers; ++i) {
         const std::string layer = fmt::format("{}{:02}.", name, i);
-        for (const auto& [id, coverage] :
-             {std::pair(&letter_r, &letter_g), std::pair(&letter_b, &letter_a)}) {
+        for (const auto& [id, coverage] : {std::pair(&red, &green), std::pair(&blue, &alpha)}) {
             const auto rank = rank_of(file, own, layer, *id, *coverage);
             if (!rank) return out;
             out.push_back(*rank);
@@ -87,7 +86,7 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (!may_hold(file, own, i)) continue;
         for (const std::string& channel : file.parts()[i].channels) {
-            for (const char* letter : letter_r.names) {
+            for (const char* letter : red.names) {
                 const std::string end = std::string("00.") + letter;
                 if (channel.ends_with(end) && channel.find("rypto") != std::string::npos)
                     out.push_back(channel.substr(0, channel.size() - end.size()));
