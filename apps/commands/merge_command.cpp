@@ -13,6 +13,8 @@
 namespace postlens {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct NamedPart {
     std::string name;
     PicturePart part;

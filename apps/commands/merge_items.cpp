@@ -8,6 +8,8 @@
 namespace postlens {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 namespace fs = std::filesystem;
 
 PartFacts facts_of(const std::string& name) {

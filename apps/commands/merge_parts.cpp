@@ -6,11 +6,12 @@
 
 namespace postlens {
 
-Share share_in(const Json& mark, const std::string& name) {
+Share share_in(const nlohmann::ordered_json& mark, const std::string& name) {
     const auto numbers = [&mark](const char* key, std::size_t count) {
         const auto at = mark.find(key);
         return at != mark.end() && at->is_array() && at->size() == count &&
-               std::all_of(at->begin(), at->end(), [](const Json& n) { return n.is_number_integer(); });
+               std::all_of(at->begin(), at->end(),
+                           [](const nlohmann::ordered_json& n) { return n.is_number_integer(); });
     };
     const bool whole = mark.is_object() && numbers("share", 2) && mark.contains("made_by") &&
                        mark["made_by"].is_object() && mark.contains("crop") &&

@@ -11,16 +11,14 @@
 
 namespace postlens {
 
-using Json = nlohmann::ordered_json;
-
 /// Reads the number of the share from `mark`, the JSON that describes a part (mark_of in share.h). Throws
 /// Error(invalid_input) if postlens has not written this JSON.
-[[nodiscard]] Share share_in(const Json& mark, const std::string& name);
+[[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
 struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of the JSON library
     std::string name;
-    Json mark;
+    nlohmann::ordered_json mark;
     Share share;
 };
 

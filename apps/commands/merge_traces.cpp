@@ -14,7 +14,7 @@ namespace {
 constexpr double as_stored = 0;
 
 PartFacts facts_of(const std::string& name, const SampleFileReader& file) {
-    PartFacts out{name, Json::parse(file.header().made_by, nullptr, false), {}};
+    PartFacts out{name, nlohmann::ordered_json::parse(file.header().made_by, nullptr, false), {}};
     if (!out.mark.is_object() || !out.mark.contains("share")) {
         fail(ExitCode::invalid_input,
              "{}: is no part (got a whole sample file; expected what trace --share has written)", name);
