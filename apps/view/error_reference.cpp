@@ -10,16 +10,16 @@
 namespace postlens {
 namespace {
 
-/// Time that the rays of a reference take, s: no longer than it then takes to find the causes.
+/// Wanted duration of tracing the reference, s.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// The noise of a pixel is the mean over the square of 2 noise_radius_px + 1 px around it: one pixel of two
-/// halves alone has no reliable deviation.
+/// The noise variance is averaged over squares of 2 noise_radius_px + 1 px, because two halves of a single
+/// pixel do not determine a reliable deviation.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Variance of the mean of two halves, sRGB values, mean of the channels: half their difference has the
-/// standard deviation of their mean.
+/// Per pixel, the noise variance of the mean of the two halves, in sRGB values, averaged over the channels.
+/// The expected square of half the difference of two halves is the variance of their mean.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(
