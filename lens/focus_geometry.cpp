@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace postlens {
 namespace {
-
-constexpr double metres_per_mm = 1e-3;
 
 void check(const ThinLens& lens, double focus_distance_m, Framing framing) {
     if (!(lens.focal_length_mm > 0) || std::isinf(lens.focal_length_mm)) {

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "core/units.h"
+
 namespace postlens {
 namespace {
-
-constexpr double metres_per_mm = 1e-3;
 
 /// 1/s - 1/z, 1/m. Precise even if s and z are nearly equal, and defined if one of them is infinite.
 double inverse_difference_per_m(double s_m, double z_m) {

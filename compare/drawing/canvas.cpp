@@ -4,17 +4,13 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "compare/drawing/opencv_style.h"
 #include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
 
 constexpr double font_scale = 0.42;
-constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
-
-cv::Scalar scalar(Rgb8 c) {
-    return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
-}
 
 int stroke_px(double scale) {
     return std::max(1, static_cast<int>(std::lround(scale)));

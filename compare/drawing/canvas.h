@@ -14,6 +14,13 @@ namespace postlens {
 
 using Rgb8 = std::array<std::uint8_t, 3>;
 
+/// Behind the pictures and words of a comparison.
+inline constexpr Rgb8 dark_background{24, 24, 24};
+/// Least width, in pixels, of a picture with a legend, so that the words fit.
+inline constexpr int least_legend_width_px = 440;
+/// Distances between lines of words, and from the edge to the words, in pixels at scale 1.
+inline constexpr int text_line_px = 18, text_margin_px = 10;
+
 class Canvas {
   public:
     Canvas(int width, int height, Rgb8 background);

@@ -8,13 +8,6 @@
 #include "pictures/srgb.h"
 
 namespace postlens {
-namespace {
-
-constexpr Rgb8 background{24, 24, 24};
-constexpr int least_width_px = 440, line_px = 18, margin_px = 10;
-
-}  // namespace
-
 std::array<std::uint8_t, 3> cause_colour(ErrorCause cause) {
     constexpr std::array<std::array<std::uint8_t, 3>, error_causes> colours{{{90, 90, 90},
                                                                              {213, 94, 0},
@@ -29,7 +22,7 @@ std::array<std::uint8_t, 3> cause_colour(ErrorCause cause) {
 }
 
 Image cause_picture(const CauseMap& map, const Image& reference) {
-    const int width = std::max(map.width, least_width_px);
+    const int width = std::max(map.width, least_legend_width_px);
     std::vector<std::size_t> listed;
     for (std::size_t c = 1; c < error_causes; ++c) {
         if (map.error_share[c] > 0) listed.push_back(c);
@@ -38,8 +31,8 @@ Image cause_picture(const CauseMap& map, const Image& reference) {
               [&](std::size_t a, std::size_t b) { return map.error_share[a] > map.error_share[b]; });
     const double scale = std::clamp(width / 1280.0, 1.0, 8.0);
     const auto px = [scale](double v) { return static_cast<int>(std::lround(v * scale)); };
-    const int legend = px(2 * margin_px + line_px * std::max(1, static_cast<int>(listed.size())));
-    Canvas canvas(width, map.height + legend, background);
+    const int legend = px(2 * text_margin_px + text_line_px * std::max(1, static_cast<int>(listed.size())));
+    Canvas canvas(width, map.height + legend, dark_background);
     for (int y = 0; y < map.height; ++y) {
         for (int x = 0; x < map.width; ++x) {
             const ErrorCause cause =
@@ -52,14 +45,14 @@ Image cause_picture(const CauseMap& map, const Image& reference) {
             canvas.dot(x, y, cause == ErrorCause::none ? dim : cause_colour(cause));
         }
     }
-    int y = map.height + px(margin_px);
-    if (listed.empty()) canvas.text(px(margin_px), y + px(13), scale, "no pixel is wrong");
+    int y = map.height + px(text_margin_px);
+    if (listed.empty()) canvas.text(px(text_margin_px), y + px(13), scale, "no pixel is wrong");
     for (const std::size_t c : listed) {
-        canvas.fill(px(margin_px), y + px(2), px(14), px(12), cause_colour(static_cast<ErrorCause>(c)));
-        canvas.text(px(margin_px + 22), y + px(13), scale,
+        canvas.fill(px(text_margin_px), y + px(2), px(14), px(12), cause_colour(static_cast<ErrorCause>(c)));
+        canvas.text(px(text_margin_px + 22), y + px(13), scale,
                     fmt::format("{}: {:.1f} % of the error", cause_name(static_cast<ErrorCause>(c)),
                                 100 * map.error_share[c]));
-        y += px(line_px);
+        y += px(text_line_px);
     }
     return canvas.image();
 }

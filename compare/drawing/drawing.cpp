@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "compare/drawing/opencv_style.h"
 #include "core/error.h"
 #include "core/files/output_file.h"
 #include "pictures/srgb.h"
@@ -12,12 +13,7 @@ namespace postlens {
 namespace {
 
 constexpr double dash_px = 6, gap_px = 4;
-constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int subpixel_bits = 6;
-
-cv::Scalar scalar(Drawing::Colour c) {
-    return {static_cast<double>(c[0]), static_cast<double>(c[1]), static_cast<double>(c[2])};
-}
 
 // Converts coordinates to fixed point for OpenCV. They are clamped to 1e5 px, so that they fit into an int.
 cv::Point fixed(Drawing::Point p) {

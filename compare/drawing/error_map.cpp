@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-constexpr Rgb8 background{24, 24, 24}, not_a_number{255, 0, 255};
-constexpr int least_width_px = 440, legend_px = 60, margin_px = 10;
+constexpr Rgb8 not_a_number{255, 0, 255};
+constexpr int legend_px = 60;
 
 // The text grows with the image, so that it stays legible if the whole image is fitted to a screen.
 double text_scale(int width) {
@@ -51,7 +51,7 @@ Rgb8 colour_of(const float* a, const float* b, const std::vector<Rgb8>& colours)
 
 void draw_legend(Canvas& canvas, int y0, int width, double scale, const std::vector<Rgb8>& colours) {
     const auto px = [scale](double v) { return static_cast<int>(std::lround(v * scale)); };
-    const int x0 = px(margin_px), length = width - 2 * x0;
+    const int x0 = px(text_margin_px), length = width - 2 * x0;
     canvas.text(x0, y0 + px(15), scale, "largest channel difference, in 8-bit sRGB steps (log scale)");
     for (int x = 0; x < length; ++x) {
         const double at = static_cast<double>(x) / std::max(1, length - 1);
@@ -69,13 +69,13 @@ void draw_legend(Canvas& canvas, int y0, int width, double scale, const std::vec
 }  // namespace
 
 ImageSize error_map_size(ImageSize pictures) {
-    const int width = std::max(pictures.width, least_width_px);
+    const int width = std::max(pictures.width, least_legend_width_px);
     return {width, pictures.height + static_cast<int>(std::lround(legend_px * text_scale(width)))};
 }
 
 Image error_map(const Image& image, const Image& reference) {
     const ImageSize size = error_map_size({image.width, image.height});
-    Canvas canvas(size.width, size.height, background);
+    Canvas canvas(size.width, size.height, dark_background);
     const std::vector<Rgb8> colours = viridis();
     parallel_for(static_cast<std::size_t>(image.height), [&](std::size_t row) {
         const int y = static_cast<int>(row);

@@ -10,8 +10,7 @@
 namespace postlens {
 namespace {
 
-constexpr Rgb8 background{24, 24, 24};
-constexpr int gap_px = 8, line_px = 18;
+constexpr int between_px = 8;
 
 // Positions and sizes, px. All three panels are as wide as the error map.
 struct Layout {
@@ -19,8 +18,8 @@ struct Layout {
     int panel, gap, line, width, height, text_top;
     Layout(ImageSize pictures, std::size_t lines) : panel(error_map_size(pictures).width) {
         scale = std::clamp(panel / 1280.0, 1.0, 8.0);
-        gap = static_cast<int>(std::lround(gap_px * scale));
-        line = static_cast<int>(std::lround(line_px * scale));
+        gap = static_cast<int>(std::lround(between_px * scale));
+        line = static_cast<int>(std::lround(text_line_px * scale));
         width = 3 * panel + 4 * gap;
         text_top = line + gap + error_map_size(pictures).height + gap;
         height = text_top + static_cast<int>(lines) * line + gap;
@@ -37,7 +36,7 @@ ImageSize side_by_side_size(ImageSize pictures, std::size_t lines) {
 Image side_by_side(const Image& image, const Image& reference, const TextTable& table,
                    const std::vector<std::string>& lines) {
     const Layout at({image.width, image.height}, table.size() + lines.size());
-    Canvas canvas(at.width, at.height, background);
+    Canvas canvas(at.width, at.height, dark_background);
     const std::array<const char*, 3> names{"image", "reference", "difference"};
     for (int i = 0; i < 3; ++i) {
         const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;

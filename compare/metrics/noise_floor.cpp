@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "compare/metrics/square.h"
 #include "core/threads.h"
 #include "pictures/srgb.h"
 
@@ -31,10 +32,6 @@ struct BlockSums {
     double squared_bias = 0;
     std::size_t pixels = 0;
 };
-
-double square(double v) {
-    return v * v;
-}
 
 // Estimates the bias that an encoding f, such as sRGB, adds to the mean of noisy values. r1 and r2 are two
 // such values. For errors of variance v the bias is f'' v / 2. On average, f((r1 + r2) / 2) differs from the

@@ -5,14 +5,11 @@
 #include <limits>
 #include <vector>
 
+#include "compare/metrics/square.h"
 #include "core/threads.h"
 
 namespace postlens {
 namespace {
-
-double square(double v) {
-    return v * v;
-}
 
 // Returns the relative squared error of one pixel, the mean over its three channels.
 double relative_squared_error(const float* a, const float* b) {

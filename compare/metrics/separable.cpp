@@ -8,8 +8,8 @@ namespace postlens {
 namespace {
 
 // Number of results that are summed at the same time. It is so small that the sums stay in registers.
-constexpr std::size_t block = 32;
-static_assert(tile_width % block == 0);
+constexpr std::size_t block_px = 32;
+static_assert(tile_width % block_px == 0);
 
 }  // namespace
 
@@ -19,11 +19,11 @@ void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& 
     const float* const weights = taps.data();
     const std::size_t tap_count = taps.size();
     for (std::size_t y = 0; y < static_cast<std::size_t>(rows); ++y) {
-        for (std::size_t x = 0; x < tile_width; x += block) {
+        for (std::size_t x = 0; x < tile_width; x += block_px) {
             const float* const from = in.data() + y * in_stride + x;
-            std::array<float, block> sum{};
+            std::array<float, block_px> sum{};
             for (std::size_t k = 0; k < tap_count; ++k) {
-                for (std::size_t i = 0; i < block; ++i) sum[i] += weights[k] * from[i + k];
+                for (std::size_t i = 0; i < block_px; ++i) sum[i] += weights[k] * from[i + k];
             }
             std::copy(sum.begin(), sum.end(), out.data() + y * tile_width + x);
         }
@@ -35,11 +35,11 @@ void filter_columns(const Plane& in, std::span<const float> taps, Plane& out) {
     const float* const weights = taps.data();
     const std::size_t tap_count = taps.size();
     for (std::size_t y = 0; y < tile_height; ++y) {
-        for (std::size_t x = 0; x < tile_width; x += block) {
+        for (std::size_t x = 0; x < tile_width; x += block_px) {
             const float* const from = in.data() + y * tile_width + x;
-            std::array<float, block> sum{};
+            std::array<float, block_px> sum{};
             for (std::size_t k = 0; k < tap_count; ++k) {
-                for (std::size_t i = 0; i < block; ++i) sum[i] += weights[k] * from[i + k * tile_width];
+                for (std::size_t i = 0; i < block_px; ++i) sum[i] += weights[k] * from[i + k * tile_width];
             }
             std::copy(sum.begin(), sum.end(), out.data() + y * tile_width + x);
         }

@@ -9,19 +9,19 @@
 namespace postlens {
 namespace {
 
-constexpr int radius = 5;
-constexpr std::size_t in_width = tile_width + 2 * radius, in_height = tile_height + 2 * radius;
+constexpr int window_radius = 5;
+constexpr std::size_t in_width = tile_width + 2 * window_radius, in_height = tile_height + 2 * window_radius;
 
 // Taps of the Gaussian window, with sum 1 [wang2004, sec. III-C].
-std::array<float, 2 * radius + 1> window() {
-    std::array<double, 2 * radius + 1> w{};
+std::array<float, 2 * window_radius + 1> window() {
+    std::array<double, 2 * window_radius + 1> w{};
     double sum = 0;
-    for (int k = -radius; k <= radius; ++k) {
+    for (int k = -window_radius; k <= window_radius; ++k) {
         const double v = std::exp(-k * k / (2 * 1.5 * 1.5));
-        w[static_cast<std::size_t>(k + radius)] = v;
+        w[static_cast<std::size_t>(k + window_radius)] = v;
         sum += v;
     }
-    std::array<float, 2 * radius + 1> out{};
+    std::array<float, 2 * window_radius + 1> out{};
     std::transform(w.begin(), w.end(), out.begin(), [sum](double v) { return static_cast<float>(v / sum); });
     return out;
 }
@@ -42,9 +42,9 @@ struct Moments {
 
 void load(const Image& a, const Image& b, const PixelMask& usable, int x0, int y0, Moments& to) {
     for (std::size_t y = 0; y < in_height; ++y) {
-        const int py = std::clamp(y0 - radius + static_cast<int>(y), 0, a.height - 1);
+        const int py = std::clamp(y0 - window_radius + static_cast<int>(y), 0, a.height - 1);
         for (std::size_t x = 0; x < in_width; ++x) {
-            const int px = std::clamp(x0 - radius + static_cast<int>(x), 0, a.width - 1);
+            const int px = std::clamp(x0 - window_radius + static_cast<int>(x), 0, a.width - 1);
             const std::size_t pixel = static_cast<std::size_t>(py) * static_cast<std::size_t>(a.width) +
                                       static_cast<std::size_t>(px);
             const bool counts = usable[pixel] != 0;
@@ -82,8 +82,10 @@ std::vector<float> ssim_map(const Image& a_encoded, const Image& b_encoded, cons
             filter_rows(*in.planes()[p], in_height, taps, *rows.planes()[p]);
             filter_columns(*rows.planes()[p], taps, *out.planes()[p]);
         }
-        for (int y = std::max(y0, radius); y < std::min(y0 + tile_height, height - radius); ++y) {
-            for (int x = std::max(x0, radius); x < std::min(x0 + tile_width, width - radius); ++x) {
+        for (int y = std::max(y0, window_radius); y < std::min(y0 + tile_height, height - window_radius);
+             ++y) {
+            for (int x = std::max(x0, window_radius); x < std::min(x0 + tile_width, width - window_radius);
+                 ++x) {
                 map[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                     static_cast<std::size_t>(x)] =
                     similarity(out, static_cast<std::size_t>((y - y0) * tile_width + x - x0));

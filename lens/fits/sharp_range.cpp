@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "core/units.h"
 #include "lens/wave/wave_scale.h"
 
 namespace postlens {
 namespace {
 
-constexpr double metres_per_mm = 1e-3;
 constexpr double fastest = 0.7;  ///< f-number of the fastest photographic lenses
 
 SharpLens solve(double focal_length_mm, double s_m, const SharpRangeRequest& request) {

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/units.h"
 
 namespace postlens {
 namespace {
 
-constexpr double metres_per_mm = 1e-3;
 constexpr double example_focal_length_mm = 50;
 
 /// Residual c - K |q - 1/z| of one pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and q = 1/s.

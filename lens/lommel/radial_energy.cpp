@@ -15,7 +15,7 @@ namespace {
 /// at step 1/2, and 1e-9 at step 1/8.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
-constexpr std::size_t reach = 3;  ///< number of values used beyond each end of a step
+constexpr std::size_t values_beyond = 3;  ///< number of values used beyond each end of a step
 
 }  // namespace
 
@@ -26,7 +26,7 @@ double RadialEnergy::step_for(double u) {
 }
 
 std::size_t RadialEnergy::grid_count(double step, double v_end) {
-    return static_cast<std::size_t>(std::ceil(v_end / step)) + 2 + reach;
+    return static_cast<std::size_t>(std::ceil(v_end / step)) + 2 + values_beyond;
 }
 
 RadialEnergy::RadialEnergy(double u, double v_end)
@@ -37,7 +37,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     assert(grid.step == step_for(u) && grid.j0.size() >= count);
     intensity_.resize(count);
     lommel_row(u, grid, intensity_);
-    const std::size_t nodes = count - reach;
+    const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
     // dE/dv = I v / 2 is an odd function of v, so values at negative v follow by symmetry.

@@ -5,6 +5,7 @@
 
 #include "lens/cell_deposit.h"
 #include "lens/traced/lit_outline.h"
+#include "lens/traced/meridional_rotation.h"
 
 namespace postlens {
 namespace {
@@ -78,12 +79,6 @@ struct Placed {
     dvec2 pupil{0};  ///< pupil point, as in the node
     double light = 0;
 };
-
-// Rotates p by the rotation that turns +y into the unit vector `axis`. Raster and camera axes differ by a
-// reflection, which has no effect for a rotationally symmetric lens.
-dvec2 turned(const dvec2& p, const dvec2& axis) {
-    return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
-}
 
 Placed placed(const PupilFan::Node& node, const FanImage& image, double side) {
     const dvec2 pupil(side * node.pupil_m.x, node.pupil_m.y);

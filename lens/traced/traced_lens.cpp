@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "lens/traced/meridional_rotation.h"
 
 namespace postlens {
 namespace {
@@ -36,11 +37,6 @@ double checked_wavelength(const Prescription& lens, const TracedLensSettings& se
         fail(ExitCode::wrong_arguments, "--wavelength: out of range (got {} nm; expected 100 to 100000)", nm);
     }
     return nm;
-}
-
-// Rotates p by the rotation that turns (0, 1) into the unit vector `axis`.
-dvec2 turned(dvec2 p, dvec2 axis) {
-    return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }
 
 dvec2 axis_of(dvec2 p) {
@@ -224,10 +220,13 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
     constexpr int rows = search_cells + 1, columns = search_cells / 2 + 1;
     std::array<std::uint8_t, std::size_t{rows} * columns> passes{};
     const auto node = [&](int i, int j) { return from.low + step * dvec2(i + search_cells / 2, j); };
+    const auto at = [](int i, int j) {
+        return static_cast<std::size_t>(j) * columns + static_cast<std::size_t>(i);
+    };
     for (int j = 0; j < rows; ++j) {
         for (int i = 0; i < columns; ++i) {
             LensRay ray{film, glm::normalize(dvec3(node(i, j), z) - film)};
-            passes[static_cast<std::size_t>(j * columns + i)] = stack_.backward(ray).passes() ? 1 : 0;
+            passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
     // If a prescription states no clear radii, stray rays pass that every real mount would block. Therefore
@@ -246,7 +245,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             around.high = glm::max(around.high, node(i, j));
             for (const auto& [u, v] : {std::pair{i - 1, j}, {i + 1, j}, {i, j - 1}, {i, j + 1}}) {
                 if (u < 0 || u >= columns || v < 0 || v >= rows) continue;
-                std::uint8_t& next = passes[static_cast<std::size_t>(v * columns + u)];
+                std::uint8_t& next = passes[at(u, v)];
                 if (next == 0) continue;
                 next = 0;
                 patch.push_back(v * columns + u);

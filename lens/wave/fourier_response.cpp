@@ -20,7 +20,7 @@
 namespace postlens {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 using Complex = std::complex<double>;
 
 /// FFTW's planner is not thread-safe, so this mutex guards it.

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/memory.h"
 #include "core/threads.h"
+#include "core/units.h"
 #include "lens/aperture_response.h"
 #include "lens/ellipse_coverage.h"
 #include "lens/focus_geometry.h"
@@ -147,7 +148,6 @@ void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
     // Light through the rim of the lens is displaced by the radius of the CoC. Spherical aberration X adds X
     // rho^2 to the defocus 1/s - 1/z at lens radius rho.
-    constexpr double metres_per_mm = 1e-3;
     const double radius_px = out.coc_px / 2;
     const double px_per_inverse_metre = out.image_distance_mm / request.pixel_pitch_mm *
                                         request.lens.aperture_diameter_mm() / 2 * metres_per_mm;

@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-constexpr double pi = std::numbers::pi, m_per_nm = 1e-9, mm_per_nm = 1e-6;
+using std::numbers::pi;
+constexpr double m_per_nm = 1e-9, mm_per_nm = 1e-6;
 
 }  // namespace
 

@@ -52,7 +52,7 @@ struct Letter {
     std::array<const char*, 3> names;
 };
 constexpr Letter red{{"R", "r", "red"}}, green{{"G", "g", "green"}}, blue{{"B", "b", "blue"}},
-    alpha{{"A", "a", "alpha"}};
+    alpha_name{{"A", "a", "alpha"}};
 
 std::optional<MatteRank> rank_of(const ForeignFile& file, std::size_t own, const std::string& layer,
                                  const Letter& id, const Letter& coverage) {
@@ -71,7 +71,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     if (name.size() > longest_name) return out;
     for (int i = 0; i < most_layers; ++i) {
         const std::string layer = fmt::format("{}{:02}.", name, i);
-        for (const auto& [id, coverage] : {std::pair(&red, &green), std::pair(&blue, &alpha)}) {
+        for (const auto& [id, coverage] : {std::pair(&red, &green), std::pair(&blue, &alpha_name)}) {
             const auto rank = rank_of(file, own, layer, *id, *coverage);
             if (!rank) return out;
             out.push_back(*rank);

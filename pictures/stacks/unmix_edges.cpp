@@ -16,7 +16,7 @@ namespace {
 /// that are means of two depths: the filter that made these means also mixed more pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Largest relative difference of depths that count as the same surface at one position.
-constexpr double same_depth = 0.05;
+constexpr double same_surface = 0.05;
 
 /// Clamps a value to the range of float. One surface's part of a very bright pixel may exceed that range.
 float within_float(double value) {
@@ -102,7 +102,7 @@ class Unmixer {
     }
     [[nodiscard]] bool is_mixed(std::size_t pixel) const { return pixel != unstored && mixed_[pixel] != 0; }
     [[nodiscard]] static bool alike(double a, double b) {
-        return std::abs(a - b) <= same_depth * std::max(a, b);
+        return std::abs(a - b) <= same_surface * std::max(a, b);
     }
 
     void find(std::size_t pixel, Portion& portion) const {

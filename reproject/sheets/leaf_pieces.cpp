@@ -8,7 +8,6 @@
 namespace postlens {
 namespace {
 
-constexpr int edge = SheetMesh::square_px;
 constexpr std::uint32_t none = 0xFFFFFFFFU;
 
 }  // namespace
@@ -31,7 +30,7 @@ void LeafPieces::collect(const SheetSquare& square) {
         for (int column = square.first_pixel; column < square.last_pixel; ++column) {
             const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(square.band_width) +
                                static_cast<std::size_t>(column);
-            const int cell = row * edge + column - square.first_pixel;
+            const int cell = row * SheetMesh::square_px + column - square.first_pixel;
             for (std::uint32_t i = leaves_.leaf_offsets[pixel]; i < leaves_.leaf_offsets[pixel + 1]; ++i)
                 add_leaf(leaves_.leaves[i], cell);
         }
@@ -49,8 +48,8 @@ void LeafPieces::sort_pieces() {
 
 void LeafPieces::add_leaf(const Leaf& leaf, int cell) {
     const PointSample& at = leaves_.points.samples[leaf.corner[0]];
-    const int row = cell / edge;
-    const float x = at.x - static_cast<float>(square_.x + cell % edge),
+    const int row = cell / SheetMesh::square_px;
+    const float x = at.x - static_cast<float>(square_.x + cell % SheetMesh::square_px),
                 y = at.y - static_cast<float>(square_.y + row);
     std::array<std::uint32_t, 4> begin{};
     bool simple = true;

@@ -6,7 +6,6 @@
 namespace postlens {
 namespace {
 
-constexpr int edge = SheetMesh::square_px;
 /// Contrast threshold for files that do not state one, because `trace` did not divide their pixels.
 constexpr float usual_contrast = 0.1F;
 
@@ -155,8 +154,8 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
         const float x = piece.x + piece.size * (whole ? ((k & 1) != 0 ? 0.75F : 0.25F) : 0.5F),
                     y = piece.y + piece.size * (whole ? ((k & 2) != 0 ? 0.75F : 0.25F) : 0.5F);
         Highlight light;
-        light.x = x + static_cast<float>(square_.x + piece.cell % edge);
-        const int row = piece.cell / edge;
+        light.x = x + static_cast<float>(square_.x + piece.cell % SheetMesh::square_px);
+        const int row = piece.cell / SheetMesh::square_px;
         light.y = y + static_cast<float>(square_.y + row);
         light.rgb = {area * excess[0], area * excess[1], area * excess[2]};
         light.area = area;
@@ -327,18 +326,18 @@ void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* plan
 void SheetBuilder::emit() {
     for (std::size_t s = 0; s < drafts_used_; ++s) {
         const Draft& d = drafts_[s];
-        int x0 = edge, x1 = 0;
+        int x0 = SheetMesh::square_px, x1 = 0;
         Sheet sheet;
         sheet.inverse_z_min = HUGE_VALF;
         sheet.inverse_z_max = -HUGE_VALF;
         for (std::size_t i = 0; i < d.cells.size(); ++i) {
-            x0 = std::min(x0, d.cells[i] % edge);
-            x1 = std::max(x1, d.cells[i] % edge + 1);
+            x0 = std::min(x0, d.cells[i] % SheetMesh::square_px);
+            x1 = std::max(x1, d.cells[i] % SheetMesh::square_px + 1);
             const float z = d.planes[i * out_.values].value;
             sheet.inverse_z_min = std::min(sheet.inverse_z_min, z);
             sheet.inverse_z_max = std::max(sheet.inverse_z_max, z);
         }
-        const int y0 = d.cells.front() / edge, y1 = d.cells.back() / edge + 1;
+        const int y0 = d.cells.front() / SheetMesh::square_px, y1 = d.cells.back() / SheetMesh::square_px + 1;
         sheet.key = key_;
         sheet.x = square_.x + x0;
         sheet.y = square_.y + y0;
@@ -354,8 +353,9 @@ void SheetBuilder::emit() {
         out_.planes.resize(end * out_.values);
         if (out_.has_w()) out_.bends.resize(end, 0.0F);
         for (std::size_t i = 0; i < d.cells.size(); ++i) {
-            const std::size_t to = first + static_cast<std::size_t>((d.cells[i] / edge - y0) * sheet.width +
-                                                                    d.cells[i] % edge - x0);
+            const std::size_t to =
+                first + static_cast<std::size_t>((d.cells[i] / SheetMesh::square_px - y0) * sheet.width +
+                                                 d.cells[i] % SheetMesh::square_px - x0);
             out_.fine[to] = d.fine[i];
             out_.coarse[to] = d.coarse[i];
             std::copy_n(d.planes.begin() + static_cast<std::ptrdiff_t>(i * out_.values), out_.values,

@@ -6,7 +6,7 @@
 namespace postlens {
 namespace {
 
-constexpr std::size_t lanes = 16;
+constexpr std::size_t group_size = 16;
 
 }  // namespace
 
@@ -44,9 +44,9 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     LensCamera::PointSamples samples;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
     const int width = setup_.width();
     const auto pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(setup_.height());
-    for (std::size_t first = 0; first < lines.size(); first += lanes) {
-        const std::size_t count = std::min(lanes, lines.size() - first);
-        for (std::size_t i = 0; i < lanes; ++i) {
+    for (std::size_t first = 0; first < lines.size(); first += group_size) {
+        const std::size_t count = std::min(group_size, lines.size() - first);
+        for (std::size_t i = 0; i < group_size; ++i) {
             // The last group of 16 rays is filled with copies of its last line. The rays of these copies are
             // dropped.
             const SightLine& line = lines[first + std::min(i, count - 1)];
@@ -59,7 +59,7 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
             eye.index.push_back(static_cast<int>(line.view));
         }
         setup_.camera().add_rays(samples, eye.rays, eye.weight);
-        eye.rays.count -= static_cast<int>(lanes - count);
+        eye.rays.count -= static_cast<int>(group_size - count);
     }
     RayCounts counts;
     tracer_.trace(eye, counts);

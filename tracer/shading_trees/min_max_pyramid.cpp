@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float no_value = std::numeric_limits<float>::infinity();
 
 /// Returns the squared distance from (x, y) to the nearest integer position in a square.
 double distance2_of(double x, double y, int square_x, int square_y, double size) {
@@ -26,14 +26,14 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     Level first{width, height, {}};
     first.ranges.reserve(values.size());
     for (const float v : values) {
-        first.ranges.push_back(std::isnan(v) ? Range{infinity, -infinity} : Range{v, v});
+        first.ranges.push_back(std::isnan(v) ? Range{no_value, -no_value} : Range{v, v});
     }
     levels_.push_back(std::move(first));
     while (levels_.back().width > 1 || levels_.back().height > 1) {
         const Level& below = levels_.back();
         Level above{(below.width + 1) / 2, (below.height + 1) / 2, {}};
         above.ranges.assign(static_cast<std::size_t>(above.width) * static_cast<std::size_t>(above.height),
-                            {infinity, -infinity});
+                            {no_value, -no_value});
         for (int y = 0; y < below.height; ++y) {
             for (int x = 0; x < below.width; ++x) {
                 const Range& from =

@@ -1,0 +1,9 @@
+#pragma once
+
+namespace postlens {
+
+constexpr double square(double v) {
+    return v * v;
+}
+
+}  // namespace postlens
