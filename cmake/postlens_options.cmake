@@ -27,7 +27,7 @@ target_compile_features(postlens_options INTERFACE cxx_std_20)
 set(postlens_compile_options
   # Settings are filled with designated initialisers; what is left out keeps its default.
   -Wall -Wextra -Wpedantic -Wno-missing-field-initializers -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Wcast-qual -Werror
-  # No fused multiply-add: the same bits from every instruction set that a kernel is compiled for.
+  # No fused multiply-add, so that kernels give bit-identical results for every instruction set.
   -ffp-contract=off
   # errno and traps are never read; without these sqrt and selects do not vectorise.
   -fno-math-errno -fno-trapping-math)

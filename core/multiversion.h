@@ -1,8 +1,8 @@
 // POSTLENS_MULTIVERSION in front of a function compiles the function for several instruction sets; the
-// version for the CPU is chosen at load time. With -ffp-contract=off all versions give the same bits, because
-// no sum is reordered. Exception: GCC 12 still fuses alternating sums and differences of products (as in
-// complex numbers), so such code must be written as two loops. scripts/check_instruction_sets.sh tests this.
-// With clang, and on processors other than x86-64, the macro is empty.
+// version for the CPU is chosen at load time. With -ffp-contract=off all versions give bit-identical results,
+// because no sum is reordered. Exception: GCC 12 still fuses alternating sums and differences of products (as
+// in complex numbers), so such code must be written as two loops. scripts/check_instruction_sets.sh tests
+// this. With clang, and on processors other than x86-64, the macro is empty.
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)

@@ -74,8 +74,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// The division of an image into strips, used if its splats (impulse responses of samples) exceed the memory
-/// limit.
+/// The division of an image into strips (groups of rows), used if its splats (impulse responses of samples)
+/// exceed the memory limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;

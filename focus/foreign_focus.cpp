@@ -43,8 +43,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Window of the corners of all pixels with known content: the stored pixels, and all other pixels of the
-/// raster, which are empty.
+/// Returns the window of the corners of all pixels whose content is known: the pixels that the file stores,
+/// and all other pixels of the raster, which count as empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
             std::max(p.height, p.y_end) + 1};
@@ -162,7 +162,8 @@ class Spread {
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // weights that arrive, so it needs the largest share of the pixel that may stay empty.
+            // sum of its weights, which would fill empty space with the light around it. So `scatter` needs
+            // `nothing_`, the largest share of each pixel that may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels();
             } else {
@@ -237,7 +238,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
     if (!is_see_through(picture, behind)) {
         // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
-        // that the crop has the same bits as the whole image.
+        // that the crop is bit-identical to that part of the whole image.
         const auto is_gap = [](float unseen) { return unseen >= 1; };
         if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
             s.drawn = window;

@@ -35,7 +35,7 @@ struct FrameRows {
 
 /// The data that images of any lens share: records, point samples, and the surfaces (sheets) of the light
 /// field. Only one thread at a time may use a frame, with one exception: several threads may call visit_rows
-/// if the frame keeps its rows and they have been visited once. Images have the same bits whether data are
+/// if the frame keeps its rows and they have been visited once. Images are bit-identical whether data are
 /// kept or not.
 class FocusFrame {
   public:

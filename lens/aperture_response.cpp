@@ -83,7 +83,8 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double cell = 2.0 / std::max(whole.width, whole.height);
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
-    // The last column and row of combined cells end at the border of the aperture image.
+    // Each cell of the coarse image `p` combines p.step x p.step cells of the aperture image. The cells of
+    // its last column and row are smaller where they end at the border of the aperture image.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);

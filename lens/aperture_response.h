@@ -7,7 +7,8 @@
 namespace postlens {
 
 /// Maps a lens point q to the position where its light lands on the film: `map_px q + spherical_px q |q|^2`,
-/// px, relative to `centre_px`. For scene points in front of the focus, map_px inverts the aperture.
+/// px, relative to `centre_px`. For scene points nearer than the plane in focus, map_px also turns the
+/// aperture upside down and left to right.
 struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;

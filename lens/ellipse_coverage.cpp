@@ -90,9 +90,9 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Area of the strip to the left of x (relative to the centre): the integral over t of min(right(t), x) -
-/// min(left(t), x). An edge crosses x at the roots of a quadratic; between the roots, each integrand has an
-/// antiderivative in closed form.
+/// Area, to the left of x, of the strip (the part of the ellipse within one pixel row). x is relative to the
+/// centre. The area is the integral over t of min(right(t), x) - min(left(t), x). An edge crosses x at the
+/// roots of a quadratic; between the roots, each integrand has an antiderivative in closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -144,8 +144,9 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // The right edge is concave and the left edge convex. So each edge is farthest from the centre at its
-    // vertical tangent or at an end of the strip.
+    // The strip is the part of the ellipse within one row of pixels. The ellipse is convex, so the right end
+    // of the strip is at the ellipse's rightmost point if the row contains it, and otherwise at the upper or
+    // lower border of the row. The same holds for the left end.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));

@@ -28,8 +28,9 @@ struct MotionBlurSettings {
     std::optional<int> views;       ///< number of views of lightfield
     std::vector<ObjectPath> paths;  ///< each replaces the file's motion for its ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute; all other pixels are undefined. The computed pixels have the same
-    /// bits as without a crop, and shares refer to them. Only lightfield becomes faster with a crop.
+    /// The part of the image to compute; all other pixels are undefined. The computed pixels are
+    /// bit-identical to those without a crop, and the shares in the result refer to them. Only lightfield
+    /// becomes faster with a crop.
     std::optional<Crop> crop;
 };
 
@@ -65,7 +66,7 @@ struct MotionBlurResult {
 void check_exposure(const Exposure& exposure);
 
 /// Computes the image of a sample file with motion blur. The result is bit-identical for any number of
-/// threads. If nothing moves between the recorded instant and the exposure, it has the same bits as the
+/// threads. If nothing moves between the recorded instant and the exposure, it is bit-identical to the
 /// pinhole image. Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths of
 /// unknown ids and for a damaged file, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);

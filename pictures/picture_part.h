@@ -1,5 +1,5 @@
-// Parts of an image that are computed separately. The joined image has the same bits as an image computed as
-// a whole.
+// Parts of an image that are computed separately. The joined image is bit-identical to an image computed as a
+// whole.
 #pragma once
 
 #include <filesystem>

@@ -17,8 +17,8 @@ namespace postlens {}
 /// Errors: every function throws `Error` and no other exception. A file is either written completely or left
 /// unchanged.
 ///
-/// Threads: several threads may call functions at the same time, each with its own `Job`. Pictures have the
-/// same bits for any number of threads.
+/// Threads: several threads may call functions at the same time, each with its own `Job`. Pictures are
+/// bit-identical for any number of threads.
 namespace postlens::api {
 
 /// The exit codes of the command. Codes 0, 1 and 6 are results (`Report::exit_code`). The other codes are

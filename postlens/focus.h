@@ -56,7 +56,7 @@ struct FocusResult {
     Report report = {};                         ///< Of `postlens focus` or `postlens shoot`.
 };
 
-/// Makes the picture of a frame through a lens. The result has the same bits as that of `postlens focus`. For
+/// Makes the picture of a frame through a lens. The result is bit-identical to that of `postlens focus`. For
 /// an infinite f-number it is the pinhole picture. docs/focus.md describes formulas, methods and limits
 /// [Potmesil & Chakravarty 1981].
 ///

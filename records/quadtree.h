@@ -23,17 +23,19 @@ struct PointSample {
     /// the quadrant that contains the leaf. The weight in a pixel is the sum over the quadrants inside the
     /// pixel.
     std::array<float, 4> weight{};
-    /// Edge length of the leaf in each quadrant, px. 0 if the quadrant has no leaf: outside the raster, or if
-    /// the sample is on an edge of a larger leaf.
+    /// Edge length, px, of the leaf that has a corner at the sample, for each of the four quadrants around
+    /// the sample (in the order of `weight`). 0 if there is no such leaf: the quadrant is outside the raster,
+    /// or the sample lies on an edge of a larger leaf.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples of the pixel rows [y_begin, y_end) of `band`, row by row, sorted by (y, x) within
-/// a pixel. Weights refer to the pixels [x_begin, x_end - 1) x [pixel_y_begin, pixel_y_end), all of whose
-/// corners are recorded. Where such pixels exist above and below, `band` must also contain row y_begin - 1
-/// (pixels above) and row y_end (lower corners). Throws Error(invalid_input) if a corner of a quadtree is
-/// missing.
+/// Finds the point samples of the pixel rows [y_begin, y_end) of `band`, and their weights. Samples are
+/// listed pixel by pixel, and within a pixel by y, then by x. A sample gets weights from the leaves of all
+/// pixels around it in the columns [x_begin, x_end - 1) and the rows [pixel_y_begin, pixel_y_end), because
+/// all corners of these pixels are recorded. The weights of row y_begin need the pixels of row y_begin - 1.
+/// The lower corners of row y_end - 1 are stored in row y_end. If these two rows exist, `band` must contain
+/// them. Throws Error(invalid_input) if a corner of a quadtree is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand

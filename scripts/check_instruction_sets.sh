@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Shows that the program runs on every x86-64 processor and gives the same bits on all of them: that only the clones
+# Shows that the program runs on every x86-64 processor and gives bit-identical results on each: that only the clones
 # which core/multiversion.h makes hold AVX instructions, that none of them fuses a product and a sum, that under qemu each
 # processor takes the clones made for it, and that what it writes is, byte for byte, what this machine writes (but for the
 # last bits of what FFTW transforms: tests/instruction_sets/compare_results.sh).

@@ -35,8 +35,8 @@ void luminances(const float* __restrict rgb, std::size_t width, double* __restri
 /// below.
 POSTLENS_MULTIVERSION
 double squared_steps(const double* here, const double* below, std::size_t width) {
-    // The number of partial sums is fixed. Every instruction set therefore adds in the same order and
-    // computes the same bits.
+    // The number of partial sums is fixed. Every instruction set therefore adds in the same order, with
+    // bit-identical results.
     constexpr std::size_t lanes = 8;
     double sums[lanes] = {};
     const auto step = [&](std::size_t x) {

@@ -16,7 +16,7 @@ void expose(Scene& scene, double stops);
 /// colour channel of each pixel in a preview of the scene. The preview shows the default instant without
 /// exposure. It is 96 px long on its longer side, and traces one shading tree through the centre of each
 /// pixel, with at most 5 nodes along a path. The result depends on the aspect ratio of the image but not on
-/// its size, and has the same bits for any number of threads. Throws the errors of find_camera and
+/// its size, and is bit-identical for any number of threads. Throws the errors of find_camera and
 /// CameraModel.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                                          const CameraOverrides& camera);

@@ -31,8 +31,8 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
-// sums are added one sample at a time. Threads and interruptions therefore do not change the bits of the
-// result.
+// sums are added one sample at a time. The result is therefore bit-identical for any number of threads and
+// interruptions.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -173,8 +173,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of a block begins at 0. A part of the render that contains only this block therefore
-            // has the same bits.
+            // The sum of a block begins at 0. In a part of the render that contains only this block, it is
+            // therefore bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

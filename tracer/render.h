@@ -51,8 +51,8 @@ struct RenderSettings {
 
     double metres_per_unit = 1;        ///< with which the scene was read; only recorded
     double checkpoint_interval_s = 5;  ///< interval at which the unfinished image is saved
-    /// The crop of the image that is rendered. Tiles of 8 px outside the crop stay black. The other tiles
-    /// have the same bits as without a crop. Files contain only the crop (see write_image). A run may be
+    /// The crop of the image that is rendered. Tiles of 8 px outside the crop stay black. The other tiles are
+    /// bit-identical to those without a crop. Files contain only the crop (see write_image). A run may be
     /// resumed with another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< for the files of the pictures (Image::made_by)
@@ -86,8 +86,8 @@ struct RenderResult {
 /// contain the sums.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to the file `path`, and to half_paths. The bits are the same for any number of threads, and for a
-/// run that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
+/// Renders to the file `path`, and to half_paths. The file is bit-identical for any number of threads, and
+/// for a run that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
 /// Error(interrupted) after writing partial_path, Error(invalid_input) if that file is damaged or has other
 /// settings, Error(out_of_memory), and Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,

@@ -21,7 +21,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // The brightness factor of the light field is 1/4 for 16 views and increases to 2 for 2048 views.
+            // A tile of more views is drawn brighter. The factor grows with the logarithm of the number of
+            // views, from 1/4 for 16 views to 2 for 2048.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }

@@ -12,7 +12,7 @@ from . import command, passes
 
 # The share of a frame's time that each of its two renders takes in the progress that is shown.
 RENDER_SHARE = 0.4
-# Seconds without a pause while the lenses of all frames are looked up.
+# Longest time, s, for which `survey` blocks Blender's window before it pauses.
 SURVEY_S = 0.1
 
 

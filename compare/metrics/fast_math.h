@@ -1,5 +1,5 @@
-// Cube root and power from basic arithmetic only. Loops over these functions vectorise, and every machine
-// computes the same bits.
+// Cube root and power from basic arithmetic only. Loops over these functions vectorise, and the results are
+// bit-identical on all machines.
 #pragma once
 
 #include <bit>

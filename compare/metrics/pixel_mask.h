@@ -29,7 +29,7 @@ using PixelMask = std::vector<std::uint8_t>;
                                         const PixelMask& counted);
 
 /// Returns the sum of row(y) for y in [0, rows). Rows are evaluated in parallel but added in order, so the
-/// sum has the same bits for any number of threads.
+/// sum is bit-identical for any number of threads.
 [[nodiscard]] double sum_of_rows(int rows, const std::function<double(std::size_t y)>& row);
 
 /// Returns the mean of a map (one value per pixel) over the pixels that `mask` counts. NaN values are

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, px. All splats (impulse responses) of a tile are tested together for whether they reach a
-/// block of the image.
+/// Edge of a tile, px. A single test decides whether any of the splats (impulse responses) of a tile reaches
+/// a block of the image.
 constexpr int tile_px = 64;
 
 }  // namespace

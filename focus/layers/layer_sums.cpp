@@ -112,7 +112,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds to the first `width` pixels of a row the prefix sums of their differences.
+/// Adds the prefix sums of `changes` to `sums`. `changes` has the differences between neighbouring pixels of
+/// a row of `width` pixels, with `numbers` values per pixel.
 template <std::size_t numbers>
 void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

@@ -70,7 +70,8 @@ class FieldHighlights {
     };
     void group_sources();
     void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
-    /// In each pixel of a part of a tile, the fraction of a group of highlights that is visible.
+    /// A rectangle of image pixels within a tile. `share` has, for each of its pixels, the fraction of a
+    /// group of highlights that the pixel sees unoccluded.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};

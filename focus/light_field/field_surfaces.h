@@ -42,9 +42,9 @@ using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMe
 /// Upper bound of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces of an image strip by strip. Each strip gets the surfaces that reach it in any view. The
-/// first read measures how far the surfaces of each row of squares reach, and keeps the few that reach far.
-/// For later strips, only the rows close to the strip are read.
+/// Reads the surfaces of an image for one strip (group of rows) after another. Each strip gets the surfaces
+/// that reach it in any view. The first read measures how far the surfaces of each row of squares reach, and
+/// keeps the few that reach far. For later strips, only the rows close to the strip are read.
 class FieldStrips {
   public:
     /// Keeps references to its arguments. `views`: the field of views, without recorded instants. A strip

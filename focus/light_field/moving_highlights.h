@@ -61,7 +61,8 @@ class HighlightMotion {
 
   private:
     using Maps = std::vector<RasterMap>;
-    /// Motions of an object to the middles of `count` equal parts of the exposure. Thread-safe.
+    /// Divides the exposure into `count` equal parts. Returns, for each part, the motion of an object from
+    /// the recorded instant to the middle of the part. Thread-safe.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

@@ -111,8 +111,10 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels by number. Any thread may request the number of a key at any time. `build` then builds the kernels
-/// of all requested keys. The number of a key depends on the timing of threads, but its kernel does not.
+/// Kernels (impulse responses on the pixel grid), each with a number. A KernelKey states which kernel is
+/// meant. `number_of` returns the number of a key, and any thread may call it at any time. Afterwards,
+/// `build` builds the kernels of all these keys. The numbers depend on the timing of threads; the kernel of a
+/// key does not.
 class KernelTable {
   public:
     /// `disc_radius_px`: radius of each depth level. The disc of level i with phase (0, 0) has the number i.

@@ -11,14 +11,15 @@ namespace {
 /// Number of source rows that are summed in float before the sums are added to sums in double. The number is
 /// small enough to keep the rounding error below 1e-6 of a sum.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered together, strip by strip. With this number, the sums of one strip
-/// and channel stay in the L1 cache for CoC radii up to 64 px.
+/// Number of source rows that are filtered together, for one strip (64 columns of a block of pixels) after
+/// another. With this number, the sums of one strip and channel stay in the L1 cache for CoC radii up to 64
+/// px.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// A row of a strip consists of 8 vectors of 8 floats. This is few enough for the registers, and enough to
-/// keep the loop's overhead small.
+/// The 64 pixels in a row of a strip form 8 vectors of 8 floats. This is few enough for the registers, and
+/// enough to keep the loop's overhead small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -28,7 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// The inputs of filter_strip.
+/// The inputs of filter_strip, which filters a source row by a kernel and adds the result to the sums of one
+/// strip.
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -217,7 +219,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // A line contains all columns that filtering of its strips may read.
+    // The line is the part of a source row that is filtered for the run: the columns of all strips that the
+    // run reaches, `reach` columns on either side, and one more for the running sums.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);

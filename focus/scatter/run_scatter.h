@@ -16,7 +16,7 @@ namespace postlens {
 /// in double. The order of every sum depends only on the tables, not on threads.
 class RunScatter {
   public:
-    /// Width of the strips into which a block is divided, px.
+    /// A block of pixels is divided into strips, which are groups of this many columns.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);

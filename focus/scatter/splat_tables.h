@@ -102,10 +102,10 @@ class SplatTables {
     /// Prepares an image whose splats would exceed a memory limit. Call it before the first row. Until
     /// finish(), rows that are added only count kernels and runs.
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip, which keeps the splats that reach `part`, raster px. May be called any number of times
-    /// after finish(). Returns the ranges of rows [begin, end) that must be added again, in this order,
-    /// before finish_strip(); the first call returns all rows. The height of each strip is a multiple of
-    /// `block_px`.
+    /// Starts a strip of the image (a group of rows). Only splats that reach `part`, raster px, are kept. May
+    /// be called any number of times after finish(). Returns the ranges of rows [begin, end) that must be
+    /// added again, in this order, before finish_strip(); the first call returns all rows. The height of each
+    /// strip is a multiple of `block_px`.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Number of splats that reach the rows [begin, end) of blocks. Call it after a first strip that is

@@ -75,8 +75,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integral of the cubic w0 + s0 t + (3 rise - 2 s0 - s1) t^2 + (s0 + s1 - 2 rise) t^3, where s0 and s1
-    // are the slopes.
+    // Integral of the cubic w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3 from the beginning of the
+    // step (t = 0). w0 is the value there, s0 and s1 are the slopes at both ends of the step, and r (`rise`)
+    // is the difference of the values at both ends.
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

@@ -8,9 +8,9 @@
 
 namespace postlens {
 
-/// Fans of rays, each from one object point through the lens, on a grid of inverse depths and field tangents.
-/// The constructor traces the fans in parallel. Fans between grid points are interpolated linearly (errors:
-/// docs/lens.md). Results are bit-identical for any number of threads.
+/// Fans: each is a bundle of rays from one object point through the lens. The object points lie on a grid of
+/// inverse depths and field tangents. The constructor traces the fans in parallel. Fans between grid points
+/// are interpolated linearly (errors: docs/lens.md). Results are bit-identical for any number of threads.
 class FanTable {
   public:
     /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` and tangents from 0 to `widest_tangent`.
@@ -22,8 +22,8 @@ class FanTable {
     /// Light that the pixel in this direction receives from a uniform scene, relative to the centre pixel (as
     /// LensView::light). The depth of the scene has no influence.
     [[nodiscard]] double light(double tangent) const;
-    /// Upper bound of the distance from an object point's image to the end of its impulse response, as a
-    /// tangent.
+    /// Upper bound of the radius of an impulse response: the distance on the film from the object point's
+    /// image to the farthest light of that point, divided by the film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
     /// Upper bound of the derivative of responses over the field: how far a ray's landing point, relative to
     /// the image of its object point, moves per distance that the object point moves. Both are tangents.

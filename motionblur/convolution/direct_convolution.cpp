@@ -187,8 +187,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Tiles are processed downwards in strips. The rows of i1 (the object's raster) that a strip reads
-        // then stay in the cache.
+        // Each column of tiles is processed downwards, 64 rows in one task. The rows of i1 (the object's
+        // raster) that its tiles read then stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);

@@ -150,7 +150,7 @@ class FftConvolution {
         {
             const std::lock_guard lock(planner());
             // FFTW's estimated plans are the same in every run. Measured plans may differ between runs, and
-            // the bits of the results would then differ too.
+            // results would then no longer be bit-identical.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),

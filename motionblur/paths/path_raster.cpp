@@ -222,8 +222,10 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // Rounding may place a crossing slightly before the previous one. A cell gets the value at the
-            // middle of its time span, which is exact for constant transmission.
+            // The path is in the present cell from `before` to `at`, the next crossing of a cell border. The
+            // cell gets the path's value at the middle of this time, which is exact if the shutter's
+            // transmission is constant. By rounding, `at` may be slightly before `before`; the light of such
+            // a negative time counts as 0.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

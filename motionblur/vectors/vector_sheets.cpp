@@ -59,7 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of a black square. All squares without stored pixels share them.
+    /// Adds the cells of one black square of edge x edge px. It stands for every square of the raster in
+    /// which the file stores no pixel.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -187,8 +188,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The sum begins with the upper left pixel for all pixels at the corner, so that they all get the
-        // same bits.
+        // The sum begins with the upper left pixel for all pixels at the corner, so that their sums are
+        // bit-identical.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

@@ -21,8 +21,8 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0: the file states none
-    /// Inverse depth, 1/m, that determines the circle of confusion, if it is not the depth of the sample's
-    /// position (see spread_inverse_z). A negative value means: use the depth of the position.
+    /// Inverse depth, 1/m, from which the circle of confusion is computed instead of from `inverse_z`, for an
+    /// object with a depth offset, for instance. Negative if there is no such depth (see spread_inverse_z).
     float moved_inverse_z = -1;
     bool holdout = false;  ///< hides samples behind it, but adds no colour or alpha
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }

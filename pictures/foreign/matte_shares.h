@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Sets the id of each sample to the id with the largest share of the pixel. Adds pixels that show several
-/// surfaces to ForeignPicture::mixed. `onto` is the part with the colours, whose samples are in `picture`.
-/// Throws Error(invalid_input) and Error(out_of_memory).
+/// Gives each sample of `picture` the Cryptomatte id that covers most of its pixel. Adds pixels that show
+/// several surfaces to ForeignPicture::mixed. `onto` is the part of the file from which the colours of
+/// `picture` were read. Throws Error(invalid_input) and Error(out_of_memory).
 void take_matte(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte,
                 ForeignPicture& picture);
 

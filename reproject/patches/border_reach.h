@@ -43,17 +43,18 @@ class BorderReach {
         int first = 0;        ///< raster px of the first cell, along the side
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement of a border cell in any view, px: into the raster (`deepest_px`) and along
-        /// the side (`sideways_px`).
+        /// Largest displacement, in any view, of a pixel at this side of the raster, px: into the raster
+        /// (`deepest_px`) and along the side (`sideways_px`).
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges the bounds to include a border cell that is displaced by `moved_px`, with an uncertainty
-        /// of `around_px`.
+        /// Enlarges `deepest_px` and `sideways_px` so that they include a displacement of a pixel at this
+        /// side by `moved_px`. The true displacement may differ from `moved_px` by up to `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges the bounds to include the moving border cells in all views of a time span.
+        /// Enlarges `deepest_px` and `sideways_px` for every pixel at this side that shows a moving object,
+        /// in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
     };
-    /// Where the centre of border cell `i` appears in a view: raster px along and across the side of the
-    /// raster.
+    /// Position in a view of the centre of pixel `i` of a side of the raster (Side::cells), raster px:
+    /// measured along this side, and perpendicular to it.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

@@ -293,8 +293,9 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     const double torn = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
-    // The run begins at the tile's left border rather than at x_begin, because rounding depends on where a
-    // run begins.
+    // Every row is drawn from the tile's left border, although pixels are only wanted from part.x_begin on.
+    // Sample positions depend, by rounding, on the first sample of the row, so they would differ slightly if
+    // rows began elsewhere.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

@@ -15,8 +15,8 @@ struct SheetKeys {
     std::vector<std::uint32_t> of_node;  ///< index into `keys`
 };
 
-/// Finds the key of the surface to which each node of `trees` belongs: its object, path, and reflecting or
-/// transmitting object.
+/// Finds the surface to which each node of `trees` belongs. The key of a surface consists of the id of its
+/// object, the path from the eye to it, and the id of the object that reflects or transmits it to the eye.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

@@ -132,8 +132,8 @@ struct TreeSheets {
     SheetMesh deeper;  ///< with W; empty without such nodes
 };
 
-/// Decides which radiance is spread as a highlight. If `takes` returns true, it is the part of each channel
-/// that exceeds `above`.
+/// Decides which radiance is spread as a highlight. If `takes` returns true, the highlight consists of the
+/// radiance of each channel in excess of `above`.
 struct HighlightRule {
     float above = 1;
     /// Returns whether `light` becomes a highlight. `key` is the key of its sheet. `area_px2` is the area of

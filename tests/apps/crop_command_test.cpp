@@ -1,4 +1,4 @@
-// --crop: for every method, the pixels of a crop have the same bits as in the whole image.
+// --crop: for every method, the pixels of a crop are bit-identical to those of the whole image.
 #include <OpenImageIO/imageio.h>
 #include <fstream>
 #include <nlohmann/json.hpp>

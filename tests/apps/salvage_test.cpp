@@ -1,5 +1,5 @@
-// Damaged sample files read with --salvage: intact rows have the same bits, damaged rows are empty, and the
-// lost rows are reported.
+// Damaged sample files read with --salvage: intact rows are bit-identical to those of the undamaged file,
+// damaged rows are empty, and the lost rows are reported.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
-// All clones of all kernels give the same bits, for any variants that the C library and Embree select.
-// scripts/check_instruction_sets.sh tests this for emulated processors, including libraries.
+// All clones of all kernels give bit-identical results, for any variants that the C library and Embree
+// select. scripts/check_instruction_sets.sh tests this for emulated processors, including libraries.
 #include <cstdlib>
 #include <filesystem>
 #include <gtest/gtest.h>

@@ -326,7 +326,7 @@ TEST(PathRasters, ValuesWeighTheLight) {
     for (int i = 3; i < 6; ++i) EXPECT_NEAR(kept.at(i, 0), r.at(i, 0), 1e-12) << i;
     const PathRaster half = draw_path(points, dvec2(0), 0, 0.5, ShutterCurve::box(), 1, std::nullopt, values);
     for (int i = 1; i < 5; ++i) EXPECT_NEAR(half.at(i, 0), 2 * r.at(i, 0), 1e-12) << i;
-    // Values of 1 give the same bits as no values.
+    // With values of 1, the result is bit-identical to that without values.
     const std::vector<double> ones{1, 1};
     EXPECT_EQ(draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2, std::nullopt, ones).weight,
               draw_path(points, dvec2(0), -1, 2, ShutterCurve::triangle(), 2).weight);

@@ -1,4 +1,5 @@
-// A crop has the same bits as the whole image, although methods skip work outside of the crop.
+// A crop is bit-identical to the same pixels of the whole image, although methods skip work outside of the
+// crop.
 #include "pictures/crop.h"
 
 #include <algorithm>

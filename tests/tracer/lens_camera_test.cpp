@@ -321,7 +321,7 @@ RenderSettings lens_and_shutter() {
 }
 
 // All positions and the offset are multiples of 1/8, so sums and differences are exact, and the recentred
-// scenes have the same bits.
+// scenes are bit-identical.
 TEST(FarFromTheOrigin, ThePictureIsTheSame) {
     const Image near = render_picture(placed_scene(dvec3(0)).scene, lens_and_shutter()).image;
     const Image far = render_picture(placed_scene({1e6, -2e6, 5e5}).scene, lens_and_shutter()).image;

@@ -20,7 +20,7 @@ inline constexpr int most_sample_blocks = 64;
 /// one or two halves.
 ///
 /// The samples of a pixel are divided into blocks. The sum of a pixel is the sum of its block sums, added in
-/// their order. Blocks that are rendered separately therefore add up to the same bits. A state contains
+/// their order. Blocks that are rendered separately therefore add up to a bit-identical sum. A state contains
 /// either the sum over all blocks (`blocks` 1), or a separate sum for each of several blocks.
 struct RenderState {
     int width = 0, height = 0, halves = 1;

@@ -6,7 +6,7 @@
 namespace postlens {
 
 /// Crossings of each ray with a shape, sorted by distance; infinite if there is none. The operations have the
-/// same order as in the scalar code, so the bits are equal.
+/// same order as in the scalar code, so the results are bit-identical.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };

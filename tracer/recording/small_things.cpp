@@ -199,7 +199,9 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // The width is exact for the ellipsoid with these half axes, and smaller than that of its bounding box.
+    // Computes half the width of the piece's image, perpendicular to the longest of the three projected half
+    // axes. The result is exact for the ellipsoid with these half axes. The bounding box of the ellipsoid
+    // would be wider.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });

@@ -46,7 +46,7 @@ class DistributedTracer {
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
     /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
-    /// order have the same bits in every call.
+    /// order give bit-identical results in every call.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
     /// True if eye rays are passed to Embree as coherent. This doubles the speed with a pinhole, changes

@@ -17,11 +17,11 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per ray with `motion`. Shading a hidden surface costs as much as
-    /// shading a visible one, and images rarely show more than four hidden surfaces on one ray.
+    /// Largest number of hidden surfaces per ray if `motion` is set. Shading a hidden surface costs as much
+    /// as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray with only `lens`. It is smaller, because a lens sees less
-    /// far behind an edge than moving objects reveal.
+    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. It is less than
+    /// most_uncovered, because a lens sees less far behind an edge than moving objects reveal.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`

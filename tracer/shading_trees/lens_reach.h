@@ -18,14 +18,14 @@ namespace postlens {
 
 /// Decides from depths whether some point of a lens may see a hidden surface. The inverse depth of a node is
 /// half the trace of its matrix W; this is 1/z' for a surface that is seen directly. Between the centre and
-/// the rim of a lens of radius R, the images of two surfaces move relative to each other by gain R |1/z1 -
-/// 1/z2| px, at any focus distance. This displacement is the greatest width of the strip of the farther
-/// surface that appears behind an edge of the nearer one.
+/// the rim of a lens of radius R, the images of two surfaces move relative to each other by g R |1/z1 - 1/z2|
+/// px, at any focus distance (g: film distance / pixel pitch). This displacement is the greatest width of the
+/// strip of the farther surface that appears behind an edge of the nearer one.
 class LensReach {
   public:
     /// Two surfaces are treated as one if their images at the rim of the lens are displaced relative to each
-    /// other by less than this, px. A narrower strip is not visible, because a pixel is the mean of at least
-    /// four corners.
+    /// other by less than this, px. The farther surface then appears beside an edge of the nearer one, but
+    /// only in a strip of less than a quarter of a pixel, and only from lens points near the rim.
     static constexpr double same_place_px = 0.25;
     /// Margin, px, that is added to the width of the strip of a hidden surface. The position of an edge has
     /// an error of up to the diagonal of a pixel. In addition, the hidden surface is needed up to the far
@@ -85,7 +85,9 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// displacement at the rim per difference of inverse depths, px m: gain times lens radius
+    /// Displacement between the images of two surfaces at the rim of the lens, per difference of their
+    /// inverse depths, px m. It is the lens radius, m, divided by the tangent of the angle between
+    /// neighbouring pixels.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -40,7 +40,8 @@ struct LobeHit {
 /// group, evenly spaced over its hits. A feature that all of these rays miss then contributes less than 1/255
 /// of white (radiance 1). From these rays, the standard deviation s of the radiance is estimated. The second
 /// pass sends (weight s 255)^2 rays within the reach of hit i, but at most `most_rays` per hit; the standard
-/// deviation of the mean is then 1/255. The bits depend only on the batch.
+/// deviation of the mean is then 1/255. The result depends only on the batch, and is bit-identical in every
+/// run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;

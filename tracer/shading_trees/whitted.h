@@ -84,8 +84,8 @@ class WhittedTracer {
     /// small (little_bend_px). Otherwise it is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// Limit, px, below which the nonlinear W of a node is treated as small. It applies to the resulting
-    /// error of the node's image position at the rim of the lens.
+    /// The nonlinear W of a node is treated as small if it displaces the node's image by less than this, px,
+    /// for every point on the rim of the lens.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.
