@@ -25,8 +25,9 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes the light of a surface at a pixel (Fragment) from the sums of all its parts, which must have the
-/// order of the parts. Returns nothing if no light of the surface itself reaches the pixel.
+/// Computes the light of a surface at a pixel (Fragment) from the sums of all its parts: its own light, and
+/// the light that it shows along each path. The sums must be in the order of LayerPart. Returns nothing if no
+/// light of the surface itself reaches the pixel.
 ///
 /// The nodes of each path (sequence of reflections and transmissions) form an image of their own: they are
 /// scattered with their own kernels and divided by their own weights. The mask of a path is the share of the

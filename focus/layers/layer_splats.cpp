@@ -113,7 +113,7 @@ struct LayerSplats::Segment {
     [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
 };
 
-// Sorts the splats of a row by part and tile, with a stable sort, and appends the row's segments.
+// Sorts the splats of a row by LayerPart and tile, with a stable sort, and appends the row's segments.
 void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -161,8 +161,8 @@ void LayerSplats::find_reach(LayerCell& cell) const {
         cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
 }
 
-// Joins the splats of all rows in a row of tiles, sorted by part and tile. The memory of each row is freed as
-// soon as its splats are joined, so that there are never two copies of all splats.
+// Joins the splats of all rows in a row of tiles, sorted by LayerPart and tile. The memory of each row is
+// freed as soon as its splats are joined, so that there are never two copies of all splats.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
     std::vector<std::vector<Segment>> by_row(last_row - first_row);

@@ -64,7 +64,7 @@ struct LayerSplat {
     float covered = 0;
 };
 
-/// The splats of one part whose anchors lie in one tile of 64 x 64 raster px.
+/// The splats (impulse responses) of one LayerPart whose anchors lie in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;

@@ -32,8 +32,8 @@ void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::siz
     }
 }
 
-/// Whether a part needs lens moments, which describe through which side of the lens its light passes. Parts
-/// of reflected and transmitted nodes do not, because they are composited by alpha alone.
+/// Whether the splats of a LayerPart need lens moments, which describe through which side of the lens light
+/// passes. Reflected and transmitted nodes need none, because they are composited by alpha alone.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
@@ -247,7 +247,7 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// The sums of one part for every pixel of the image; LayerTerm::part is not set.
+/// The sums of the splats of one LayerPart for every pixel of the image; LayerTerm::part is not set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -14,9 +14,9 @@ constexpr int looks = 64;
 /// Largest step from one instant of a streak to the next: step_px, in px, or step_of_blur times the CoC
 /// radius, whichever is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// For jittered instants. Each instant lies in an equal share of the exposure, which is divided into `turns`
-/// parts. The factors turn_x and turn_y, 1/px, choose the part from the raster position, so that highlights a
-/// quarter or half a pixel apart get different parts.
+/// For jittered instants. The exposure is divided into equal intervals with one instant each, and each
+/// interval into `turns` subintervals. The factors turn_x and turn_y, 1/px, choose the subinterval of the
+/// instant from the raster position, so that highlights a quarter or half a pixel apart get different ones.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Largest position and CoC radius of a highlight, px. If either is larger, no light of the highlight reaches

@@ -72,8 +72,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds the sums of runs and of single splats in a few rows of a block, and normalises and stores the result.
-/// `runs` is null if no run reaches the block.
+/// Adds the sums of runs (adjacent samples with the same disc) and of single splats in a few rows of a block.
+/// Normalises and stores the result. `runs` is null if no run reaches the block.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};

@@ -100,7 +100,7 @@ class SplatTables {
     void finish();
 
     /// Prepares an image whose splats would exceed a memory limit. Call it before the first row. Until
-    /// finish(), rows that are added only count kernels and runs.
+    /// finish(), rows that are added only count kernels and runs (adjacent samples with the same disc).
     void survey() { keep_ = Keep::none; }
     /// Starts a strip of the image (a group of rows). Only splats that reach `part`, raster px, are kept. May
     /// be called any number of times after finish(). Returns the ranges of rows [begin, end) that must be
@@ -120,13 +120,13 @@ class SplatTables {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
     /// Colour `channel` (0 to 2) of the corners of row y, from column x_begin on. Only the columns of the
-    /// row's runs are valid.
+    /// row's runs (adjacent samples with the same disc) are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The rows that runs reach, relative to their own row: the union over all rows of the image. class_reach
-    /// is the same union for the splats of a reach class.
+    /// The rows that runs (adjacent samples with the same disc) reach, relative to their own row: the union
+    /// over all rows of the image. class_reach is the same union for the splats of a reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
@@ -166,7 +166,7 @@ class SplatTables {
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
     std::vector<Reach> reach_;            ///< per kernel number
-    /// Colour planes of the source. They are uninitialised outside of runs.
+    /// Colour planes of the source. They are only initialised where adjacent samples share a disc (runs).
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

@@ -69,8 +69,8 @@ PupilFan FanTable::fan(double inverse_depth_per_m, double tangent) const {
     const PupilFan* corner[4] = {&fans_[p.depth * fields + p.field], &fans_[p.depth * fields + p.field + 1],
                                  &fans_[(p.depth + 1) * fields + p.field],
                                  &fans_[(p.depth + 1) * fields + p.field + 1]};
-    // The pupil points of a fan and their light vary little with depth, so beyond the table they stay
-    // constant.
+    // The points of the pupil through which the rays of a fan pass, and their light, vary little with depth.
+    // Beyond the table, both stay constant.
     const double inside = std::clamp(p.depth_part, 0.0, 1.0);
     PupilFan out;
     for (std::size_t i = 0; i < out.nodes.size(); ++i) {

@@ -264,7 +264,7 @@ void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t boun
     wanted.any_gaps = false;
     for (int y = part.y_begin; y < part.y_end; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
-        // Clears the whole row, because draw_patch_in also tests samples to the left of the part.
+        // Clears the whole row, because draw_patch_in also tests samples to the left of the wanted pixels.
         std::fill_n(out.inverse_z.data() + row, SeenTile::edge, HUGE_VALF);
         std::fill_n(out.texel.data() + row, SeenTile::edge, SeenTile::no_texel);
         std::fill_n(out.maybe_inverse_z.data() + row, SeenTile::edge, SeenTile::nothing);

@@ -45,8 +45,8 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Weight of shading-tree nodes that are not recorded. Nodes that are dim in the whole tile count less.
-    /// `guessed` is the part for which too few other views have the node, so that their mean cannot replace
-    /// it.
+    /// `guessed` is that fraction of the weight for which too few other views have the node, so that their
+    /// mean cannot replace it.
     struct Unknown {
         double all = 0, guessed = 0;
     };

@@ -36,7 +36,8 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the blocks of another part. Its samples must follow those of all parts that were added before.
+    /// Adds the blocks of samples of another part of the render. Its samples must follow those of all parts
+    /// that were added before.
     void add(const RenderState& part);
     /// Returns the mean over all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
@@ -55,8 +56,9 @@ struct RenderPart {
     std::string settings, mark;  ///< as write_state got them
 };
 
-/// Reads a part that write_state has written. Empty if the file is not a part. If `facts_only` is set, the
-/// state has its size but neither sums nor counts. Throws Error(invalid_input) for a damaged part.
+/// Reads a part of a render (--share) that write_state has written. Empty if the file is not such a part. If
+/// `facts_only` is set, the state has its size but neither sums nor counts. Throws Error(invalid_input) for a
+/// damaged part.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
