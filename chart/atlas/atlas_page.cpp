@@ -82,12 +82,14 @@ std::string cells_text(const AtlasCase& c) {
 
 std::string noise_text(const AtlasEntry& e) {
     std::string out = fmt::format(
-        "The lens and the shutter change {:.0f} % of the pixels, which the column \"affected\" is about. The "
-        "noise of the rays alone would be an error of {:.1f} dB.",
+        "The lens or the shutter changes {:.0f} % of the pixels. The column \"affected\" has the error of "
+        "these pixels "
+        "alone. The noise of the reference is {:.1f} dB.",
         100 * e.result.affected_share, e.result.noise_db);
     if (e.result.named_share)
-        out += fmt::format(" `compare --map-causes` attributes {:.0f} % of the error to {}.",
-                           100 * *e.result.named_share, e.what.cause);
+        out += fmt::format(
+            " `compare --map-causes` finds the cause of this case, {}, behind {:.0f} % of the error.",
+            e.what.cause, 100 * *e.result.named_share);
     return out;
 }
 
