@@ -32,10 +32,11 @@ build_packages=(
 # chromium-driver and selenium: tests of the viewer. Python's other packages: tests of the module.
 # doxygen: scripts/docs.sh.
 check_packages=(git doxygen clang-format clang-tidy chromium help2man dpkg-dev file
-    python3-pytest mypy python3-nbconvert python3-ipykernel python3-matplotlib chromium-driver python3-selenium)
+    python3-pytest mypy chromium-driver python3-selenium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
-# xvfb, xauth, xdotool: the display and the keys of the tests in Blender's window.
-peers_packages=("${build_packages[@]}" "${check_packages[@]}" blender xvfb xauth xdotool slurm-wlm munge)
+# xvfb, xauth, xdotool: the display and the keys of the tests in Blender's window. nbconvert, ipykernel, matplotlib: the notebook.
+peers_packages=("${build_packages[@]}" "${check_packages[@]}" blender xvfb xauth xdotool slurm-wlm munge
+    python3-nbconvert python3-ipykernel python3-matplotlib)
 # libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
 fuzzing_packages=(clang libclang-rt-14-dev)
 

@@ -30,7 +30,7 @@ fi
 if [[ $packages == peers ]]; then
     ctest --test-dir build/release -L peers --output-on-failure --no-tests=error
 else
-    echo "peers: skipped, the tests inside Blender and on Slurm (scripts/test.sh --peers)"
+    echo "peers: skipped, the tests inside Blender, on Slurm and of the notebook (scripts/test.sh --peers)"
 fi
 # At the end, so that the last lines say how many tests passed.
 ctest --test-dir build/release -LE peers --parallel "$(nproc)" --output-on-failure --no-tests=error
