@@ -88,8 +88,8 @@ std::string noise_text(const AtlasEntry& e) {
         100 * e.result.affected_share, e.result.noise_db);
     if (e.result.named_share)
         out += fmt::format(
-            " `compare --map-causes` finds the cause of this case, {}, behind {:.0f} % of the error.",
-            e.what.cause, 100 * *e.result.named_share);
+            " `compare --map-causes` attributes {:.0f} % of the error to {}, the cause of this case.",
+            100 * *e.result.named_share, e.what.cause);
     return out;
 }
 
