@@ -5,7 +5,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::chart_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,4 +217,4 @@ TEST_F(AtlasCommand, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::chart_command_test

@@ -20,7 +20,7 @@
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::cli_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -333,4 +333,4 @@ TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::cli_test

@@ -16,7 +16,7 @@
 #include "tests/support/compare_pictures.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::compare_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -267,4 +267,4 @@ TEST_F(CompareCommand, ASampleFileIsItsPinholePicture) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::compare_command_test

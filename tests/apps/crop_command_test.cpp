@@ -6,7 +6,7 @@
 #include "pictures/crop.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::crop_command_test {
 namespace {
 
 using nlohmann::json;
@@ -139,4 +139,4 @@ TEST_F(CropCommand, WhatIsNotWithinThePictureIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::crop_command_test

@@ -8,7 +8,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::field_command_test {
 namespace {
 
 using nlohmann::json;
@@ -171,4 +171,4 @@ TEST_F(FieldCommand, ShootTakesTheFilesExposureUnlessToldOtherwise) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::field_command_test

@@ -8,13 +8,11 @@
 #include "tests/apps/limited.h"
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::foreign_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
 
 const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
 
@@ -289,7 +287,7 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
               {"motionblur", file, "-o", in("o.exr"), "--shutter", "0:1"}}) {
             std::vector<std::string> all = words;
             for (const char* word : {"--threads", "1", "--quiet"}) all.emplace_back(word);
-            const Outcome r = run(all, test::ten_seconds_and_a_gibibyte());
+            const Outcome r = run(all, ten_seconds_and_a_gibibyte());
             if (r.exit_code == 0) continue;
             EXPECT_EQ(r.exit_code, 3) << file << " " << words[0] << ": " << r.err;
             EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
@@ -297,8 +295,8 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
         }
     }
     EXPECT_GT(refusals, 100);
-    EXPECT_LT(test::most_kilobytes_of_commands(), 1024 * 1024);
+    EXPECT_LT(most_kilobytes_of_commands(), 1024 * 1024);
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_command_test

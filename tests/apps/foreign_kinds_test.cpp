@@ -11,12 +11,10 @@
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::foreign_kinds_test {
 namespace {
 
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
 using Words = std::vector<std::string>;
 
 constexpr float to = 1e-3F;  ///< tolerance that the reports require
@@ -435,4 +433,4 @@ TEST_F(ForeignKinds, VectorsMayHaveAnOffsetAndAScale) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_kinds_test

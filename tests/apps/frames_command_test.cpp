@@ -8,7 +8,7 @@
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::frames_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -265,4 +265,4 @@ TEST_F(Frames, OtherPercentSignsAndHashesStayInTheName) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::frames_command_test

@@ -10,7 +10,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_command_test {
 namespace {
 
 using nlohmann::json;
@@ -170,4 +170,4 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_command_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_psf_command_test {
 
 using nlohmann::json;
 
@@ -167,4 +167,4 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
     refused(vast, ExitCode::out_of_memory, "needs");
 }
 
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_psf_command_test

@@ -5,7 +5,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::memory_command_test {
 namespace {
 
 using nlohmann::json;
@@ -62,4 +62,4 @@ TEST_F(MemoryOfCommand, OfTracingFourKStaysBelowOneAndAHalfGibibytes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::memory_command_test

@@ -11,7 +11,7 @@
 #include "tests/support/command_test.h"
 #include "tests/support/random_records.h"
 
-namespace postlens::test {
+namespace postlens::test::motionblur_command_test {
 namespace {
 
 using nlohmann::json;
@@ -517,4 +517,4 @@ TEST_F(MotionblurCommand, AnInterruptLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::motionblur_command_test

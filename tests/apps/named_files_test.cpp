@@ -7,7 +7,7 @@
 #include "core/files/file_identity.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::named_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -157,4 +157,4 @@ TEST_F(NamedFiles, NorThoseThatAFolderIsToHold) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::named_files_test

@@ -16,7 +16,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::render_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -319,4 +319,4 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::render_command_test

@@ -16,7 +16,7 @@
 #include "tests/apps/small_disk.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::safe_writing_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -305,4 +305,4 @@ TEST_F(Killed, RenderLeavesTheOldPictureOrTheWholeNewOne) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::safe_writing_test

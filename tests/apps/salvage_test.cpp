@@ -15,15 +15,11 @@
 #include "tests/support/command_test.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::salvage_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::Outcome;
-using test::RandomOptions;
-using test::TemporaryFolder;
-using test::text_of;
 
 constexpr int records_part = 1, scanlines_part = 2, parts_per_key = 2;
 
@@ -69,13 +65,12 @@ std::string with_flipped_bit(std::string bytes, int part, int y, std::size_t at 
 
 struct Written {
     RandomOptions options{.levels = 3, .probability = 0.4, .has_w = true, .has_layers = true, .keys = 2};
-    SampleHeader header = test::full_header(9, 12, 2, options);
+    SampleHeader header = full_header(9, 12, 2, options);
     std::vector<RecordBand> instants;
 
     Written(const fs::path& path, RecordCompression compression) {
         std::mt19937 random(8);
-        for (int i = 0; i <= options.keys; ++i)
-            instants.push_back(test::random_frame(random, header, options));
+        for (int i = 0; i <= options.keys; ++i) instants.push_back(random_frame(random, header, options));
         SampleFileWriter writer(path, header, compression);
         for (std::size_t i = 0; i < instants.size(); ++i) {
             if (i > 0) writer.next_instant();
@@ -99,9 +94,9 @@ void expect_lost(const SampleFileReader& file, std::size_t instant, const Record
                  const std::set<int>& lost) {
     const RecordBand band = all_of(file, instant);
     for (int y = band.y_begin; y < band.y_end; ++y) {
-        const RecordBand row = test::rows_of_band(band, y, y + 1);
+        const RecordBand row = rows_of_band(band, y, y + 1);
         if (!lost.contains(y)) {
-            const RecordBand expected = test::rows_of_band(good, y, y + 1);
+            const RecordBand expected = rows_of_band(good, y, y + 1);
             EXPECT_EQ(row.offsets, expected.offsets) << y;
             EXPECT_TRUE(row.records == expected.records) << y;
             continue;
@@ -122,7 +117,7 @@ void expect_lost(const SampleFileReader& file, std::size_t instant, const Record
     RecordBand alone;
     for (int y = band.y_begin; y < band.y_end; ++y) {
         file.read(y, y + 1, alone, instant);
-        EXPECT_TRUE(alone.records == test::rows_of_band(band, y, y + 1).records) << y;
+        EXPECT_TRUE(alone.records == rows_of_band(band, y, y + 1).records) << y;
     }
 }
 
@@ -250,10 +245,10 @@ TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     const fs::path path = folder.path() / "a.exr";
     // One intact row of 200 is less than 1/64.
     const RandomOptions options;
-    const SampleHeader header = test::full_header(5, 197, 1, options);
+    const SampleHeader header = full_header(5, 197, 1, options);
     std::mt19937 random(6);
     SampleFileWriter writer(path, header, RecordCompression::none);
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.finish();
     const std::string bytes = text_of(path);
     const auto cut_behind = [&](int y) {
@@ -267,7 +262,7 @@ TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     EXPECT_LT(file.lost_rows()[0].y_begin, 9);
 }
 
-class SalvageCommand : public test::CommandTest {
+class SalvageCommand : public CommandTest {
   protected:
     static constexpr int width = 64, height = 48;
     void SetUp() override {
@@ -408,4 +403,4 @@ TEST_F(SalvageCommand, IsForSampleFilesOnly) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::salvage_test

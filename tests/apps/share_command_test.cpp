@@ -6,12 +6,10 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::share_command_test {
 namespace {
 
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
 using Words = std::vector<std::string>;
 
 class ShareCommand : public CommandTest {
@@ -346,4 +344,4 @@ TEST_F(ShareCommand, WhatCannotBeDividedSaysSo) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::share_command_test

@@ -9,7 +9,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::sweep_command_test {
 namespace {
 
 using nlohmann::json;
@@ -170,4 +170,4 @@ TEST_F(SweepCommand, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sweep_command_test

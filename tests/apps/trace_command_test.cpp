@@ -9,7 +9,7 @@
 #include "tests/apps/limited.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::trace_command_test {
 namespace {
 
 using nlohmann::json;
@@ -311,4 +311,4 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::trace_command_test

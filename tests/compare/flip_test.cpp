@@ -13,11 +13,8 @@
 #include "core/threads.h"
 #include "tests/support/compare_pictures.h"
 
-namespace postlens {
+namespace postlens::test::flip_test {
 namespace {
-
-using test::constant_picture;
-using test::every_pixel;
 
 Image data(const char* name) {
     return read_image(std::filesystem::path(POSTLENS_TEST_DATA) / "flip" / name);
@@ -198,4 +195,4 @@ TEST(Flip, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::flip_test

@@ -18,7 +18,7 @@
 #include "tests/core/error_text.h"
 #include "tests/core/folder_test.h"
 
-namespace postlens::test {
+namespace postlens::test::output_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -214,4 +214,4 @@ TEST_F(OutputFileTest, MoreFilesThanAreListedForSignalsAreWrittenAllTheSame) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::output_file_test

@@ -17,7 +17,7 @@
 #include "tests/core/error_text.h"
 #include "tests/core/folder_test.h"
 
-namespace postlens::test {
+namespace postlens::test::signals_test {
 namespace {
 
 using testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST_F(InterruptTest, GrainIsTheDistanceBetweenChecks) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::signals_test

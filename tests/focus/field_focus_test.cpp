@@ -12,7 +12,7 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::field_focus_test {
 namespace {
 
 using glm::dvec3;
@@ -411,4 +411,4 @@ TEST(FieldFocus, ABallsFarSideIsNotNeededToSeeThroughIt) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::field_focus_test

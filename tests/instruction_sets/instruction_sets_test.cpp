@@ -9,7 +9,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::instruction_sets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -67,4 +67,4 @@ TEST_F(InstructionSets, OlderProcessorsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::instruction_sets_test

@@ -11,7 +11,7 @@
 #include "core/threads.h"
 #include "motionblur/convolution/fft_convolution.h"
 
-namespace postlens::test {
+namespace postlens::test::convolution_test {
 namespace {
 
 using glm::dvec2;
@@ -266,4 +266,4 @@ TEST(FastFftSize, IsTheNextProductOfSmallPrimes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::convolution_test

@@ -10,10 +10,9 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens {
+namespace postlens::test::motion_blur_test {
 namespace {
 
-using namespace test;
 using glm::dvec3;
 
 constexpr double depth_m = 4;
@@ -383,4 +382,4 @@ TEST(MotionBlur, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::motion_blur_test

@@ -9,10 +9,9 @@
 #include "motionblur/motion_blur.h"
 #include "tests/support/motion_frame.h"
 
-namespace postlens {
+namespace postlens::test::motion_slices_test {
 namespace {
 
-using namespace test;
 using glm::dvec2, glm::dvec3;
 
 // Distance from the axis, m, of raster column x at a depth.
@@ -293,4 +292,4 @@ TEST(MotionSlices, StretchHoldsTheLightOfWhatTurnsOverOnTheWay) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::motion_slices_test

@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 
-namespace postlens::test {
+namespace postlens::test::path_raster_test {
 namespace {
 
 using glm::dvec2;
@@ -333,4 +333,4 @@ TEST(PathRasters, ValuesWeighTheLight) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::path_raster_test

@@ -14,7 +14,7 @@
 #include "motionblur/vectors/vector_frame.h"
 #include "tests/motionblur/flat_pictures.h"
 
-namespace postlens::test {
+namespace postlens::test::vector_channels_test {
 namespace {
 
 TEST_F(VectorFrameTest, ScaleAndSignAreWhatTheNamesOrTheUserSay) {
@@ -155,4 +155,4 @@ TEST_F(VectorFrameTest, RefusesWindowsOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::vector_channels_test

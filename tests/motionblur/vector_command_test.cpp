@@ -14,7 +14,7 @@
 #include "tests/motionblur/flat_pictures.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::vector_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -193,4 +193,4 @@ TEST_F(Beachball, BlursWithinTheWayAndKeepsTheRest) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::vector_command_test

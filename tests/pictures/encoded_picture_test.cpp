@@ -15,7 +15,7 @@
 #include "pictures/srgb.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::encoded_picture_test {
 namespace {
 
 int by_power(float v) {
@@ -123,4 +123,4 @@ TEST(EncodedPicture, SaysWhatIsWrongWithItsSize) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::encoded_picture_test

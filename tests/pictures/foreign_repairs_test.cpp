@@ -11,7 +11,7 @@
 #include "pictures/foreign/foreign_picture.h"
 #include "tests/pictures/foreign_files.h"
 
-namespace postlens::test {
+namespace postlens::test::foreign_repairs_test {
 namespace {
 
 TEST_F(ForeignPictureTest, ColoursThatAreNoNumbersGetTheMeanOfThoseAround) {
@@ -127,4 +127,4 @@ TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::foreign_repairs_test

@@ -21,11 +21,10 @@
 #include "pictures/srgb.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::image_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 
 Image ramp(int width, int height) {
     Image image(width, height);
@@ -164,7 +163,7 @@ TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
     for (float& v : noise.rgb) v = static_cast<float>(state = state * 1664525U + 1013904223U) / 4e9F;
     for (const char* name : {"a.exr", "a.png", "a.tif", "a.jpg"}) {
         const auto [code, text] = error_of([&] {
-            const test::FileSizeLimit limit(4096);
+            const FileSizeLimit limit(4096);
             write_image(folder.path() / name, noise);
         });
         EXPECT_EQ(code, ExitCode::cannot_write) << name;
@@ -339,4 +338,4 @@ TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::image_test

@@ -9,7 +9,7 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::error_causes_test {
 namespace {
 
 using glm::dvec3;
@@ -147,4 +147,4 @@ TEST(ErrorCauses, SameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::error_causes_test

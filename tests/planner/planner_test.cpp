@@ -16,7 +16,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::planner_test {
 namespace {
 
 using glm::dvec3;
@@ -370,4 +370,4 @@ TEST(TracePlan, LeavesOutWhatIsNotNeeded) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::planner_test

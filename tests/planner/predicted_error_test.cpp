@@ -13,7 +13,7 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::predicted_error_test {
 namespace {
 
 using glm::dvec3;
@@ -240,4 +240,4 @@ TEST(PredictError, BoundsWhatNobodySawInAMirrorsRim) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::predicted_error_test

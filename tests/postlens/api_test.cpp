@@ -25,7 +25,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::api_test {
 namespace {
 
 const std::string bars = POSTLENS_SAMPLES "/scenes/bars.toml",
@@ -260,4 +260,4 @@ TEST_F(Api, AnyCommandRuns) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::api_test

@@ -21,12 +21,10 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::sample_file_damage_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::RandomOptions;
-using test::TemporaryFolder;
 
 constexpr std::array all_compressions{RecordCompression::none, RecordCompression::rle,
                                       RecordCompression::zips};
@@ -110,11 +108,11 @@ void write_small_file(const fs::path& path, RecordCompression compression) {
     const RandomOptions options{
         .levels = 1, .probability = 0.3, .has_w = true, .has_layers = true, .keys = 1};
     std::mt19937 random(5);
-    const SampleHeader header = test::full_header(4, 3, 1, options);
+    const SampleHeader header = full_header(4, 3, 1, options);
     SampleFileWriter writer(path, header, compression);
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.next_instant();
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.finish();
 }
 
@@ -189,7 +187,7 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
 class ForgedFile {
   public:
     RandomOptions options{.has_w = true};
-    SampleHeader header = test::full_header(3, 2, 0, options);
+    SampleHeader header = full_header(3, 2, 0, options);
     RecordBand records;
     /// Applied to each scanline's counts and channels before the checksum is computed.
     std::function<void(int y, ScanlineBytes&)> change_bytes = [](int, ScanlineBytes&) {};
@@ -197,7 +195,7 @@ class ForgedFile {
 
     ForgedFile() {
         std::mt19937 random(3);
-        records = test::random_frame(random, header, options);
+        records = random_frame(random, header, options);
     }
 
     void write(const fs::path& path) const {
@@ -422,4 +420,4 @@ TEST(ForeignFile, DamagedFilesOfOthersAreRefusedQuickly) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::sample_file_damage_test

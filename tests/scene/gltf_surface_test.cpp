@@ -20,7 +20,7 @@
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading/shading.h"
 
-namespace postlens::test {
+namespace postlens::test::gltf_surface_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -225,4 +225,4 @@ TEST_F(MeshText, TrianglesWithoutAreaAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::gltf_surface_test

@@ -18,7 +18,7 @@
 #include "tests/scene/read_apart.h"
 #include "tracer/camera_model.h"
 
-namespace postlens::test {
+namespace postlens::test::mesh_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -204,4 +204,4 @@ TEST(PublishedMeshes, TheCornellBoxIsSeenFromItsOpenSide) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::mesh_scene_test

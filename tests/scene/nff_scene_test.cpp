@@ -13,7 +13,7 @@
 #include "scene/shape_bounds.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::nff_scene_test {
 namespace {
 
 using glm::dvec3;
@@ -69,7 +69,7 @@ class NffText : public testing::Test {
         return "no error";
     }
 
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
     std::filesystem::path path_ = folder_.path() / "t.nff";
 };
 
@@ -411,4 +411,4 @@ TEST_F(NffText, LargeGarbageFailsAtOnce) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::nff_scene_test

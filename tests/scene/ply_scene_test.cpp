@@ -13,7 +13,7 @@
 #include "tests/support/command_test.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::ply_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,7 +70,7 @@ class PlyText : public testing::Test {
         return false;
     }
 
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
     Scene scene_;
 };
 
@@ -199,4 +199,4 @@ TEST_F(PlyText, ErrorsNameTheirCause) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::ply_scene_test

@@ -18,7 +18,7 @@
 #include "sweep/values.h"
 #include "tests/support/motion_frame.h"
 
-namespace postlens::test {
+namespace postlens::test::sweep_test {
 namespace {
 
 using glm::dvec3;
@@ -400,4 +400,4 @@ TEST(Figures, TheEnergyOfAStepIsItsSquareTimesItsLength) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sweep_test

@@ -21,7 +21,7 @@
 #include "tracer/shading_trees/film_motion.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::key_instants_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -390,4 +390,4 @@ TEST(TraceSettingsOfShutters, AreChecked) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::key_instants_test

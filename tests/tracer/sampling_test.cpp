@@ -18,7 +18,7 @@
 #include "tracer/recording/corner_sampler.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::sampling_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -280,4 +280,4 @@ TEST_P(PublishedRayCounts, AreMet) {
 INSTANTIATE_TEST_SUITE_P(Spd, PublishedRayCounts, testing::Values("balls", "tetra", "mount"));
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sampling_test
