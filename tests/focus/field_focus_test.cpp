@@ -55,10 +55,6 @@ double largest_difference(const Image& a, const Image& b) {
     return worst;
 }
 
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
-}
-
 /// A near bar, a sphere, a tilted bright board and a far wall.
 SceneBuilder layered() {
     SceneBuilder b;
