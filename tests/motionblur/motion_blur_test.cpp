@@ -49,12 +49,6 @@ bool equal_bits(const Image& a, const Image& b) {
            std::memcmp(a.rgb.data(), b.rgb.data(), a.rgb.size() * sizeof(float)) == 0;
 }
 
-double light_of(const Image& image) {
-    double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) sum += static_cast<double>(image.rgb[i]);
-    return sum;
-}
-
 struct BarCase {
     double left, width, way;
 };

@@ -47,12 +47,6 @@ Rectangle upright(double left, double left_depth_m, double right, double right_d
     return {a, b - a, {0, 20, 0}};
 }
 
-double light_of(const Image& image) {
-    double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) sum += static_cast<double>(image.rgb[i]);
-    return sum;
-}
-
 constexpr double way_m = 0.9;
 
 // Two bars with one id: one at 4 m that moves by 20 px, one at 5 m that moves by 16 px.
