@@ -78,7 +78,7 @@ TEST_F(Cli, TraceThenFocusThreeTimes) {
         EXPECT_EQ(j.at("f_number"), 2.0);
         EXPECT_EQ(j.at("focal_length_mm"), 50.0);
         EXPECT_EQ(j.at("focus_m").is_null(), std::string(s) == "inf");
-        pictures.push_back(text_of(out));
+        pictures.push_back(bytes_of(out));
     }
     EXPECT_NE(pictures[0], pictures[1]);
     EXPECT_NE(pictures[1], pictures[2]);
@@ -256,7 +256,7 @@ TEST_F(Cli, UnreadableInputIsThree) {
     refused({"info", in("none")}, three, "none");
     std::ofstream(in("empty.exr")).close();
     refused({"image", in("empty.exr"), "-o", in("x.png")}, three, "empty.exr");
-    const std::string whole = text_of(frame);
+    const std::string whole = bytes_of(frame);
     for (const double share : {0.01, 0.3, 0.6, 0.999}) {
         std::ofstream(in("cut.exr"), std::ios::binary)
             << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
@@ -279,7 +279,7 @@ TEST_F(Cli, UnwritableOutputIsFour) {
     std::ofstream(in("old.exr")) << "old";
     const Outcome r = run({"trace", scene(), "-o", in("old.exr")}, "ulimit -f 20; ");
     EXPECT_EQ(r.exit_code, 4) << r.err;
-    EXPECT_EQ(text_of(in("old.exr")), "old");
+    EXPECT_EQ(bytes_of(in("old.exr")), "old");
     EXPECT_EQ(folder_.file_count(), 2U);
 }
 

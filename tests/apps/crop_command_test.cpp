@@ -10,14 +10,8 @@ namespace postlens::test::crop_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 const std::string samples = POSTLENS_SAMPLES;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 std::string text_of(const Crop& c) {
     return fmt::format("{},{},{},{}", c.x, c.y, c.width, c.height);

@@ -12,7 +12,6 @@ namespace postlens::test::field_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 constexpr const char* scene_text =
     "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 0.7\nfocus_m = 8\nexposure_s = "

@@ -15,7 +15,6 @@ namespace postlens::test::foreign_kinds_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 constexpr float to = 1e-3F;  ///< tolerance that the reports require
 

@@ -27,10 +27,10 @@ class NamedFiles : public CommandTest {
     }
     // Checks that the command is rejected and that the file is unchanged.
     void kept(const std::string& path, const std::vector<std::string>& words, const std::string& part) {
-        const std::string before = text_of(path);
+        const std::string before = bytes_of(path);
         EXPECT_FALSE(before.empty());
         refused(words, ExitCode::wrong_arguments, part);
-        EXPECT_EQ(text_of(path), before);
+        EXPECT_EQ(bytes_of(path), before);
     }
 };
 

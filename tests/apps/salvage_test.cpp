@@ -23,10 +23,6 @@ using nlohmann::json;
 
 constexpr int records_part = 1, scanlines_part = 2, parts_per_key = 2;
 
-void write_bytes(const fs::path& path, std::string_view bytes) {
-    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
-
 template <typename T>
 T number_at(const std::string& bytes, std::size_t at) {
     T value{};
@@ -139,7 +135,7 @@ TEST(Salvage, AFlippedBitLosesItsRowAndNoOther) {
     for (const RecordCompression compression :
          {RecordCompression::none, RecordCompression::rle, RecordCompression::zips}) {
         const Written written(path, compression);
-        const std::string bytes = text_of(path);
+        const std::string bytes = bytes_of(path);
         // Tests all rows with one compression, and some rows with the others.
         const int step = compression == RecordCompression::zips ? 1 : 7;
         for (int y = written.y_begin(); y < written.y_end(); y += step) {
@@ -160,7 +156,7 @@ TEST(Salvage, NeighbouringRowsAndKeysAreLostTogether) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
     const Written written(path, RecordCompression::zips);
-    std::string bytes = text_of(path);
+    std::string bytes = bytes_of(path);
     for (const int y : {3, 4, 5, 9}) bytes = with_flipped_bit(bytes, records_part, y);
     bytes = with_flipped_bit(bytes, records_part + 2 * parts_per_key, 0);
     for (int y = written.y_begin(); y < written.y_end(); ++y)
@@ -185,7 +181,7 @@ TEST(Salvage, ACutOffFileGivesWhatIsWhole) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr", cut = folder.path() / "b.exr";
     const Written written(path, RecordCompression::rle);
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const std::size_t first_chunk = chunk_at(bytes, records_part, written.y_begin());
     std::size_t before = 0;
     std::mt19937 random(2);
@@ -218,7 +214,7 @@ TEST(Salvage, ADamagedHeaderIsRefusedAllTheSame) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
     const Written written(path, RecordCompression::none);
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const std::size_t chunks = 12 + 3 * 2 * static_cast<std::size_t>(written.y_end() - written.y_begin());
     const std::size_t header = chunk_at(bytes, records_part, written.y_begin()) - 8 * chunks;
     std::mt19937 random(4);
@@ -250,7 +246,7 @@ TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     SampleFileWriter writer(path, header, RecordCompression::none);
     writer.write(random_frame(random, header, options));
     writer.finish();
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const auto cut_behind = [&](int y) {
         write_bytes(path, std::string_view(bytes).substr(0, chunk_at(bytes, records_part, y) + 4));
     };
@@ -270,7 +266,7 @@ class SalvageCommand : public CommandTest {
             run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml", "-o", in("a.exr"), "--size",
                  "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
         ASSERT_EQ(r.exit_code, 0) << r.err;
-        write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(text_of(in("a.exr")), records_part, 20),
+        write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(bytes_of(in("a.exr")), records_part, 20),
                                                   records_part, 21));
     }
     Image made(const std::string& subcommand, const std::string& frame, std::vector<std::string> more,
@@ -375,7 +371,7 @@ TEST_F(SalvageCommand, EveryReaderOfSampleFilesTakesIt) {
 
 TEST_F(SalvageCommand, CutOffFilesGiveTheirUpperPart) {
     const Image good = made("image", "a.exr", {});
-    const std::string bytes = text_of(in("a.exr"));
+    const std::string bytes = bytes_of(in("a.exr"));
     write_bytes(in("c.exr"), std::string_view(bytes).substr(0, chunk_at(bytes, records_part, 30) + 40));
     refused({"image", in("c.exr"), "-o", in("x.exr")}, ExitCode::invalid_input, "c.exr");
     json said;

@@ -78,7 +78,7 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
 
 TEST_F(VectorFrameTest, CommandRefusesDamagedFiles) {
     plate().write(in("plate.exr"));
-    const std::string bytes = text_of(in("plate.exr"));
+    const std::string bytes = bytes_of(in("plate.exr"));
     const auto refused_with = [&](const std::string& name, const std::string& content) {
         std::ofstream(in(name), std::ios::binary) << content;
         refused({"motionblur", in(name), "-o", in("out.png"), "--shutter", "0:1"}, ExitCode::invalid_input,

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <sys/resource.h>
@@ -19,6 +18,7 @@
 #include "pictures/formats/picture_library.h"
 #include "pictures/formats/plain_picture.h"
 #include "pictures/srgb.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::image_test {
@@ -177,8 +177,7 @@ TEST(Image, EqualPicturesAreEqualFiles) {
     const TemporaryFolder folder;
     const auto bytes = [&](const std::string& name) {
         write_image(folder.path() / name, ramp(8, 6));
-        std::ifstream in(folder.path() / name, std::ios::binary);
-        return std::string{std::istreambuf_iterator<char>(in), {}};
+        return bytes_of(folder.path() / name);
     };
     std::vector<std::string> before;
     const std::vector<std::string> names{"a.exr", "a.png", "a.jpg", "a.tif"};
@@ -313,8 +312,7 @@ TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
     write_image(at / "a.png", ramp(19, 7));
     write_image(at / "a.exr", ramp(19, 7));
     for (const char* name : {"a.png", "a.exr"}) {
-        std::ifstream in(at / name, std::ios::binary);
-        const std::string whole((std::istreambuf_iterator<char>(in)), {});
+        const std::string whole = bytes_of(at / name);
         ASSERT_GT(whole.size(), 100U);
         const fs::path broken = at / (std::string("broken_") + name);
         for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {

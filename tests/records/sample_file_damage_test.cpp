@@ -7,7 +7,6 @@
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <random>
 #include <string>
 #include <sys/resource.h>
@@ -18,6 +17,7 @@
 #include "records/file/record_scanline.h"
 #include "records/file/sample_file_header.h"
 #include "records/sample_file.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
@@ -28,15 +28,6 @@ namespace fs = std::filesystem;
 
 constexpr std::array all_compressions{RecordCompression::none, RecordCompression::rle,
                                       RecordCompression::zips};
-
-std::string bytes_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_bytes(const fs::path& path, std::string_view bytes) {
-    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 /// All content that a reader returns.
 struct Content {

@@ -11,6 +11,7 @@
 #include "scene/file_digest.h"
 #include "scene/scene.h"
 #include "scene/shape_bounds.h"
+#include "tests/scene/mesh_text.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::nff_scene_test {
@@ -34,10 +35,6 @@ Counts count(const Scene& scene) {
         }
     }
     return c;
-}
-
-const Mesh& mesh_of(const Object& object) {
-    return *std::get<std::shared_ptr<const Mesh>>(object.shape);
 }
 
 std::filesystem::path published(const std::string& name) {

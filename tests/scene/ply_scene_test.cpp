@@ -27,8 +27,7 @@ TEST_F(PlyLists, EveryOrderOfElementsAndPropertiesGivesThePictureOfThePlainFile)
     const auto image = [&](const fs::path& file, const std::string& name) {
         EXPECT_EQ(run({"trace", file.string(), "-o", in("a.exr"), "--size", "96x64"}).exit_code, 0) << file;
         EXPECT_EQ(run({"image", in("a.exr"), "-o", in(name)}).exit_code, 0) << file;
-        std::ifstream bytes(in(name), std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(bytes), {});
+        return bytes_of(in(name));
     };
     const std::string wanted = image(lists / "plain.ply", "plain.exr");
     ASSERT_GT(wanted.size(), 96U * 64U);

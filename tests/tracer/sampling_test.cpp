@@ -13,6 +13,7 @@
 #include "core/threads.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/recording/corner_sampler.h"
@@ -22,11 +23,6 @@ namespace postlens::test::sampling_test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // A scene with mirrors, glass, edges in all directions, a thin object and a light.
 SceneBuilder busy_scene() {
