@@ -1,6 +1,5 @@
 // --crop: for every method, the pixels of a crop have the same bits as in the whole image.
 #include <OpenImageIO/imageio.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "pictures/crop.h"

@@ -1,6 +1,5 @@
 // The commands `lens show`, `lens trace` and `lens fit`.
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

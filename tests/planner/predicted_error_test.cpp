@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numeric>
 #include <random>
 
 #include "core/error.h"

@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
-#include <limits>
 #include <numbers>
 
 #include "core/error.h"
