@@ -35,7 +35,7 @@ constexpr double seconds_to_stop = 1;
 
 class Cli : public CommandTest {
   protected:
-    std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
+    std::string scene() { return POSTLENS_TEST_DATA "/nff/balls_s2.nff"; }
     std::string traced() {
         std::string path = in("frame.exr");
         const Outcome r =
@@ -208,7 +208,7 @@ TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
 
 TEST_F(Cli, WhatIsWrongIsNamed) {
     const ExitCode two = ExitCode::wrong_arguments;
-    const std::string frame = traced(), lens = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
     refused({"lens", "nosuch"}, two, "(got nosuch; expected one of coc, dof");
     refused({"--nonsense"}, two, "unknown option (got --nonsense");
     refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
@@ -230,16 +230,16 @@ TEST_F(Cli, NumbersAreReadable) {
     const Outcome far = run({"focus", frame, "-o", in("x.exr"), "--focal-length", "1e300", "--f-number", "2",
                              "--focus", "1", "--method", "layers"});
     EXPECT_LT(far.out.size() + far.err.size(), 1200U) << far.out << far.err;
-    const Outcome axis = run({"lens", "trace", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml"});
+    const Outcome axis = run({"lens", "trace", POSTLENS_SAMPLES "/lenses/double_gauss.toml"});
     EXPECT_NE(axis.out.find("chief ray at 0 mm"), std::string::npos) << axis.out;
 
     EXPECT_EQ(run({"image", frame, "-o", in("crop.exr"), "--crop", "8,8,16,16", "--quiet"}).exit_code, 0);
     const Outcome crop = run({"info", in("crop.exr")});
     EXPECT_NE(crop.out.find("96x96 px, 4 channels"), std::string::npos) << crop.out;
-    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr"});
+    const Outcome depth = run({"info", POSTLENS_TEST_DATA "/exr/deep_alpha.exr"});
     EXPECT_EQ(depth.out.find(", , "), std::string::npos) << depth.out;
     EXPECT_NE(depth.out.find("colour none, alpha A"), std::string::npos) << depth.out;
-    const Outcome one = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    const Outcome one = run({"info", POSTLENS_TEST_DATA "/exr/deep_one_sample.exr"});
     EXPECT_NE(one.out.find(" 1 channel,"), std::string::npos) << one.out;
     EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
 }
@@ -316,7 +316,7 @@ TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
 }
 
 TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
-    const std::string scene_file = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string scene_file = POSTLENS_SAMPLES "/scenes/still_life.toml";
     const std::string out = in("big.exr");
     const pid_t child = begin({"trace", scene_file, "-o", out, "--size", "7680x4320", "--quiet"});
     wait_for_handler(child);

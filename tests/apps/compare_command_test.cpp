@@ -126,7 +126,7 @@ TEST_F(CompareCommand, UnreadableInputIsThree) {
     refused({a, other}, 3, "size differs");
     refused({a, a, "--noise", other}, 3, "size differs");
     refused({a, a, "--pinhole", other}, 3, "size differs");
-    refused({a, std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"}, 3, "deep");
+    refused({a, POSTLENS_TEST_DATA "/exr/deep_one_sample.exr"}, 3, "deep");
     const std::string whole = bytes_of(a);
     for (const double share : {0.0, 0.1, 0.5, 0.9}) {
         std::ofstream(in("cut.exr"), std::ios::binary)
@@ -231,7 +231,7 @@ TEST_F(CompareCommand, TheDisplayWindowIsWhatIsCompared) {
 
 TEST_F(CompareCommand, ASampleFileIsItsPinholePicture) {
     const std::string frame = in("frame.exr"), picture = in("picture.exr");
-    const std::string scene = std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff";
+    const std::string scene = POSTLENS_TEST_DATA "/nff/balls_s2.nff";
     const std::string program = "'" POSTLENS_BINARY "' ";
     ASSERT_EQ(std::system((program + "trace '" + scene + "' -o '" + frame +
                            "' --size 48x48 --metres-per-unit 0.1 --overscan 6 --quiet && " + program +

@@ -62,7 +62,7 @@ TEST_F(CropCommand, EveryCommandWritesTheBitsOfTheWhole) {
 }
 
 TEST_F(CropCommand, PicturesOfOtherProgramsAreCutAsWell) {
-    const std::string deep = std::string(POSTLENS_TEST_DATA) + "/exr/deep_object_ids.exr";
+    const std::string deep = POSTLENS_TEST_DATA "/exr/deep_object_ids.exr";
     const json all = done({"image", deep, "-o", in("all.exr")});
     const int w = all.at("width"), h = all.at("height");
     const std::vector<Crop> parts{{w / 3, h / 4, w / 2, h / 3}};

@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
+const std::string data_folder = POSTLENS_TEST_DATA "/exr/";
 
 /// Writes an image with depth: a half-plane at 1 m in front of a wall at 4 m.
 void write_half_plane(const std::string& path, bool with_depth = true) {
@@ -259,10 +259,8 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--layer", "x"}, ExitCode::invalid_input,
             "no colours in x");
     const std::string frame = in("frame.exr");
-    ASSERT_EQ(
-        run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/ruler.toml", "-o", frame, "--size", "16x9"})
-            .exit_code,
-        0);
+    ASSERT_EQ(run({"trace", POSTLENS_SAMPLES "/scenes/ruler.toml", "-o", frame, "--size", "16x9"}).exit_code,
+              0);
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24"}, two,
             "--film-width");
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--behind", a}, two, "--behind");

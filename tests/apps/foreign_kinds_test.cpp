@@ -19,7 +19,7 @@ using nlohmann::json;
 constexpr float to = 1e-3F;  ///< tolerance that the reports require
 
 std::string data(const std::string& name) {
-    return std::string(POSTLENS_TEST_DATA) + "/exr/" + name + ".exr";
+    return std::string(POSTLENS_TEST_DATA "/exr/") + name + ".exr";
 }
 
 struct Plane {

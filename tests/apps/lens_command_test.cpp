@@ -17,7 +17,7 @@ using nlohmann::json;
 class LensCommand : public CommandTest {
   protected:
     static std::string data(const std::string& name) {
-        return std::string(POSTLENS_TEST_DATA) + "/lens/" + name;
+        return std::string(POSTLENS_TEST_DATA "/lens/") + name;
     }
     json result(std::vector<std::string> words) {
         words.emplace_back("--json");
@@ -25,7 +25,7 @@ class LensCommand : public CommandTest {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return json::parse(r.out);
     }
-    std::string sample_ = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    std::string sample_ = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
 };
 
 TEST_F(LensCommand, ShowHasItsKeys) {

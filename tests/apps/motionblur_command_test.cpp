@@ -202,8 +202,7 @@ TEST_F(MotionblurCommand, PathsInsteadOfTheFilesMotion) {
               "{ time_s = 1, at_px = [0, 7] }]\n");
     json j = blurred(frame, {"--paths", down, "--shutter", "0:1"});
     EXPECT_NEAR(j["objects"][0]["move_px"], 7, 1e-9);
-    j = blurred(frame, {"--paths", std::string(POSTLENS_SAMPLES) + "/paths/example.toml", "--shutter", "0:1"},
-                3);
+    j = blurred(frame, {"--paths", POSTLENS_SAMPLES "/paths/example.toml", "--shutter", "0:1"}, 3);
     const std::string wall_moves =
         write("wall.toml",
               "[[path]]\nids = [1]\nkeys = [{ time_s = 0 }, { time_s = 1, translate_m = [0.1, 0, 0] }]\n");

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-const std::string scenes = std::string(POSTLENS_SAMPLES) + "/scenes/";
+const std::string scenes = POSTLENS_SAMPLES "/scenes/";
 
 class SafeWriting : public CommandTest {
   protected:
@@ -57,8 +57,7 @@ class SafeWriting : public CommandTest {
                          "4",    "--size",  "999", "--profile",      to};
         };
         const auto drawing = [](const std::string& to) {
-            return Words{"lens", "show", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml", "-o",
-                         to};
+            return Words{"lens", "show", POSTLENS_SAMPLES "/lenses/double_gauss.toml", "-o", to};
         };
         const auto sweep = [=](const std::string& to) {
             return Words{"sweep", frame, "-o", to, "--f-number", "1.4:16:1", "--focus", "2"};

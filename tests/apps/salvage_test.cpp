@@ -262,9 +262,8 @@ class SalvageCommand : public CommandTest {
   protected:
     static constexpr int width = 64, height = 48;
     void SetUp() override {
-        const Outcome r =
-            run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml", "-o", in("a.exr"), "--size",
-                 "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
+        const Outcome r = run({"trace", POSTLENS_SAMPLES "/scenes/motion.toml", "-o", in("a.exr"), "--size",
+                               "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
         ASSERT_EQ(r.exit_code, 0) << r.err;
         write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(bytes_of(in("a.exr")), records_part, 20),
                                                   records_part, 21));
@@ -387,7 +386,7 @@ TEST_F(SalvageCommand, CutOffFilesGiveTheirUpperPart) {
 }
 
 TEST_F(SalvageCommand, IsForSampleFilesOnly) {
-    const std::string picture = std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr";
+    const std::string picture = POSTLENS_TEST_DATA "/exr/deep_alpha.exr";
     const ExitCode three = ExitCode::invalid_input;
     const std::string part = "not a postlens sample file";
     refused({"image", picture, "-o", in("x.exr"), "--salvage"}, three, part);
@@ -395,7 +394,7 @@ TEST_F(SalvageCommand, IsForSampleFilesOnly) {
             part);
     refused({"motionblur", picture, "-o", in("x.exr"), "--shutter", "0:1", "--salvage"}, three, part);
     refused({"info", picture, "--salvage"}, three, part);
-    refused({"info", std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml", "--salvage"}, three, part);
+    refused({"info", POSTLENS_SAMPLES "/scenes/motion.toml", "--salvage"}, three, part);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ class ShareCommand : public CommandTest {
         done(merge);
         EXPECT_TRUE(bytes_of(in(name + ".exr")) == bytes_of(in(name + ".merged.exr"))) << name;
     }
-    const std::string scene_ = std::string(POSTLENS_SAMPLES) + "/scenes/bars.toml";
+    const std::string scene_ = POSTLENS_SAMPLES "/scenes/bars.toml";
     const Words lens_{"--f-number", "1.4", "--focus", "5"};
 };
 
@@ -71,7 +71,7 @@ TEST_F(ShareCommand, RendersMergeWithTheirHalves) {
 
 TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
     const Words by{"--share-by", "samples"};
-    const std::string lit = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string lit = POSTLENS_SAMPLES "/scenes/still_life.toml";
     is_the_undivided("blocks", Words{"render", scene_, "--size", "32x18", "--spp", "128"} + lens_, 3, by);
     // So many samples that a block has more than one group, and the last block fewer.
     is_the_undivided("groups", Words{"render", scene_, "--size", "8x5", "--spp", "3000"} + lens_, 5, by);
