@@ -14,7 +14,7 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# Most of the link time of some hundred small programs, where it is installed (it comes with GNU's own linker).
+# Saves most of the link time of tests and benchmarks, where it is installed (it comes with GNU's own linker).
 find_program(POSTLENS_GOLD ld.gold)
 if(POSTLENS_GOLD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_link_options(-fuse-ld=gold)

@@ -34,10 +34,10 @@ std::vector<double> taps_of(int radius, const Function& function) {
 }
 
 // Scales the taps so that the positive ones sum to `share`, and the negative ones, if any, to -share.
-Plane normalised(const std::vector<double>& taps, double share = 1) {
+TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
-    Plane out;
+    TileChannel out;
     for (const double t : taps) {
         const double scale = t > 0 ? share / positive : t < 0 ? share / negative : 0;
         out.push_back(static_cast<float>(scale * t));
@@ -156,7 +156,7 @@ inline float clamp01(float v) {
 
 // A tile of one image after filtering: its colours in L*a*b*, and the strengths of edges and points.
 struct Seen {
-    Plane lightness, a, b, edges, points;
+    TileChannel lightness, a, b, edges, points;
     Seen()
         : lightness(tile_width * tile_height),
           a(lightness.size()),
@@ -169,21 +169,21 @@ struct Seen {
 struct Scratch {
     explicit Scratch(int radius) : rows(tile_height + 2 * radius), row_length(tile_width + 2 * radius) {
         const auto in_size = static_cast<std::size_t>(rows) * static_cast<std::size_t>(row_length);
-        for (Plane& p : in) p.resize(in_size);
+        for (TileChannel& p : in) p.resize(in_size);
         half.resize(static_cast<std::size_t>(rows) * tile_width);
-        for (Plane& p : out) p.resize(tile_width * tile_height);
+        for (TileChannel& p : out) p.resize(tile_width * tile_height);
     }
     int rows, row_length;
-    std::array<Plane, 3> in;  // luminance, X - Y, Y - Z
-    Plane half;
-    std::array<Plane, 8> out;
+    std::array<TileChannel, 3> in;  // luminance, X - Y, Y - Z
+    TileChannel half;
+    std::array<TileChannel, 8> out;
 };
 
-using Tile = std::array<Plane, 3>;  // red, green, blue
+using Tile = std::array<TileChannel, 3>;  // red, green, blue
 
 void load(const Image& image, const PixelMask& usable, int x0, int y0, int radius, Tile& to) {
     const int rows = tile_height + 2 * radius, row_length = tile_width + 2 * radius;
-    for (Plane& p : to) p.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(row_length));
+    for (TileChannel& p : to) p.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(row_length));
     std::size_t i = 0;
     for (int y = 0; y < rows; ++y) {
         const int py = std::clamp(y0 - radius + y, 0, image.height - 1);
@@ -215,7 +215,7 @@ void to_opponent(const Tile& tile, const FlipDisplay& display, Scratch& s) {
 }
 
 POSTLENS_MULTIVERSION
-void to_seen(const std::array<Plane, 8>& filtered, Seen& to) {
+void to_seen(const std::array<TileChannel, 8>& filtered, Seen& to) {
     const std::array<const float*, 8> f{filtered[0].data(), filtered[1].data(), filtered[2].data(),
                                         filtered[3].data(), filtered[4].data(), filtered[5].data(),
                                         filtered[6].data(), filtered[7].data()};
@@ -239,7 +239,8 @@ void to_seen(const std::array<Plane, 8>& filtered, Seen& to) {
 
 void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filters, Scratch& s, Seen& to) {
     to_opponent(tile, display, s);
-    const auto filter = [&](const Plane& in, const Plane& row, const Plane& column, Plane& out) {
+    const auto filter = [&](const TileChannel& in, const TileChannel& row, const TileChannel& column,
+                            TileChannel& out) {
         filter_rows(in, s.rows, row, s.half);
         filter_columns(s.half, column, out);
     };
@@ -260,7 +261,7 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
 // Sets each value of `errors` to the FLIP error of this pair of tiles, if that is greater [andersson2020,
 // sec. 4.1.3, 4.2 and 4.3].
 POSTLENS_MULTIVERSION
-void raise_errors(const Seen& p, const Seen& q, Plane& errors) {
+void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
     // The greatest possible colour distance is that between green and blue. A distance of 0.4 times this
     // maximum becomes a colour error of 0.95.
     const float greatest = colour_distance(hunt_lab({0, 1, 0}), hunt_lab({0, 0, 1}));
@@ -296,7 +297,7 @@ void flip_errors(const Image& reference, const Image& test, const PixelMask& usa
         if (a == b) return;  // the errors are 0, which `map` already contains
         Scratch scratch(filters.radius);
         Seen seen_a, seen_b;
-        Plane errors(tile_width * tile_height, 0.0F);
+        TileChannel errors(tile_width * tile_height, 0.0F);
         for (const FlipDisplay& display : displays) {
             see(a, display, filters, scratch, seen_a);
             see(b, display, filters, scratch, seen_b);

@@ -14,11 +14,11 @@ struct FlipFilters {
     int radius = 0;
     /// Filters of contrast sensitivity. The taps of `achromatic` and `red_green` sum to 1. The blue-yellow
     /// filter is a sum of two Gaussians; the taps of each sum to its fraction of the filter.
-    Plane achromatic, red_green;
-    Plane blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
+    TileChannel achromatic, red_green;
+    TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
     /// A Gaussian, and its first and second derivative. The positive taps of a derivative sum to 1, the
     /// negative taps to -1.
-    Plane gauss, edge, point;
+    TileChannel gauss, edge, point;
     explicit FlipFilters(double pixels_per_degree);
 };
 

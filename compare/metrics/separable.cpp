@@ -14,7 +14,7 @@ static_assert(tile_width % block_px == 0);
 }  // namespace
 
 POSTLENS_MULTIVERSION
-void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& out) {
+void filter_rows(const TileChannel& in, int rows, std::span<const float> taps, TileChannel& out) {
     const std::size_t in_stride = tile_width + taps.size() - 1;
     const float* const weights = taps.data();
     const std::size_t tap_count = taps.size();
@@ -31,7 +31,7 @@ void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& 
 }
 
 POSTLENS_MULTIVERSION
-void filter_columns(const Plane& in, std::span<const float> taps, Plane& out) {
+void filter_columns(const TileChannel& in, std::span<const float> taps, TileChannel& out) {
     const float* const weights = taps.data();
     const std::size_t tap_count = taps.size();
     for (std::size_t y = 0; y < tile_height; ++y) {

@@ -27,14 +27,14 @@ void for_each_tile(int width, int height, const Body& body) {
 
 /// One channel of a tile, row by row. For a filter of radius r there are tile_height + 2r rows. A row has
 /// tile_width + 2r values before the filter along rows, and tile_width values after it.
-using Plane = std::vector<float>;
+using TileChannel = std::vector<float>;
 
 /// Filters along rows. `in` has rows of tile_width + taps - 1 values; `out` receives rows of tile_width
 /// values. The filter is a correlation: out[x] = sum_k taps[k] in[x + k].
-void filter_rows(const Plane& in, int rows, std::span<const float> taps, Plane& out);
+void filter_rows(const TileChannel& in, int rows, std::span<const float> taps, TileChannel& out);
 
 /// Filters along columns. `in` has tile_height + taps - 1 rows of tile_width values; `out` receives
 /// tile_height rows.
-void filter_columns(const Plane& in, std::span<const float> taps, Plane& out);
+void filter_columns(const TileChannel& in, std::span<const float> taps, TileChannel& out);
 
 }  // namespace postlens

@@ -35,9 +35,9 @@ float luma(const float* p) {
 // are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This form equals the usual one but does not subtract
 // large sums, so nearly equal images lose no digits.
 struct Moments {
-    Plane a, d, aa, bb, dd;
+    TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}
-    [[nodiscard]] std::array<Plane*, 5> planes() { return {&a, &d, &aa, &bb, &dd}; }
+    [[nodiscard]] std::array<TileChannel*, 5> planes() { return {&a, &d, &aa, &bb, &dd}; }
 };
 
 void load(const Image& a, const Image& b, const PixelMask& usable, int x0, int y0, Moments& to) {

@@ -19,19 +19,19 @@ constexpr int tile_px = 64;
 
 }  // namespace
 
-ColourRange::ColourRange() {
+RadianceRange::RadianceRange() {
     least.fill(std::numeric_limits<float>::infinity());
     most.fill(-std::numeric_limits<float>::infinity());
 }
 
-void ColourRange::include(const std::array<float, 3>& rgb) {
+void RadianceRange::include(const std::array<float, 3>& rgb) {
     for (std::size_t c = 0; c < 3; ++c) {
         least[c] = std::min(least[c], rgb[c]);
         most[c] = std::max(most[c], rgb[c]);
     }
 }
 
-void ColourRange::include(const ColourRange& other) {
+void RadianceRange::include(const RadianceRange& other) {
     include(other.least);
     include(other.most);
 }

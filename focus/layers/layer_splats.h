@@ -73,11 +73,11 @@ struct LayerCell {
 };
 
 /// Smallest and largest radiance of the shading trees, per channel.
-struct ColourRange {
+struct RadianceRange {
     std::array<float, 3> least{}, most{};
-    ColourRange();
+    RadianceRange();
     void include(const std::array<float, 3>& rgb);
-    void include(const ColourRange& other);
+    void include(const RadianceRange& other);
 };
 
 /// Usage: add each row once, in bands in any order; then call finish.
@@ -127,7 +127,7 @@ class LayerSplats {
     /// Position of samples relative to their anchors, px: 0.5 for pixels of other programs, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     /// Range of the recorded colours. Images are clamped to this range.
-    [[nodiscard]] const ColourRange& colours() const { return colours_; }
+    [[nodiscard]] const RadianceRange& colours() const { return colours_; }
 
   private:
     class RowBuilder;
@@ -140,7 +140,7 @@ class LayerSplats {
         /// Removes all elements, but keeps the capacity.
         void clear();
         double largest_radius_px = 0;
-        ColourRange colours;
+        RadianceRange colours;
     };
     /// Splats of one row, part and tile.
     struct Segment;
@@ -175,7 +175,7 @@ class LayerSplats {
         tile_cells_;  ///< per element of tile_rows_; emptied when the cells have been sorted into cells_
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
-    ColourRange colours_;
+    RadianceRange colours_;
 };
 
 }  // namespace postlens

@@ -5,7 +5,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::chart_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -95,7 +95,7 @@ TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
         _exit(127);
     }
     const auto finished = [&] {
-        const json j = json::parse(text_of(in("chart/chart.json")), nullptr, false);
+        const json j = json::parse(bytes_of(in("chart/chart.json")), nullptr, false);
         std::size_t count = 0;
         if (j.is_object()) {
             for (const json& p : j["points"]) count += p["seconds"].size();
@@ -105,7 +105,7 @@ TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
     // Waits for all points but the last, which would take minutes.
     std::size_t all = 0;
     for (int i = 0; i < 1200; ++i) {
-        const json j = json::parse(text_of(in("chart/chart.json")), nullptr, false);
+        const json j = json::parse(bytes_of(in("chart/chart.json")), nullptr, false);
         if (j.is_object()) all = j["points"].size();
         if (all > 0 && finished() == all - 1) break;
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -117,7 +117,7 @@ TEST_F(ChartCommand, GoesOnAfterAnInterruption) {
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_EQ(WEXITSTATUS(status), 130);
     ASSERT_EQ(finished(), all - 1);
-    const json before = json::parse(text_of(in("chart/chart.json")));
+    const json before = json::parse(bytes_of(in("chart/chart.json")));
     const Outcome r = run(words("1,4"));
     ASSERT_EQ(r.exit_code, 0) << r.err;
     const json after = json::parse(r.out);
@@ -178,8 +178,8 @@ TEST_F(AtlasCommand, MakesItsDocumentsAndKeepsWhatIsFinished) {
     ASSERT_EQ(r.exit_code, 0) << r.err << r.out;
     EXPECT_EQ(json::parse(r.out)["kept"], 0);
     EXPECT_EQ(json::parse(r.out)["cases"][0]["method"]["warnings"][0], "uncovered");
-    EXPECT_NE(text_of(in("atlas/failures.md")).find("images/failures/bar.png"), std::string::npos);
-    EXPECT_NE(text_of(in("atlas/index.html")).find("data:image/png;base64,"), std::string::npos);
+    EXPECT_NE(bytes_of(in("atlas/failures.md")).find("images/failures/bar.png"), std::string::npos);
+    EXPECT_NE(bytes_of(in("atlas/index.html")).find("data:image/png;base64,"), std::string::npos);
     EXPECT_GT(fs::file_size(in("atlas/images/failures/bar.png")), 200);
     EXPECT_FALSE(fs::exists(in("atlas/cases/bar.exr")));
     // Changed texts and bounds do not require a new image. The exit code reports a bound that is not met.
@@ -217,4 +217,4 @@ TEST_F(AtlasCommand, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::chart_command_test

@@ -20,7 +20,7 @@
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::cli_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,7 +35,7 @@ constexpr double seconds_to_stop = 1;
 
 class Cli : public CommandTest {
   protected:
-    std::string scene() { return std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff"; }
+    std::string scene() { return POSTLENS_TEST_DATA "/nff/balls_s2.nff"; }
     std::string traced() {
         std::string path = in("frame.exr");
         const Outcome r =
@@ -78,7 +78,7 @@ TEST_F(Cli, TraceThenFocusThreeTimes) {
         EXPECT_EQ(j.at("f_number"), 2.0);
         EXPECT_EQ(j.at("focal_length_mm"), 50.0);
         EXPECT_EQ(j.at("focus_m").is_null(), std::string(s) == "inf");
-        pictures.push_back(text_of(out));
+        pictures.push_back(bytes_of(out));
     }
     EXPECT_NE(pictures[0], pictures[1]);
     EXPECT_NE(pictures[1], pictures[2]);
@@ -208,7 +208,7 @@ TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
 
 TEST_F(Cli, WhatIsWrongIsNamed) {
     const ExitCode two = ExitCode::wrong_arguments;
-    const std::string frame = traced(), lens = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
     refused({"lens", "nosuch"}, two, "(got nosuch; expected one of coc, dof");
     refused({"--nonsense"}, two, "unknown option (got --nonsense");
     refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
@@ -230,16 +230,16 @@ TEST_F(Cli, NumbersAreReadable) {
     const Outcome far = run({"focus", frame, "-o", in("x.exr"), "--focal-length", "1e300", "--f-number", "2",
                              "--focus", "1", "--method", "layers"});
     EXPECT_LT(far.out.size() + far.err.size(), 1200U) << far.out << far.err;
-    const Outcome axis = run({"lens", "trace", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml"});
+    const Outcome axis = run({"lens", "trace", POSTLENS_SAMPLES "/lenses/double_gauss.toml"});
     EXPECT_NE(axis.out.find("chief ray at 0 mm"), std::string::npos) << axis.out;
 
     EXPECT_EQ(run({"image", frame, "-o", in("crop.exr"), "--crop", "8,8,16,16", "--quiet"}).exit_code, 0);
     const Outcome crop = run({"info", in("crop.exr")});
     EXPECT_NE(crop.out.find("96x96 px, 4 channels"), std::string::npos) << crop.out;
-    const Outcome depth = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr"});
+    const Outcome depth = run({"info", POSTLENS_TEST_DATA "/exr/deep_alpha.exr"});
     EXPECT_EQ(depth.out.find(", , "), std::string::npos) << depth.out;
     EXPECT_NE(depth.out.find("colour none, alpha A"), std::string::npos) << depth.out;
-    const Outcome one = run({"info", std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"});
+    const Outcome one = run({"info", POSTLENS_TEST_DATA "/exr/deep_one_sample.exr"});
     EXPECT_NE(one.out.find(" 1 channel,"), std::string::npos) << one.out;
     EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
 }
@@ -256,7 +256,7 @@ TEST_F(Cli, UnreadableInputIsThree) {
     refused({"info", in("none")}, three, "none");
     std::ofstream(in("empty.exr")).close();
     refused({"image", in("empty.exr"), "-o", in("x.png")}, three, "empty.exr");
-    const std::string whole = text_of(frame);
+    const std::string whole = bytes_of(frame);
     for (const double share : {0.01, 0.3, 0.6, 0.999}) {
         std::ofstream(in("cut.exr"), std::ios::binary)
             << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
@@ -279,7 +279,7 @@ TEST_F(Cli, UnwritableOutputIsFour) {
     std::ofstream(in("old.exr")) << "old";
     const Outcome r = run({"trace", scene(), "-o", in("old.exr")}, "ulimit -f 20; ");
     EXPECT_EQ(r.exit_code, 4) << r.err;
-    EXPECT_EQ(text_of(in("old.exr")), "old");
+    EXPECT_EQ(bytes_of(in("old.exr")), "old");
     EXPECT_EQ(folder_.file_count(), 2U);
 }
 
@@ -316,7 +316,7 @@ TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
 }
 
 TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
-    const std::string scene_file = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string scene_file = POSTLENS_SAMPLES "/scenes/still_life.toml";
     const std::string out = in("big.exr");
     const pid_t child = begin({"trace", scene_file, "-o", out, "--size", "7680x4320", "--quiet"});
     wait_for_handler(child);
@@ -333,4 +333,4 @@ TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::cli_test

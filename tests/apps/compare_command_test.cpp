@@ -9,51 +9,27 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <sys/wait.h>
 #include <vector>
 
 #include "pictures/image.h"
+#include "tests/support/command_test.h"
 #include "tests/support/compare_pictures.h"
-#include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::compare_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-struct Outcome {
-    int exit_code = -1;
-    std::string out, err;
-};
-
-std::string text_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-class CompareCommand : public testing::Test {
+class CompareCommand : public CommandTest {
   protected:
-    std::string in(const std::string& name) { return (folder_.path() / name).string(); }
     std::string file(const std::string& name, const Image& image) {
         write_image(in(name), image);
         return in(name);
     }
-    // The words must not contain quotes.
-    Outcome run(const std::vector<std::string>& words, const std::string& before = "") {
-        std::string command = before + "'" POSTLENS_BINARY "' compare";
-        for (const std::string& w : words) command.append(" '").append(w).append("'");
-        const fs::path out = in(".out"), err = in(".err");
-        command.append(" >'")
-            .append(out.string())
-            .append("' 2>'")
-            .append(err.string())
-            .append("' </dev/null");
-        const int status = std::system(command.c_str());
-        Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
-        fs::remove(out);
-        fs::remove(err);
-        return r;
+    Outcome run(std::vector<std::string> words, const std::string& before = "") {
+        words.insert(words.begin(), "compare");
+        return CommandTest::run(words, before);
     }
     json run_json(std::vector<std::string> words, int exit_code = 0) {
         words.emplace_back("--json");
@@ -74,7 +50,6 @@ class CompareCommand : public testing::Test {
         for (const json& w : result.at("warnings")) out.push_back(w.at("code"));
         return out;
     }
-    TemporaryFolder folder_;
 };
 
 TEST_F(CompareCommand, SaysEveryFigure) {
@@ -151,8 +126,8 @@ TEST_F(CompareCommand, UnreadableInputIsThree) {
     refused({a, other}, 3, "size differs");
     refused({a, a, "--noise", other}, 3, "size differs");
     refused({a, a, "--pinhole", other}, 3, "size differs");
-    refused({a, std::string(POSTLENS_TEST_DATA) + "/exr/deep_one_sample.exr"}, 3, "deep");
-    const std::string whole = text_of(a);
+    refused({a, POSTLENS_TEST_DATA "/exr/deep_one_sample.exr"}, 3, "deep");
+    const std::string whole = bytes_of(a);
     for (const double share : {0.0, 0.1, 0.5, 0.9}) {
         std::ofstream(in("cut.exr"), std::ios::binary)
             << whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size())));
@@ -256,7 +231,7 @@ TEST_F(CompareCommand, TheDisplayWindowIsWhatIsCompared) {
 
 TEST_F(CompareCommand, ASampleFileIsItsPinholePicture) {
     const std::string frame = in("frame.exr"), picture = in("picture.exr");
-    const std::string scene = std::string(POSTLENS_TEST_DATA) + "/nff/balls_s2.nff";
+    const std::string scene = POSTLENS_TEST_DATA "/nff/balls_s2.nff";
     const std::string program = "'" POSTLENS_BINARY "' ";
     ASSERT_EQ(std::system((program + "trace '" + scene + "' -o '" + frame +
                            "' --size 48x48 --metres-per-unit 0.1 --overscan 6 --quiet && " + program +
@@ -267,4 +242,4 @@ TEST_F(CompareCommand, ASampleFileIsItsPinholePicture) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::compare_command_test

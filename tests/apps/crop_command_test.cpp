@@ -1,23 +1,16 @@
 // --crop: for every method, the pixels of a crop are bit-identical to those of the whole image.
 #include <OpenImageIO/imageio.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "pictures/crop.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::crop_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 const std::string samples = POSTLENS_SAMPLES;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 std::string text_of(const Crop& c) {
     return fmt::format("{},{},{},{}", c.x, c.y, c.width, c.height);
@@ -69,7 +62,7 @@ TEST_F(CropCommand, EveryCommandWritesTheBitsOfTheWhole) {
 }
 
 TEST_F(CropCommand, PicturesOfOtherProgramsAreCutAsWell) {
-    const std::string deep = std::string(POSTLENS_TEST_DATA) + "/exr/deep_object_ids.exr";
+    const std::string deep = POSTLENS_TEST_DATA "/exr/deep_object_ids.exr";
     const json all = done({"image", deep, "-o", in("all.exr")});
     const int w = all.at("width"), h = all.at("height");
     const std::vector<Crop> parts{{w / 3, h / 4, w / 2, h / 3}};
@@ -139,4 +132,4 @@ TEST_F(CropCommand, WhatIsNotWithinThePictureIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::crop_command_test

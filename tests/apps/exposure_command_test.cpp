@@ -7,7 +7,7 @@
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::exposure_command_test {
 namespace {
 
 using nlohmann::json;
@@ -180,4 +180,4 @@ TEST_F(ExposureCommand, RefusesWhatAreNoStops) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::exposure_command_test

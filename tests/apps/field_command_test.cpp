@@ -8,11 +8,10 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::field_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 constexpr const char* scene_text =
     "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 0.7\nfocus_m = 8\nexposure_s = "
@@ -49,7 +48,7 @@ class FieldCommand : public CommandTest {
 // A dark cap lies hidden just behind the end of the cylinder that it closes. The planes that approximate
 // curved surfaces must not reveal it. `layers` reaches 56.7 dB.
 TEST_F(FieldCommand, CapsInsideCylindersStayHidden) {
-    const std::string scene = std::string(POSTLENS_TEST_DATA) + "/nff/joints.nff";
+    const std::string scene = POSTLENS_TEST_DATA "/nff/joints.nff";
     const Words size{"--size", "320x240", "--metres-per-unit", "0.5"};
     const auto done = [&](Words words, const Words& more) {
         words.insert(words.end(), more.begin(), more.end());
@@ -171,4 +170,4 @@ TEST_F(FieldCommand, ShootTakesTheFilesExposureUnlessToldOtherwise) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::field_command_test

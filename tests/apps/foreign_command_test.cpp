@@ -8,15 +8,13 @@
 #include "tests/apps/limited.h"
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::foreign_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
 
-const std::string data_folder = std::string(POSTLENS_TEST_DATA) + "/exr/";
+const std::string data_folder = POSTLENS_TEST_DATA "/exr/";
 
 /// Writes an image with depth: a half-plane at 1 m in front of a wall at 4 m.
 void write_half_plane(const std::string& path, bool with_depth = true) {
@@ -261,10 +259,8 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--layer", "x"}, ExitCode::invalid_input,
             "no colours in x");
     const std::string frame = in("frame.exr");
-    ASSERT_EQ(
-        run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/ruler.toml", "-o", frame, "--size", "16x9"})
-            .exit_code,
-        0);
+    ASSERT_EQ(run({"trace", POSTLENS_SAMPLES "/scenes/ruler.toml", "-o", frame, "--size", "16x9"}).exit_code,
+              0);
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24"}, two,
             "--film-width");
     refused({"focus", frame, "-o", o, "--f-number", "2", "--focus", "4", "--behind", a}, two, "--behind");
@@ -289,7 +285,7 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
               {"motionblur", file, "-o", in("o.exr"), "--shutter", "0:1"}}) {
             std::vector<std::string> all = words;
             for (const char* word : {"--threads", "1", "--quiet"}) all.emplace_back(word);
-            const Outcome r = run(all, test::ten_seconds_and_a_gibibyte());
+            const Outcome r = run(all, ten_seconds_and_a_gibibyte());
             if (r.exit_code == 0) continue;
             EXPECT_EQ(r.exit_code, 3) << file << " " << words[0] << ": " << r.err;
             EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << r.err;
@@ -297,8 +293,8 @@ TEST_F(ForeignCommand, DamagedFilesAreRefusedQuicklyAndWithLittleMemory) {
         }
     }
     EXPECT_GT(refusals, 100);
-    EXPECT_LT(test::most_kilobytes_of_commands(), 1024 * 1024);
+    EXPECT_LT(most_kilobytes_of_commands(), 1024 * 1024);
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_command_test

@@ -11,18 +11,15 @@
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::foreign_kinds_test {
 namespace {
 
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
-using Words = std::vector<std::string>;
 
 constexpr float to = 1e-3F;  ///< tolerance that the reports require
 
 std::string data(const std::string& name) {
-    return std::string(POSTLENS_TEST_DATA) + "/exr/" + name + ".exr";
+    return std::string(POSTLENS_TEST_DATA "/exr/") + name + ".exr";
 }
 
 struct Plane {
@@ -435,4 +432,4 @@ TEST_F(ForeignKinds, VectorsMayHaveAnOffsetAndAScale) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_kinds_test

@@ -8,17 +8,11 @@
 #include "records/sample_file.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::frames_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using Words = std::vector<std::string>;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 class Frames : public CommandTest {
   protected:
@@ -130,7 +124,7 @@ TEST_F(Frames, PicturesAreThoseOfTheFramesAlone) {
 TEST_F(Frames, AnInterruptedRangeGoesOn) {
     trace_three();
     const Words again{"trace", scene(), "-o", in("f.%04d.exr"), "--frames", "0-3", "--fps", "2"};
-    const std::string whole = test::text_of(in("f.0001.exr"));
+    const std::string whole = bytes_of(in("f.0001.exr"));
     // One file was truncated while it was copied; another lacks only its last byte.
     std::ofstream(in("f.0001.exr"), std::ios::binary) << whole.substr(0, whole.size() / 2);
     fs::resize_file(in("f.0002.exr"), fs::file_size(in("f.0002.exr")) - 1);
@@ -139,7 +133,7 @@ TEST_F(Frames, AnInterruptedRangeGoesOn) {
     std::vector<bool> kept;
     for (const json& frame : said.at("frames")) kept.push_back(frame.at("kept"));
     EXPECT_EQ(kept, (std::vector{true, false, false, false}));
-    EXPECT_TRUE(test::text_of(in("f.0001.exr")) == whole);
+    EXPECT_TRUE(bytes_of(in("f.0001.exr")) == whole);
 
     const Words images{"image", in("f.%04d.exr"), "-o", in("p.%d.png"), "--frames", "0-3"};
     done(images);
@@ -179,7 +173,7 @@ TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
     // A file that a scene refers to is its input as well, and a file that says nothing is made again.
     std::ofstream(in("t.ppm")) << "P3 1 1 255 255 0 0\n";
     const std::string textured = in("textured.toml");
-    std::ofstream(textured) << text_of(scene())
+    std::ofstream(textured) << bytes_of(scene())
                             << "[[texture]]\nname = \"t\"\nkind = \"image\"\nfile = \"t.ppm\"\n";
     const Words rays{"render", textured, "-o", in("r.%d.exr"), "--frames", "0", "--spp", "1"};
     done({"render", textured, "-o", in("r.0.exr"), "--spp", "1"});
@@ -195,7 +189,7 @@ TEST_F(Frames, KeptFramesAreThoseOfTheSameSettingsAndInputs) {
     fs::copy_file(in("o.0.b.exr"), in("h.0.b.exr"), fs::copy_options::overwrite_existing);
     EXPECT_EQ(made_again(halves), (Words{R"(--spp (got ["8"]; expected ["4"]))"}));
     // A file that is the same for every frame may have any name.
-    std::ofstream(in("s%d.toml")) << text_of(scene());
+    std::ofstream(in("s%d.toml")) << bytes_of(scene());
     EXPECT_EQ(made_again({"focus", in("f.%04d.exr"), "-o", in("x.%d.exr"), "--frames", "0", "--focus", "3",
                           "--f-number", "2", "--method", "hybrid", "--scene", in("s%d.toml")}),
               (Words{"absent"}));
@@ -265,4 +259,4 @@ TEST_F(Frames, OtherPercentSignsAndHashesStayInTheName) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::frames_command_test

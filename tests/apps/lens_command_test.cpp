@@ -1,6 +1,5 @@
 // The commands `lens show`, `lens trace` and `lens fit`.
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -10,7 +9,7 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_command_test {
 namespace {
 
 using nlohmann::json;
@@ -18,7 +17,7 @@ using nlohmann::json;
 class LensCommand : public CommandTest {
   protected:
     static std::string data(const std::string& name) {
-        return std::string(POSTLENS_TEST_DATA) + "/lens/" + name;
+        return std::string(POSTLENS_TEST_DATA "/lens/") + name;
     }
     json result(std::vector<std::string> words) {
         words.emplace_back("--json");
@@ -26,7 +25,7 @@ class LensCommand : public CommandTest {
         EXPECT_EQ(r.exit_code, 0) << r.err;
         return json::parse(r.out);
     }
-    std::string sample_ = std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml";
+    std::string sample_ = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
 };
 
 TEST_F(LensCommand, ShowHasItsKeys) {
@@ -55,7 +54,7 @@ TEST_F(LensCommand, ShowHasItsKeys) {
 
 TEST_F(LensCommand, ShowDraws) {
     EXPECT_EQ(run({"lens", "show", sample_, "-o", in("a.svg")}).exit_code, 0);
-    const std::string svg = text_of(in("a.svg"));
+    const std::string svg = bytes_of(in("a.svg"));
     EXPECT_EQ(svg.rfind("<svg", 0), 0U);
     std::size_t polygons = 0;
     for (std::size_t at = 0; (at = svg.find("<polygon", at)) != std::string::npos; ++at) ++polygons;
@@ -107,9 +106,9 @@ TEST_F(LensCommand, TraceDrawsTheSameForAnyThreads) {
     EXPECT_EQ(run({"lens", "trace", sample_, "-o", in("b.png"), "--curves", in("b.svg"), "--threads", "3"})
                   .exit_code,
               0);
-    EXPECT_EQ(text_of(in("a.png")), text_of(in("b.png")));
-    EXPECT_EQ(text_of(in("a.svg")), text_of(in("b.svg")));
-    EXPECT_GT(text_of(in("a.svg")).size(), 2000U);
+    EXPECT_EQ(bytes_of(in("a.png")), bytes_of(in("b.png")));
+    EXPECT_EQ(bytes_of(in("a.svg")), bytes_of(in("b.svg")));
+    EXPECT_GT(bytes_of(in("a.svg")).size(), 2000U);
 }
 
 TEST_F(LensCommand, FitPicksTheCheapest) {
@@ -170,4 +169,4 @@ TEST_F(LensCommand, BadRequestsAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_command_test

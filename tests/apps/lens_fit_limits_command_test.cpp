@@ -4,7 +4,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_fit_limits_command_test {
 
 using nlohmann::json;
 
@@ -57,4 +57,4 @@ TEST_F(LensFitLimitsCommand, RefusesInOneLine) {
             "--pairs");
 }
 
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_fit_limits_command_test

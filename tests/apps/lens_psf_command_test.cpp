@@ -6,7 +6,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_psf_command_test {
 
 using nlohmann::json;
 
@@ -63,7 +63,7 @@ TEST_F(LensPsfCommand, ProfileEndsAtTheFrameAndHoldsItsEnergy) {
     const Outcome r = run(
         psf({in("p.exr"), "--impulse", "diffraction", "--size", "65", "--profile", in("p.csv"), "--json"}));
     ASSERT_EQ(r.exit_code, 0) << r.err;
-    std::istringstream table(text_of(in("p.csv")));
+    std::istringstream table(bytes_of(in("p.csv")));
     std::string line, last;
     std::getline(table, line);
     EXPECT_EQ(line, "radius_um,radius_px,v,intensity,encircled_energy");
@@ -87,7 +87,7 @@ TEST_F(LensPsfCommand, SameBitsForAnyNumberOfThreads) {
     for (const char* threads : {"1", "2", "7"}) {
         const Outcome r = run(psf({in("p.exr"), "--impulse", "diffraction", "--threads", threads}));
         ASSERT_EQ(r.exit_code, 0) << r.err;
-        const std::string bytes = text_of(in("p.exr"));
+        const std::string bytes = bytes_of(in("p.exr"));
         EXPECT_FALSE(bytes.empty());
         EXPECT_TRUE(before.empty() || before == bytes) << threads;
         before = bytes;
@@ -107,7 +107,7 @@ TEST_F(LensPsfCommand, CrossoverIsInTextJsonAndTable) {
     // n = F sqrt((1/s - 1/z) / (2.43934 lambda)).
     EXPECT_NEAR(j["over_defocus_f_number"], 50 * std::sqrt((1 - 1 / 1.2) * 1e-3 / (2.43934 * 550e-6)), 1e-4);
     EXPECT_NEAR(j["over_pixel_f_number"], 0.005 / (2.43934 * 550e-6 / 0.95), 1e-5);
-    EXPECT_EQ(text_of(in("c.csv")).rfind("f_number,airy_um,coc_um,pixel_um\n", 0), 0U);
+    EXPECT_EQ(bytes_of(in("c.csv")).rfind("f_number,airy_um,coc_um,pixel_um\n", 0), 0U);
     const Outcome text = run(words);
     EXPECT_NE(text.out.find("f/17.62"), std::string::npos) << text.out;
 }
@@ -167,4 +167,4 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
     refused(vast, ExitCode::out_of_memory, "needs");
 }
 
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_psf_command_test

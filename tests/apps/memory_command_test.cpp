@@ -5,7 +5,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::memory_command_test {
 namespace {
 
 using nlohmann::json;
@@ -24,8 +24,8 @@ class MemoryOfCommand : public CommandTest {
     }
     Run measured(int width, int height) {
         const std::string frame = in("frame.exr"), picture = in("o.exr");
-        const json traced = said_by({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml", "-o",
-                                     frame, "--size", std::to_string(width) + "x" + std::to_string(height),
+        const json traced = said_by({"trace", POSTLENS_SAMPLES "/scenes/still_life.toml", "-o", frame,
+                                     "--size", std::to_string(width) + "x" + std::to_string(height),
                                      "--subdivide", "1", "--threads", "2", "--json"});
         const json image = said_by({"image", frame, "-o", picture, "--json"});
         const json focus = said_by({"focus", frame, "-o", picture, "--f-number", "8", "--focus", "1.5",
@@ -62,4 +62,4 @@ TEST_F(MemoryOfCommand, OfTracingFourKStaysBelowOneAndAHalfGibibytes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::memory_command_test

@@ -11,11 +11,10 @@
 #include "tests/support/command_test.h"
 #include "tests/support/random_records.h"
 
-namespace postlens::test {
+namespace postlens::test::motionblur_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 constexpr const char* camera = "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\n";
 constexpr const char* materials =
@@ -142,9 +141,9 @@ TEST_F(MotionblurCommand, TheShutterIsTheFilesExposureUnlessNamed) {
     const json j = blurred(frame, {});
     EXPECT_EQ(j["shutter_open_s"], 0);
     EXPECT_EQ(j["shutter_close_s"], 0.5);
-    const std::string by_itself = text_of(in("out.exr"));
+    const std::string by_itself = bytes_of(in("out.exr"));
     (void)blurred(frame, {"--shutter", "0:0.5"});
-    EXPECT_TRUE(by_itself == text_of(in("out.exr")));
+    EXPECT_TRUE(by_itself == bytes_of(in("out.exr")));
     const std::string none = traced("none", std::string(camera) + materials + wall + plate);
     not_blurred(none, {}, ExitCode::wrong_arguments, "--shutter: missing");
 }
@@ -203,8 +202,7 @@ TEST_F(MotionblurCommand, PathsInsteadOfTheFilesMotion) {
               "{ time_s = 1, at_px = [0, 7] }]\n");
     json j = blurred(frame, {"--paths", down, "--shutter", "0:1"});
     EXPECT_NEAR(j["objects"][0]["move_px"], 7, 1e-9);
-    j = blurred(frame, {"--paths", std::string(POSTLENS_SAMPLES) + "/paths/example.toml", "--shutter", "0:1"},
-                3);
+    j = blurred(frame, {"--paths", POSTLENS_SAMPLES "/paths/example.toml", "--shutter", "0:1"}, 3);
     const std::string wall_moves =
         write("wall.toml",
               "[[path]]\nids = [1]\nkeys = [{ time_s = 0 }, { time_s = 1, translate_m = [0.1, 0, 0] }]\n");
@@ -334,7 +332,7 @@ TEST_F(MotionblurCommand, UnreadableInputIsThree) {
     EXPECT_EQ(run({"image", frame, "-o", in("plain.exr"), "--quiet"}).exit_code, 0);
     // A flat image is only accepted with motion vectors.
     not_blurred(in("plain.exr"), {"--shutter", "0:1"}, ExitCode::invalid_input, "plain.exr");
-    const std::string whole = text_of(frame);
+    const std::string whole = bytes_of(frame);
     for (const double share : {0.0, 0.01, 0.3, 0.7, 0.99}) {
         write("cut.exr",
               whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
@@ -359,15 +357,15 @@ TEST_F(MotionblurCommand, UnwritableOutputIsFourAndLeavesNothing) {
     const Outcome full = run({"motionblur", frame, "-o", in("old.exr")}, "ulimit -f 2; ");
     EXPECT_EQ(full.exit_code, 4) << full.err;
     EXPECT_EQ(std::count(full.err.begin(), full.err.end(), '\n'), 1) << full.err;
-    EXPECT_EQ(text_of(in("old.exr")), "as it was");
+    EXPECT_EQ(bytes_of(in("old.exr")), "as it was");
     EXPECT_EQ(folder_.file_count(), before + 1);
 }
 
 TEST_F(MotionblurCommand, ThePictureDoesNotReplaceItsOwnInput) {
-    const std::string frame = moving_plate(), before = text_of(frame);
+    const std::string frame = moving_plate(), before = bytes_of(frame);
     refused({"motionblur", frame, "-o", frame, "--shutter", "0:1"}, ExitCode::wrong_arguments,
             "would overwrite the input FRAME");
-    EXPECT_EQ(text_of(frame), before);
+    EXPECT_EQ(bytes_of(frame), before);
 }
 
 TEST_F(MotionblurCommand, AnOrthographicCamera) {
@@ -492,9 +490,9 @@ TEST_F(MotionblurCommand, SameBitsForAnyNumberOfThreads) {
     const std::string frame = moving_plate();
     for (const char* method : {"convolve", "lightfield"}) {
         (void)blurred(frame, {"--method", method, "--threads", "1"});
-        const std::string first = text_of(in("out.exr"));
+        const std::string first = bytes_of(in("out.exr"));
         (void)blurred(frame, {"--method", method, "--threads", "3"});
-        EXPECT_TRUE(first == text_of(in("out.exr"))) << method;
+        EXPECT_TRUE(first == bytes_of(in("out.exr"))) << method;
     }
 }
 
@@ -517,4 +515,4 @@ TEST_F(MotionblurCommand, AnInterruptLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::motionblur_command_test

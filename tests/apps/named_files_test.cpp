@@ -7,7 +7,7 @@
 #include "core/files/file_identity.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::named_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -16,8 +16,7 @@ class NamedFiles : public CommandTest {
   protected:
     std::string scene() {
         std::string path = in("scene.toml");
-        fs::copy_file(std::string(POSTLENS_SAMPLES) + "/scenes/bars.toml", path,
-                      fs::copy_options::overwrite_existing);
+        fs::copy_file(POSTLENS_SAMPLES "/scenes/bars.toml", path, fs::copy_options::overwrite_existing);
         return path;
     }
     std::string frame() {
@@ -27,10 +26,10 @@ class NamedFiles : public CommandTest {
     }
     // Checks that the command is rejected and that the file is unchanged.
     void kept(const std::string& path, const std::vector<std::string>& words, const std::string& part) {
-        const std::string before = text_of(path);
+        const std::string before = bytes_of(path);
         EXPECT_FALSE(before.empty());
         refused(words, ExitCode::wrong_arguments, part);
-        EXPECT_EQ(text_of(path), before);
+        EXPECT_EQ(bytes_of(path), before);
     }
 };
 
@@ -74,7 +73,7 @@ TEST_F(NamedFiles, InputsAreNotWritten) {
             kept(a, {"compare", in("p.exr"), in("r.exr"), output, a, input, a}, input);
     }
     const std::string lens = in("lens.toml");
-    fs::copy_file(std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml", lens);
+    fs::copy_file(POSTLENS_SAMPLES "/lenses/double_gauss.toml", lens);
     kept(lens, {"lens", "show", lens, "-o", lens}, "FILE");
     for (const char* output : {"-o", "--curves", "--impulse"})
         kept(lens, {"lens", "trace", lens, output, lens}, "FILE");
@@ -121,8 +120,8 @@ TEST_F(NamedFiles, NoFileIsWrittenTwice) {
     refused({"focus", a, "-o", o, "--explain", in("./o.exr")}, ExitCode::wrong_arguments, "--explain");
     refused({"compare", a, a, "--map", o, "--side-by-side", o}, ExitCode::wrong_arguments, "--map");
     refused({"lens", "psf", o, "--profile", o}, ExitCode::wrong_arguments, "--profile");
-    refused({"lens", "trace", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml", "-o", in("x.svg"),
-             "--curves", in("x.svg")},
+    refused({"lens", "trace", POSTLENS_SAMPLES "/lenses/double_gauss.toml", "-o", in("x.svg"), "--curves",
+             in("x.svg")},
             ExitCode::wrong_arguments, "--curves");
 }
 
@@ -157,4 +156,4 @@ TEST_F(NamedFiles, NorThoseThatAFolderIsToHold) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::named_files_test

@@ -16,12 +16,11 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::render_command_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 // Sanitizers make the program several times slower.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -29,11 +28,6 @@ constexpr int slower = 6;
 #else
 constexpr int slower = 1;
 #endif
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 class Render : public CommandTest {
   protected:
@@ -185,7 +179,7 @@ TEST_F(Render, UnwritableOutputIsFour) {
     std::ofstream(in("old.exr")) << "old";
     const Outcome r = run(render("old.exr", {"--spp", "1"}), "ulimit -f 2; ");
     EXPECT_EQ(r.exit_code, 4) << r.err;
-    EXPECT_EQ(text_of(in("old.exr")), "old");
+    EXPECT_EQ(bytes_of(in("old.exr")), "old");
 }
 
 TEST_F(Render, FocusesOnWhatThePictureShows) {
@@ -274,7 +268,7 @@ TEST_F(RenderInterrupted, GoesOnToTheSameBits) {
 TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
     const ExitCode three = ExitCode::invalid_input;
     ASSERT_NO_FATAL_FAILURE(interrupt(slow("x.exr")));
-    const std::string whole = text_of(in("x.partial.exr"));
+    const std::string whole = bytes_of(in("x.partial.exr"));
     ASSERT_FALSE(whole.empty());
     const auto resume = [&](const Words& more) {
         return Words{"render", in("scene.toml"), "-o", in("x.exr"), "--quiet", "--resume"} + more;
@@ -295,7 +289,7 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
     const auto damaged = [&](const std::string& bytes) {
         std::ofstream(in("x.partial.exr"), std::ios::binary) << bytes;
         refused(resume(same), three, "x.partial.exr");
-        EXPECT_EQ(text_of(in("x.partial.exr")), bytes) << "it should be left for its owner";
+        EXPECT_EQ(bytes_of(in("x.partial.exr")), bytes) << "it should be left for its owner";
     };
     for (const double share : {0.0, 0.001, 0.3, 0.9, 0.9999})
         damaged(whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
@@ -308,7 +302,7 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
     damaged("no picture at all");
     // A finished image of this program is not accepted.
     ASSERT_EQ(run(render("z.exr", {"--spp", "1", "--size", "160x120", "--quiet"})).exit_code, 0);
-    damaged(text_of(in("z.exr")));
+    damaged(bytes_of(in("z.exr")));
     // A changed scene with the same name is not accepted.
     std::ofstream(in("x.partial.exr"), std::ios::binary) << whole;
     std::ofstream(in("scene.toml"), std::ios::app) << "# changed\n";
@@ -319,4 +313,4 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::render_command_test

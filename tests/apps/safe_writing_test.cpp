@@ -16,14 +16,13 @@
 #include "tests/apps/small_disk.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::safe_writing_test {
 namespace {
 
 namespace fs = std::filesystem;
-using Words = std::vector<std::string>;
 using Clock = std::chrono::steady_clock;
 
-const std::string scenes = std::string(POSTLENS_SAMPLES) + "/scenes/";
+const std::string scenes = POSTLENS_SAMPLES "/scenes/";
 
 class SafeWriting : public CommandTest {
   protected:
@@ -58,8 +57,7 @@ class SafeWriting : public CommandTest {
                          "4",    "--size",  "999", "--profile",      to};
         };
         const auto drawing = [](const std::string& to) {
-            return Words{"lens", "show", std::string(POSTLENS_SAMPLES) + "/lenses/double_gauss.toml", "-o",
-                         to};
+            return Words{"lens", "show", POSTLENS_SAMPLES "/lenses/double_gauss.toml", "-o", to};
         };
         const auto sweep = [=](const std::string& to) {
             return Words{"sweep", frame, "-o", to, "--f-number", "1.4:16:1", "--focus", "2"};
@@ -82,7 +80,7 @@ class SafeWriting : public CommandTest {
     Outcome shell(const std::string& line) {
         const std::string err = in(".err");
         const int status = std::system(("(" + line + ") >/dev/null 2>" + quoted(err)).c_str());
-        Outcome out{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), "", text_of(err)};
+        Outcome out{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), "", bytes_of(err)};
         fs::remove(err);
         return out;
     }
@@ -132,7 +130,7 @@ TEST_F(SafeWriting, WithoutPermissionItIsFour) {
             fs::permissions(in("locked"), allowed);
             expect_said(shell(nobody + line_of(output.words(target.string()))), output.name);
             if (output.many) continue;
-            EXPECT_EQ(text_of(target), "old") << output.name;
+            EXPECT_EQ(bytes_of(target), "old") << output.name;
         }
     }
     fs::permissions(in("locked"), fs::perms::all);
@@ -172,7 +170,7 @@ TEST_F(SafeWriting, OnAFullDiskItIsFourAndTheOldFileStays) {
         if (!output.many) std::ofstream(target) << "old";
         expect_said(shell("ulimit -f 2; " + line_of(output.words(target))), output.name);
         if (output.many) continue;
-        EXPECT_EQ(text_of(target), "old") << output.name;
+        EXPECT_EQ(bytes_of(target), "old") << output.name;
     }
     GTEST_SKIP() << "no file system of its own here: what was seen is a limit on the size of files";
 }
@@ -209,7 +207,7 @@ TEST_F(SafeWriting, AnswersThatCannotBeWrittenAreFour) {
         for (const std::string& w : words) line += " " + quoted(w);
         const std::string err = in(".err");
         const int status = std::system((line + " >/dev/full 2>" + quoted(err)).c_str());
-        expect_said({WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", text_of(err)}, command);
+        expect_said({WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", bytes_of(err)}, command);
     }
 }
 
@@ -251,7 +249,7 @@ class Killed : public SafeWriting {
             } else {
                 whole_run = whole_run * 9 / 10;  // the run ended before it was killed
             }
-            const bool is_old = text_of(target) == old_bytes;
+            const bool is_old = bytes_of(target) == old_bytes;
             EXPECT_TRUE(is_old || is_new()) << "instant " << i << ", after " << wait.count() << " s";
             // Only the target and hidden files with descriptive names may remain.
             for (const auto& entry : fs::directory_iterator(folder_.path())) {
@@ -274,8 +272,8 @@ TEST_F(Killed, TraceLeavesTheOldFileOrTheWholeNewOne) {
     at_any_instant({"trace", scenes + "ruler.toml", "-o", target, "--size", "160x90", "--quiet",
                     "--compression", "none"},
                    target, [&] {
-                       if (expected.empty()) expected = text_of(target);
-                       return text_of(target) == expected;
+                       if (expected.empty()) expected = bytes_of(target);
+                       return bytes_of(target) == expected;
                    });
     const SampleFileReader file(target);
     RecordBand band;
@@ -305,4 +303,4 @@ TEST_F(Killed, RenderLeavesTheOldPictureOrTheWholeNewOne) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::safe_writing_test

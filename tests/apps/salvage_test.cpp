@@ -15,21 +15,13 @@
 #include "tests/support/command_test.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::salvage_test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-using test::Outcome;
-using test::RandomOptions;
-using test::TemporaryFolder;
-using test::text_of;
 
 constexpr int records_part = 1, scanlines_part = 2, parts_per_key = 2;
-
-void write_bytes(const fs::path& path, std::string_view bytes) {
-    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 template <typename T>
 T number_at(const std::string& bytes, std::size_t at) {
@@ -69,13 +61,12 @@ std::string with_flipped_bit(std::string bytes, int part, int y, std::size_t at 
 
 struct Written {
     RandomOptions options{.levels = 3, .probability = 0.4, .has_w = true, .has_layers = true, .keys = 2};
-    SampleHeader header = test::full_header(9, 12, 2, options);
+    SampleHeader header = full_header(9, 12, 2, options);
     std::vector<RecordBand> instants;
 
     Written(const fs::path& path, RecordCompression compression) {
         std::mt19937 random(8);
-        for (int i = 0; i <= options.keys; ++i)
-            instants.push_back(test::random_frame(random, header, options));
+        for (int i = 0; i <= options.keys; ++i) instants.push_back(random_frame(random, header, options));
         SampleFileWriter writer(path, header, compression);
         for (std::size_t i = 0; i < instants.size(); ++i) {
             if (i > 0) writer.next_instant();
@@ -99,9 +90,9 @@ void expect_lost(const SampleFileReader& file, std::size_t instant, const Record
                  const std::set<int>& lost) {
     const RecordBand band = all_of(file, instant);
     for (int y = band.y_begin; y < band.y_end; ++y) {
-        const RecordBand row = test::rows_of_band(band, y, y + 1);
+        const RecordBand row = rows_of_band(band, y, y + 1);
         if (!lost.contains(y)) {
-            const RecordBand expected = test::rows_of_band(good, y, y + 1);
+            const RecordBand expected = rows_of_band(good, y, y + 1);
             EXPECT_EQ(row.offsets, expected.offsets) << y;
             EXPECT_TRUE(row.records == expected.records) << y;
             continue;
@@ -122,7 +113,7 @@ void expect_lost(const SampleFileReader& file, std::size_t instant, const Record
     RecordBand alone;
     for (int y = band.y_begin; y < band.y_end; ++y) {
         file.read(y, y + 1, alone, instant);
-        EXPECT_TRUE(alone.records == test::rows_of_band(band, y, y + 1).records) << y;
+        EXPECT_TRUE(alone.records == rows_of_band(band, y, y + 1).records) << y;
     }
 }
 
@@ -144,7 +135,7 @@ TEST(Salvage, AFlippedBitLosesItsRowAndNoOther) {
     for (const RecordCompression compression :
          {RecordCompression::none, RecordCompression::rle, RecordCompression::zips}) {
         const Written written(path, compression);
-        const std::string bytes = text_of(path);
+        const std::string bytes = bytes_of(path);
         // Tests all rows with one compression, and some rows with the others.
         const int step = compression == RecordCompression::zips ? 1 : 7;
         for (int y = written.y_begin(); y < written.y_end(); y += step) {
@@ -165,7 +156,7 @@ TEST(Salvage, NeighbouringRowsAndKeysAreLostTogether) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
     const Written written(path, RecordCompression::zips);
-    std::string bytes = text_of(path);
+    std::string bytes = bytes_of(path);
     for (const int y : {3, 4, 5, 9}) bytes = with_flipped_bit(bytes, records_part, y);
     bytes = with_flipped_bit(bytes, records_part + 2 * parts_per_key, 0);
     for (int y = written.y_begin(); y < written.y_end(); ++y)
@@ -190,7 +181,7 @@ TEST(Salvage, ACutOffFileGivesWhatIsWhole) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr", cut = folder.path() / "b.exr";
     const Written written(path, RecordCompression::rle);
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const std::size_t first_chunk = chunk_at(bytes, records_part, written.y_begin());
     std::size_t before = 0;
     std::mt19937 random(2);
@@ -223,7 +214,7 @@ TEST(Salvage, ADamagedHeaderIsRefusedAllTheSame) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
     const Written written(path, RecordCompression::none);
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const std::size_t chunks = 12 + 3 * 2 * static_cast<std::size_t>(written.y_end() - written.y_begin());
     const std::size_t header = chunk_at(bytes, records_part, written.y_begin()) - 8 * chunks;
     std::mt19937 random(4);
@@ -250,12 +241,12 @@ TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     const fs::path path = folder.path() / "a.exr";
     // One intact row of 200 is less than 1/64.
     const RandomOptions options;
-    const SampleHeader header = test::full_header(5, 197, 1, options);
+    const SampleHeader header = full_header(5, 197, 1, options);
     std::mt19937 random(6);
     SampleFileWriter writer(path, header, RecordCompression::none);
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.finish();
-    const std::string bytes = text_of(path);
+    const std::string bytes = bytes_of(path);
     const auto cut_behind = [&](int y) {
         write_bytes(path, std::string_view(bytes).substr(0, chunk_at(bytes, records_part, y) + 4));
     };
@@ -267,15 +258,14 @@ TEST(Salvage, TooLittleIsRefusedWhateverTheHeaderPromises) {
     EXPECT_LT(file.lost_rows()[0].y_begin, 9);
 }
 
-class SalvageCommand : public test::CommandTest {
+class SalvageCommand : public CommandTest {
   protected:
     static constexpr int width = 64, height = 48;
     void SetUp() override {
-        const Outcome r =
-            run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml", "-o", in("a.exr"), "--size",
-                 "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
+        const Outcome r = run({"trace", POSTLENS_SAMPLES "/scenes/motion.toml", "-o", in("a.exr"), "--size",
+                               "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
         ASSERT_EQ(r.exit_code, 0) << r.err;
-        write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(text_of(in("a.exr")), records_part, 20),
+        write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(bytes_of(in("a.exr")), records_part, 20),
                                                   records_part, 21));
     }
     Image made(const std::string& subcommand, const std::string& frame, std::vector<std::string> more,
@@ -380,7 +370,7 @@ TEST_F(SalvageCommand, EveryReaderOfSampleFilesTakesIt) {
 
 TEST_F(SalvageCommand, CutOffFilesGiveTheirUpperPart) {
     const Image good = made("image", "a.exr", {});
-    const std::string bytes = text_of(in("a.exr"));
+    const std::string bytes = bytes_of(in("a.exr"));
     write_bytes(in("c.exr"), std::string_view(bytes).substr(0, chunk_at(bytes, records_part, 30) + 40));
     refused({"image", in("c.exr"), "-o", in("x.exr")}, ExitCode::invalid_input, "c.exr");
     json said;
@@ -396,7 +386,7 @@ TEST_F(SalvageCommand, CutOffFilesGiveTheirUpperPart) {
 }
 
 TEST_F(SalvageCommand, IsForSampleFilesOnly) {
-    const std::string picture = std::string(POSTLENS_TEST_DATA) + "/exr/deep_alpha.exr";
+    const std::string picture = POSTLENS_TEST_DATA "/exr/deep_alpha.exr";
     const ExitCode three = ExitCode::invalid_input;
     const std::string part = "not a postlens sample file";
     refused({"image", picture, "-o", in("x.exr"), "--salvage"}, three, part);
@@ -404,8 +394,8 @@ TEST_F(SalvageCommand, IsForSampleFilesOnly) {
             part);
     refused({"motionblur", picture, "-o", in("x.exr"), "--shutter", "0:1", "--salvage"}, three, part);
     refused({"info", picture, "--salvage"}, three, part);
-    refused({"info", std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml", "--salvage"}, three, part);
+    refused({"info", POSTLENS_SAMPLES "/scenes/motion.toml", "--salvage"}, three, part);
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::salvage_test

@@ -1,18 +1,14 @@
 // Shares of a command's work, and what `merge` makes of them.
 #include <algorithm>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/command_test.h"
 
-namespace postlens {
+namespace postlens::test::share_command_test {
 namespace {
 
 using nlohmann::json;
-using test::CommandTest;
-using test::Outcome;
-using Words = std::vector<std::string>;
 
 class ShareCommand : public CommandTest {
   protected:
@@ -28,11 +24,6 @@ class ShareCommand : public CommandTest {
         return r.exit_code == 0 ? json::parse(r.out) : json();
     }
     [[nodiscard]] std::string frame() { return in("frame.exr"); }
-    [[nodiscard]] static std::string bytes(const std::string& path) {
-        std::ifstream file(path, std::ios::binary);
-        EXPECT_TRUE(file) << path;
-        return {std::istreambuf_iterator<char>(file), {}};
-    }
     [[nodiscard]] std::string part(const std::string& name, int i) {
         return in(name + ".part" + std::to_string(i) + ".exr");
     }
@@ -52,16 +43,11 @@ class ShareCommand : public CommandTest {
             merge.push_back(part(name, i));
         }
         done(merge);
-        EXPECT_TRUE(bytes(in(name + ".exr")) == bytes(in(name + ".merged.exr"))) << name;
+        EXPECT_TRUE(bytes_of(in(name + ".exr")) == bytes_of(in(name + ".merged.exr"))) << name;
     }
-    const std::string scene_ = std::string(POSTLENS_SAMPLES) + "/scenes/bars.toml";
+    const std::string scene_ = POSTLENS_SAMPLES "/scenes/bars.toml";
     const Words lens_{"--f-number", "1.4", "--focus", "5"};
 };
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 TEST_F(ShareCommand, MergedPartsAreTheUndividedFileToTheByte) {
     for (const std::string method : {"scatter", "layers", "lightfield"})
@@ -78,14 +64,14 @@ TEST_F(ShareCommand, MergedPartsAreTheUndividedFileToTheByte) {
 TEST_F(ShareCommand, RendersMergeWithTheirHalves) {
     is_the_undivided("rays", Words{"render", scene_, "--size", "48x27", "--spp", "8", "--halves"} + lens_, 4);
     for (const char* half : {"a", "b"}) {
-        EXPECT_TRUE(bytes(in(std::string("rays.") + half + ".exr")) ==
-                    bytes(in(std::string("rays.merged.") + half + ".exr")));
+        EXPECT_TRUE(bytes_of(in(std::string("rays.") + half + ".exr")) ==
+                    bytes_of(in(std::string("rays.merged.") + half + ".exr")));
     }
 }
 
 TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
     const Words by{"--share-by", "samples"};
-    const std::string lit = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string lit = POSTLENS_SAMPLES "/scenes/still_life.toml";
     is_the_undivided("blocks", Words{"render", scene_, "--size", "32x18", "--spp", "128"} + lens_, 3, by);
     // So many samples that a block has more than one group, and the last block fewer.
     is_the_undivided("groups", Words{"render", scene_, "--size", "8x5", "--spp", "3000"} + lens_, 5, by);
@@ -94,8 +80,8 @@ TEST_F(ShareCommand, SamplesOfARenderAddUpToTheUndividedBits) {
                       "--f-number", "1.8", "--focus", "0.8"},
                      4, by);
     for (const char* half : {"a", "b"}) {
-        EXPECT_TRUE(bytes(in(std::string("halves.") + half + ".exr")) ==
-                    bytes(in(std::string("halves.merged.") + half + ".exr")));
+        EXPECT_TRUE(bytes_of(in(std::string("halves.") + half + ".exr")) ==
+                    bytes_of(in(std::string("halves.merged.") + half + ".exr")));
     }
     refused({"merge", part("blocks", 0), part("groups", 1), "-o", in("o.exr")}, ExitCode::invalid_input,
             "one of 5 parts");
@@ -112,7 +98,7 @@ TEST_F(ShareCommand, OtherEndingsAreThoseOfTheUndividedPicture) {
     is_the_undivided("exposed", words, 2);
     done(words + Words{"-o", in("whole.png")});
     done({"merge", part("exposed", 0), part("exposed", 1), "-o", in("merged.png")});
-    EXPECT_TRUE(bytes(in("whole.png")) == bytes(in("merged.png")));
+    EXPECT_TRUE(bytes_of(in("whole.png")) == bytes_of(in("merged.png")));
 }
 
 TEST_F(ShareCommand, TracesMergeToTheUndividedFile) {
@@ -161,7 +147,7 @@ TEST_F(ShareCommand, ItemsOfASweepMergeInTheirFolder) {
     for (const auto& entry : std::filesystem::directory_iterator(in("whole"))) {
         const std::string name = entry.path().filename().string();
         if (name.ends_with(".exr") || name.ends_with(".png")) {
-            EXPECT_TRUE(bytes(in("whole/" + name)) == bytes(in("parts/" + name))) << name;
+            EXPECT_TRUE(bytes_of(in("whole/" + name)) == bytes_of(in("parts/" + name))) << name;
         }
     }
     EXPECT_TRUE(std::filesystem::exists(in("parts/sweep.csv")));
@@ -279,7 +265,7 @@ TEST_F(ShareCommand, FramesAreDividedByItems) {
     done(words + Words{"-o", in("b.%04d.exr")});
     for (int i = 0; i < 5; ++i) {
         const std::string name = ".000" + std::to_string(i) + ".exr";
-        EXPECT_TRUE(bytes(in("a" + name)) == bytes(in("b" + name))) << i;
+        EXPECT_TRUE(bytes_of(in("a" + name)) == bytes_of(in("b" + name))) << i;
     }
 }
 
@@ -305,7 +291,7 @@ TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
     refused({"merge", part("p", 0), part("s", 1), "-o", out}, bad, "FRAME");
     // A mark that was changed.
     const auto altered = [&](const std::string& share) {
-        std::string all = bytes(part("p", 0));
+        std::string all = bytes_of(part("p", 0));
         const std::string mark = R"("share":[0,3])";
         const std::size_t at = all.find(mark);
         EXPECT_NE(at, std::string::npos);
@@ -319,7 +305,7 @@ TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
     refused({"merge", altered("[0,1]"), "-o", out}, bad, "not those of share 0/1");
     refused({"merge", altered("[0,0]"), "-o", out}, bad, "got share 0/0");
     // One changed byte of a pixel.
-    std::string changed = bytes(part("p", 1));
+    std::string changed = bytes_of(part("p", 1));
     changed[changed.size() - 3] = static_cast<char>(changed[changed.size() - 3] ^ 1);
     std::ofstream(part("p", 1), std::ios::binary) << changed;
     refused({"merge", part("p", 0), part("p", 1), part("p", 2), "-o", out}, bad, "damaged part");
@@ -346,4 +332,4 @@ TEST_F(ShareCommand, WhatCannotBeDividedSaysSo) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::share_command_test

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace postlens {
+namespace postlens::test::share_test {
 namespace {
 
 TEST(Shares, RowsAreEachInOneShareAndDifferByOne) {
@@ -24,4 +24,4 @@ TEST(Shares, RowsAreEachInOneShareAndDifferByOne) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::share_test

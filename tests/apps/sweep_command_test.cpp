@@ -9,11 +9,10 @@
 #include "pictures/image.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::sweep_command_test {
 namespace {
 
 using nlohmann::json;
-using Words = std::vector<std::string>;
 
 constexpr const char* scene_text =
     "[scene]\nambient_light = 0\n[[camera]]\nfocal_length_mm = 50\nf_number = 0.7\nfocus_m = 8\n"
@@ -100,7 +99,7 @@ TEST_F(SweepCommand, PullsFocusWithTheShutterOpen) {
                    "--focus", "8", "--views", "16"})
                   .exit_code,
               0);
-    EXPECT_EQ(text_of(in("one.png")), text_of(in("out/pull.0001.png")));
+    EXPECT_EQ(bytes_of(in("one.png")), bytes_of(in("out/pull.0001.png")));
     ASSERT_EQ(run({"motionblur", in("frame.exr"), "-o", in("two.png"), "--shutter", "0:0.5"}).exit_code, 0);
     EXPECT_EQ(read_image(in("two.png")).width, read_image(in("out/pull.0006.png")).width);
 }
@@ -170,4 +169,4 @@ TEST_F(SweepCommand, RefusesInOneLine) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sweep_command_test

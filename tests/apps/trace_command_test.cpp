@@ -9,14 +9,14 @@
 #include "tests/apps/limited.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::trace_command_test {
 namespace {
 
 using nlohmann::json;
 
 class TraceCommand : public CommandTest {
   protected:
-    static std::string scene() { return std::string(POSTLENS_SAMPLES) + "/scenes/motion.toml"; }
+    static std::string scene() { return POSTLENS_SAMPLES "/scenes/motion.toml"; }
     Outcome trace(const std::vector<std::string>& options) {
         std::vector<std::string> words{"trace", scene(), "-o", in("a.exr"), "--size", "96x54", "--json"};
         words.insert(words.end(), options.begin(), options.end());
@@ -112,8 +112,8 @@ TEST_F(TraceCommand, TheVisiblePictureIsTheSame) {
     (void)traced({"--subdivide", "0", "--for-shutter", "0:1", "--keys", "2"});
     EXPECT_EQ(run({"image", in("a.exr"), "-o", shuttered, "--quiet"}).exit_code, 0);
     focused(in("shuttered_lens.exr"));
-    EXPECT_TRUE(text_of(plain) == text_of(shuttered));
-    EXPECT_TRUE(text_of(in("plain_lens.exr")) == text_of(in("shuttered_lens.exr")));
+    EXPECT_TRUE(bytes_of(plain) == bytes_of(shuttered));
+    EXPECT_TRUE(bytes_of(in("plain_lens.exr")) == bytes_of(in("shuttered_lens.exr")));
 }
 
 TEST_F(TraceCommand, ALensBringsHiddenLayersAndFinerEdges) {
@@ -183,8 +183,8 @@ TEST_F(TraceCommand, FocusTakesTheUsualMethodForTheFile) {
     json j = focused(lens);
     EXPECT_EQ(j["method"], "scatter");
     EXPECT_EQ(j["method_reason"], "as the file has nothing behind what is seen");
-    ASSERT_EQ(run({"trace", std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml", "-o", in("a.exr"),
-                   "--size", "96x54", "--quiet"})
+    ASSERT_EQ(run({"trace", POSTLENS_SAMPLES "/scenes/still_life.toml", "-o", in("a.exr"), "--size", "96x54",
+                   "--quiet"})
                   .exit_code,
               0);
     EXPECT_EQ(focused(lens)["method_reason"], "as the file has mirrors or glass");
@@ -220,7 +220,7 @@ TEST_F(TraceCommand, TheFilmDistanceIsTheViewInTraceAndRender) {
 }
 
 TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
-    const std::string still_life = std::string(POSTLENS_SAMPLES) + "/scenes/still_life.toml";
+    const std::string still_life = POSTLENS_SAMPLES "/scenes/still_life.toml";
     const std::string frame = in("a.exr");
     const Outcome r =
         run({"trace", still_life, "-o", frame, "--size", "96x54", "--for-f-number", "1.4", "--json"});
@@ -311,4 +311,4 @@ TEST_F(TraceCommand, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::trace_command_test

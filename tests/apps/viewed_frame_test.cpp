@@ -8,17 +8,15 @@
 
 #include "tests/pictures/foreign_files.h"
 
-namespace postlens {
+namespace postlens::test::viewed_frame_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using test::Part;
-using test::Plane;
 
 /// A plane with one value in the columns before `from`, and another in the others.
-Plane halves(float left, float right, int from = test::width / 2) {
+Plane halves(float left, float right, int from = width / 2) {
     Plane out;
-    for (int i = 0; i < test::width * test::height; ++i) out.push_back(i % test::width < from ? left : right);
+    for (int i = 0; i < width * height; ++i) out.push_back(i % width < from ? left : right);
     return out;
 }
 
@@ -30,10 +28,10 @@ class ViewedFrames : public testing::Test {
   protected:
     std::string in(const std::string& name) { return (folder_.path() / name).string(); }
     std::unique_ptr<ViewedFrame> view(const Part& part) {
-        test::write_parts(in("a.exr"), {part});
+        write_parts(in("a.exr"), {part});
         return open_viewed_frame(in("a.exr"));
     }
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
 };
 
 /// A card at 2 m, left, before a wall at 8 m.
@@ -48,10 +46,10 @@ Part card_and_wall() {
 TEST_F(ViewedFrames, DepthsOfAFlatImageAreThoseOfItsDisplayWindow) {
     Part part = card_and_wall();
     // One column more than the file stores on the left, and one less on the right.
-    part.more = [](Imf::Header& h) { h.displayWindow() = {{-1, 0}, {test::width - 2, test::height - 1}}; };
+    part.more = [](Imf::Header& h) { h.displayWindow() = {{-1, 0}, {width - 2, height - 1}}; };
     const auto frame = view(part);
     const Json facts = frame->facts();
-    EXPECT_EQ(facts.at("width"), test::width);
+    EXPECT_EQ(facts.at("width"), width);
     EXPECT_EQ(facts.at("nearest_m"), 2.0);
     EXPECT_EQ(facts.at("focal_length_mm"), 50);  // as focus assumes it
     EXPECT_EQ(facts.at("pixel_pitch_mm"), 6);
@@ -59,7 +57,7 @@ TEST_F(ViewedFrames, DepthsOfAFlatImageAreThoseOfItsDisplayWindow) {
     EXPECT_TRUE(facts.at("f_number").is_null());
     EXPECT_EQ(frame->kept(), nullptr);
     const ImageDepths depths = frame->depths();
-    ASSERT_EQ(depths.inverse_per_m.size(), static_cast<std::size_t>(test::width * test::height));
+    ASSERT_EQ(depths.inverse_per_m.size(), static_cast<std::size_t>(width * height));
     const std::vector<float> row{0, 0.5F, 0.5F, 0.5F, 0.125F, 0.125F};
     for (std::size_t i = 0; i < depths.inverse_per_m.size(); ++i) {
         EXPECT_EQ(depths.inverse_per_m[i], row[i % row.size()]);
@@ -98,7 +96,7 @@ TEST_F(ViewedFrames, APixelHasDepthIdAndCircle) {
 }
 
 TEST_F(ViewedFrames, DepthsOfADeepImageAreWhereItsAlphaReachesOneHalf) {
-    test::write_deep_pixel(
+    write_deep_pixel(
         in("deep.exr"),
         {{0.2F, 0.2F, 0.2F, 0.25F, 1, 1}, {0.4F, 0.4F, 0.4F, 0.5F, 2, 2}, {0.8F, 0.8F, 0.8F, 1, 4, 4}});
     const auto frame = open_viewed_frame(in("deep.exr"));
@@ -123,7 +121,7 @@ TEST_F(ViewedFrames, DepthsOfADeepImageAreWhereItsAlphaReachesOneHalf) {
 }
 
 TEST_F(ViewedFrames, APixelThatIsMostlyTransparentIsInfinitelyFar) {
-    test::write_deep_pixel(in("deep.exr"), {{0.2F, 0.2F, 0.2F, 0.25F, 1, 1}});
+    write_deep_pixel(in("deep.exr"), {{0.2F, 0.2F, 0.2F, 0.25F, 1, 1}});
     const auto frame = open_viewed_frame(in("deep.exr"));
     EXPECT_EQ(frame->depths().inverse_per_m, std::vector<float>{0.0F});
     const Json json = frame->pixel(0.5, 0.5, {});
@@ -141,7 +139,7 @@ TEST_F(ViewedFrames, ObjectsHaveTheNamesOfTheManifest) {
     part.channels["CryptoObject00.B"] = halves(0, 0);
     part.channels["CryptoObject00.A"] = halves(0, 0);
     // The last column of the card shows half of each.
-    for (std::size_t i = 2; i < part.channels["R"].size(); i += test::width) {
+    for (std::size_t i = 2; i < part.channels["R"].size(); i += width) {
         for (const char* c : {"R", "G", "B"}) part.channels[c][i] = 0.75F;
         part.channels["CryptoObject00.G"][i] = 0.5F;
         part.channels["CryptoObject00.B"][i] = bits(bush);
@@ -165,4 +163,4 @@ TEST_F(ViewedFrames, ObjectsHaveTheNamesOfTheManifest) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::viewed_frame_test

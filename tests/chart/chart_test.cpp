@@ -16,7 +16,7 @@
 #include "core/files/text_file.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::chart_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ TEST(ChartRequest, RefusesWhatIsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::chart_test

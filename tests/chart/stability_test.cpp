@@ -7,7 +7,7 @@
 #include "chart/atlas/atlas_run.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::stability_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,4 +29,4 @@ INSTANTIATE_TEST_SUITE_P(Atlas, Stability, testing::ValuesIn(atlas_case_files(PO
                          [](const auto& of) { return of.param.stem().string(); });
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::stability_test

@@ -15,13 +15,8 @@
 #include "pictures/srgb.h"
 #include "tests/support/compare_pictures.h"
 
-namespace postlens {
+namespace postlens::test::compare_test {
 namespace {
-
-using test::constant_picture;
-using test::every_pixel;
-using test::noisy;
-using test::waves;
 
 constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -262,4 +257,4 @@ TEST(ErrorMap, ColoursFollowTheDifference) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::compare_test

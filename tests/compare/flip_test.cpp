@@ -13,11 +13,8 @@
 #include "core/threads.h"
 #include "tests/support/compare_pictures.h"
 
-namespace postlens {
+namespace postlens::test::flip_test {
 namespace {
-
-using test::constant_picture;
-using test::every_pixel;
 
 Image data(const char* name) {
     return read_image(std::filesystem::path(POSTLENS_TEST_DATA) / "flip" / name);
@@ -156,7 +153,7 @@ TEST(Flip, APixelThatIsNotUsableIsBlackInBoth) {
 TEST(Flip, FiltersAreNormalised) {
     const FlipFilters f(flip_pixels_per_degree);
     EXPECT_EQ(f.radius, 10);
-    const auto sum = [](const Plane& taps, bool positive) {
+    const auto sum = [](const TileChannel& taps, bool positive) {
         double total = 0;
         for (const float t : taps) total += (t > 0) == positive ? static_cast<double>(t) : 0;
         return total;
@@ -166,7 +163,7 @@ TEST(Flip, FiltersAreNormalised) {
     EXPECT_NEAR(sum(f.red_green, true), 1, 1e-6);
     EXPECT_NEAR(sum(f.blue_yellow_1_column, true) + sum(f.blue_yellow_2_column, true), 1, 1e-6);
     EXPECT_NEAR(sum(f.gauss, true), 1, 1e-6);
-    for (const Plane* detector : {&f.edge, &f.point}) {
+    for (const TileChannel* detector : {&f.edge, &f.point}) {
         EXPECT_NEAR(sum(*detector, true), 1, 1e-6);
         EXPECT_NEAR(sum(*detector, false), -1, 1e-6);
     }
@@ -198,4 +195,4 @@ TEST(Flip, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::flip_test

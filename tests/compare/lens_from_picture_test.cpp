@@ -17,7 +17,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_from_picture_test {
 namespace {
 
 constexpr int width = 128, height = 96;
@@ -209,4 +209,4 @@ TEST(ReliablePixels, LeaveOutWhatADepthEdgeReaches) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_from_picture_test

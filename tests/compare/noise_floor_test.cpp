@@ -8,12 +8,8 @@
 #include "compare/comparison_text.h"
 #include "tests/support/compare_pictures.h"
 
-namespace postlens {
+namespace postlens::test::noise_floor_test {
 namespace {
-
-using test::every_pixel;
-using test::noisy;
-using test::waves;
 
 constexpr int width = 96, height = 64;  // 96 blocks of 8 x 8
 constexpr double values = 3.0 * width * height;
@@ -94,7 +90,7 @@ TEST(NoiseFloor, TheEncodingsBiasIsPartOfTheBound) {
     // In a dark noisy image, the sRGB curve shifts the mean of both references equally, which products of
     // differences cannot detect. The truth must not get an error from this, nor a bound below the shift.
     constexpr double sigma = 0.02;
-    const Image truth = test::constant_picture(256, 256, 0.06F);
+    const Image truth = constant_picture(256, 256, 0.06F);
     const NoiseFloor n = floor_of(truth, noisy(truth, sigma, 1), noisy(truth, sigma, 2));
     EXPECT_GT(n.encoded.mse, 2 * n.encoded.standard_error);  // the shift appears as an error
     EXPECT_TRUE(n.encoded.is_bound());
@@ -175,4 +171,4 @@ TEST(NoiseFloor, AFewPixelsAreEnoughForABound) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::noise_floor_test

@@ -13,7 +13,7 @@
 #include "core/threads.h"
 #include "tests/core/error_text.h"
 
-namespace postlens::test {
+namespace postlens::test::job_test {
 namespace {
 
 /// Waits until `condition` holds, up to a time limit.
@@ -93,4 +93,4 @@ TEST(Jobs, WithinAnotherAreCancelledWithItAndReportToItsWatcher) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::job_test

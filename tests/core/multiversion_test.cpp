@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <vector>
 
-namespace postlens::test {
+namespace postlens::test::multiversion_test {
 namespace {
 
 POSTLENS_MULTIVERSION void multiply_add(const float* a, const float* b, float* sum, int count) {
@@ -32,4 +32,4 @@ TEST(Multiversion, RoundsAsTheBaseInstructionSetDoes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::multiversion_test

@@ -18,7 +18,7 @@
 #include "tests/core/error_text.h"
 #include "tests/core/folder_test.h"
 
-namespace postlens::test {
+namespace postlens::test::output_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,37 +34,37 @@ TEST_F(OutputFileTest, IsAbsentUntilCommittedAndWholeAfterwards) {
     EXPECT_EQ(file.target(), folder_ / "picture.exr");
     EXPECT_EQ(file.temporary_path().parent_path(), folder_);
     EXPECT_EQ(file.temporary_path().extension(), ".exr");
-    write_text(file.temporary_path(), "whole");
+    write_bytes(file.temporary_path(), "whole");
     EXPECT_FALSE(fs::exists(file.target()));
     file.commit();
-    EXPECT_EQ(read_text(file.target()), "whole");
+    EXPECT_EQ(bytes_of(file.target()), "whole");
     EXPECT_THAT(names_in(folder_), ElementsAre("picture.exr"));
 }
 
 TEST_F(OutputFileTest, WithoutCommitTheOlderTargetStaysAndNoTemporary) {
     const fs::path target = folder_ / "picture.exr";
-    write_text(target, "older");
+    write_bytes(target, "older");
     EXPECT_THROW(
         {
             OutputFile file(target);
-            write_text(file.temporary_path(), "half");
+            write_bytes(file.temporary_path(), "half");
             throw std::runtime_error("the writer failed");
         },
         std::runtime_error);
-    EXPECT_EQ(read_text(target), "older");
+    EXPECT_EQ(bytes_of(target), "older");
     EXPECT_THAT(names_in(folder_), ElementsAre("picture.exr"));
 }
 
 TEST_F(OutputFileTest, CommitReplacesTheTarget) {
     const fs::path target = folder_ / "picture.exr";
-    write_text(target, "a longer, older text");
+    write_bytes(target, "a longer, older text");
     {
         OutputFile file(target);
-        write_text(file.temporary_path(), "newer");
-        EXPECT_EQ(read_text(target), "a longer, older text");
+        write_bytes(file.temporary_path(), "newer");
+        EXPECT_EQ(bytes_of(target), "a longer, older text");
         file.commit();
     }
-    EXPECT_EQ(read_text(target), "newer");
+    EXPECT_EQ(bytes_of(target), "newer");
 }
 
 TEST_F(OutputFileTest, TwoFilesOfOneNameDoNotShareATemporary) {
@@ -72,25 +72,25 @@ TEST_F(OutputFileTest, TwoFilesOfOneNameDoNotShareATemporary) {
     OutputFile first(folder_ / "picture.exr");
     OutputFile second(folder_ / "picture.exr");
     EXPECT_NE(first.temporary_path(), second.temporary_path());
-    write_text(first.temporary_path(), "first");
-    write_text(second.temporary_path(), "second");
+    write_bytes(first.temporary_path(), "first");
+    write_bytes(second.temporary_path(), "second");
     first.commit();
-    EXPECT_EQ(read_text(folder_ / "picture.exr"), "first");
+    EXPECT_EQ(bytes_of(folder_ / "picture.exr"), "first");
     second.commit();
-    EXPECT_EQ(read_text(folder_ / "picture.exr"), "second");
+    EXPECT_EQ(bytes_of(folder_ / "picture.exr"), "second");
     EXPECT_THAT(names_in(folder_), ElementsAre("picture.exr"));
 }
 
 TEST_F(OutputFileTest, KeepsASymbolicLinkAndReplacesWhatItLeadsTo) {
     fs::create_directory(folder_ / "disk");
-    write_text(folder_ / "disk" / "real.exr", "older");
+    write_bytes(folder_ / "disk" / "real.exr", "older");
     fs::create_symlink(folder_ / "disk" / "real.exr", folder_ / "link.exr");
     OutputFile file(folder_ / "link.exr");
     EXPECT_EQ(file.temporary_path().parent_path(), fs::canonical(folder_ / "disk"));
-    write_text(file.temporary_path(), "newer");
+    write_bytes(file.temporary_path(), "newer");
     file.commit();
     EXPECT_TRUE(fs::is_symlink(folder_ / "link.exr"));
-    EXPECT_EQ(read_text(folder_ / "disk" / "real.exr"), "newer");
+    EXPECT_EQ(bytes_of(folder_ / "disk" / "real.exr"), "newer");
 }
 
 TEST_F(OutputFileTest, NewFilesHaveThePermissionsThatTheUserMaskLeaves) {
@@ -113,11 +113,11 @@ TEST_F(OutputFileTest, TakesANameWithoutAFolder) {
     fs::current_path(folder_);
     {
         OutputFile file("picture.png");
-        write_text(file.temporary_path(), "here");
+        write_bytes(file.temporary_path(), "here");
         file.commit();
     }
     fs::current_path(before);
-    EXPECT_EQ(read_text(folder_ / "picture.png"), "here");
+    EXPECT_EQ(bytes_of(folder_ / "picture.png"), "here");
 }
 
 TEST_F(OutputFileTest, RefusesAFolder) {
@@ -166,7 +166,7 @@ TEST_F(OutputFileTest, RefusesAFolderThatMayNotBeWritten) {
 
 TEST_F(OutputFileTest, RefusesAFileThatItsOwnerProtected) {
     const fs::path target = folder_ / "picture.exr";
-    write_text(target, "older");
+    write_bytes(target, "older");
     fs::permissions(folder_, fs::perms::all);
     fs::permissions(target, fs::perms::owner_read | fs::perms::others_read);
     const int status = status_of_child([&] {
@@ -180,12 +180,12 @@ TEST_F(OutputFileTest, RefusesAFileThatItsOwnerProtected) {
 
 TEST_F(OutputFileTest, CommitSaysWhenTheTemporaryIsGone) {
     const fs::path target = folder_ / "picture.exr";
-    write_text(target, "older");
+    write_bytes(target, "older");
     OutputFile file(target);
     fs::remove(file.temporary_path());
     EXPECT_EQ(error_text(ExitCode::cannot_write, [&] { file.commit(); }),
               target.string() + ": cannot write (No such file or directory)");
-    EXPECT_EQ(read_text(target), "older");
+    EXPECT_EQ(bytes_of(target), "older");
 }
 
 TEST_F(OutputFileTest, CommitSaysWhenTheTargetBecameAFolder) {
@@ -214,4 +214,4 @@ TEST_F(OutputFileTest, MoreFilesThanAreListedForSignalsAreWrittenAllTheSame) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::output_file_test

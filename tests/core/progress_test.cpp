@@ -17,7 +17,7 @@
 
 #include "core/job.h"
 
-namespace postlens::test {
+namespace postlens::test::progress_test {
 namespace {
 
 using testing::AllOf;
@@ -89,4 +89,4 @@ TEST(ProgressTest, PrintsNothingWhenQuietOrOnATerminalWithoutControlSequences) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::progress_test

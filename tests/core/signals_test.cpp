@@ -17,7 +17,7 @@
 #include "tests/core/error_text.h"
 #include "tests/core/folder_test.h"
 
-namespace postlens::test {
+namespace postlens::test::signals_test {
 namespace {
 
 using testing::ElementsAre;
@@ -56,7 +56,7 @@ TEST_F(InterruptTest, OneSignalCancelsTheJobAndDestructorsRun) {
 }
 
 TEST_F(InterruptTest, ASecondSignalEndsTheProcessAndLeavesNoTemporary) {
-    write_text(folder_ / "kept.exr", "older");
+    write_bytes(folder_ / "kept.exr", "older");
     const int status = status_of_child([&] {
         cancel_on_signals(job_);
         OutputFile first(folder_ / "kept.exr");
@@ -66,7 +66,7 @@ TEST_F(InterruptTest, ASecondSignalEndsTheProcessAndLeavesNoTemporary) {
     });
     EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM) << status;
     EXPECT_THAT(names_in(folder_), ElementsAre("kept.exr"));
-    EXPECT_EQ(read_text(folder_ / "kept.exr"), "older");
+    EXPECT_EQ(bytes_of(folder_ / "kept.exr"), "older");
 }
 
 TEST_F(InterruptTest, ASignalIgnoredFromTheStartStaysIgnored) {
@@ -118,4 +118,4 @@ TEST_F(InterruptTest, GrainIsTheDistanceBetweenChecks) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::signals_test

@@ -20,7 +20,7 @@
 #include "core/job.h"
 #include "tests/core/error_text.h"
 
-namespace postlens::test {
+namespace postlens::test::threads_test {
 namespace {
 
 TEST(ParallelFor, CallsEachIndexOnce) {
@@ -185,4 +185,4 @@ TEST(MakeInOrder, PassesOnWhatIsThrownAndEndsNothingAfterIt) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::threads_test

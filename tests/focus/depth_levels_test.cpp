@@ -12,10 +12,8 @@
 #include "core/error.h"
 #include "tests/focus/focus_records.h"
 
-namespace postlens {
+namespace postlens::test::depth_levels_test {
 namespace {
-
-using namespace test;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -112,4 +110,4 @@ TEST(DepthLevels, RefusesNumbersOutOfRange) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::depth_levels_test

@@ -8,7 +8,7 @@
 #include "lens/wave/wave_scale.h"
 #include "tests/focus/focus_records.h"
 
-namespace postlens::test {
+namespace postlens::test::diffraction_focus_test {
 namespace {
 
 // 50 mm on a film of 4 um pixels. At f/8 and f/22 the Airy discs are 2.7 and 7.4 px wide at 550 nm.
@@ -128,4 +128,4 @@ TEST(DiffractionFocus, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::diffraction_focus_test

@@ -12,7 +12,7 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::field_focus_test {
 namespace {
 
 using glm::dvec3;
@@ -53,10 +53,6 @@ double largest_difference(const Image& a, const Image& b) {
     for (std::size_t i = 0; i < a.rgb.size(); ++i)
         worst = std::max(worst, std::abs(static_cast<double>(a.rgb[i]) - static_cast<double>(b.rgb[i])));
     return worst;
-}
-
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
 }
 
 /// A near bar, a sphere, a tilted bright board and a far wall.
@@ -411,4 +407,4 @@ TEST(FieldFocus, ABallsFarSideIsNotNeededToSeeThroughIt) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::field_focus_test

@@ -10,14 +10,10 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
-namespace postlens {
+namespace postlens::test::focus_passes_test {
 namespace {
 
-using test::alpha;
-using test::edge_response;
-using test::Stack;
-using test::value;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 constexpr int x0 = 40, views = 1024;
 
@@ -189,4 +185,4 @@ TEST(FocusPasses, APictureWithoutACryptomatteHasNone) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::focus_passes_test

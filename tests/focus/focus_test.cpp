@@ -15,10 +15,8 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::focus_test {
 namespace {
-
-using namespace test;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -384,4 +382,4 @@ TEST(FocusPicture, RefusesALensBeforeAnOrthographicFile) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::focus_test

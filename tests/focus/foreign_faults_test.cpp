@@ -6,14 +6,10 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
-namespace postlens {
+namespace postlens::test::foreign_faults_test {
 namespace {
 
-using test::alpha;
-using test::edge_response;
-using test::Stack;
-using test::value;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 constexpr FocusMethod methods[] = {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield};
 
@@ -89,7 +85,7 @@ TEST(ForeignFaults, GlassInFocusDoesNotKeepWhatIsBehindItSharp) {
     });
     FocusResult r = bench.focus(p, FocusMethod::layers);
     for (int x = 0; x < 80; ++x) {
-        const double far = 1 - edge_response((x + 0.5 - 40) / test::level_radius(8));
+        const double far = 1 - edge_response((x + 0.5 - 40) / level_radius(8));
         EXPECT_NEAR(value(r.image, x, 4, 0), 0.2, 1e-5) << x;
         EXPECT_NEAR(value(r.image, x, 4, 1), 0.8 * far, 1e-5) << x;
     }
@@ -114,4 +110,4 @@ TEST(ForeignFaults, ATransparentBackgroundStaysTransparent) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_faults_test

@@ -15,14 +15,10 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
-namespace postlens {
+namespace postlens::test::foreign_focus_test {
 namespace {
 
-using test::alpha;
-using test::edge_response;
-using test::Stack;
-using test::value;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 constexpr FocusMethod both[] = {FocusMethod::scatter, FocusMethod::layers};
 
@@ -41,7 +37,7 @@ TEST(ForeignFocus, HalfPlaneBeforeADeepBackgroundIsItsOwnEdge) {
             const FocusResult r = bench.focus(p, FocusMethod::layers);
             EXPECT_TRUE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
                 // The edge has the near surface's CoC, for any CoC of the background.
                 ASSERT_NEAR(value(r.image, x, 1, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 1, 2), 1 - front, 2e-6) << near_px << " " << far_px << " " << x;
@@ -65,7 +61,7 @@ TEST(ForeignFocus, HalfPlaneBeforeAnEvenBackgroundIsTheSameFromAFlatPicture) {
             ASSERT_FALSE(r.warnings.empty());
             EXPECT_EQ(r.warnings.back().code, "uncovered");
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
                 ASSERT_NEAR(value(r.image, x, 12, 0), front, 2e-6) << near_px << " " << far_px << " " << x;
             }
         }
@@ -84,7 +80,7 @@ TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
             const FocusResult r = bench.focus(p, method);
             ASSERT_FALSE(r.image.alpha.empty());
             for (int x = 0; x < 80; ++x) {
-                const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
+                const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
                 // Colours are premultiplied. Both methods leave the background empty.
                 ASSERT_NEAR(alpha(r.image, x, 12), front, 3e-6) << near_px << " " << x;
                 ASSERT_NEAR(value(r.image, x, 12, 0), 0.8 * front, 3e-6) << near_px << " " << x;
@@ -110,14 +106,14 @@ TEST(ForeignFocus, WhatIsAlmostInfinitelyFarDoesNotMoveAlongWithNothing) {
     for (const FocusMethod method : both) {
         const Image edge = spread([](int x, int) { return x >= 40; }, method);
         for (int x = 0; x < 80; ++x) {
-            const double front = edge_response((x + 0.5 - 40) / test::level_radius(12.1));
+            const double front = edge_response((x + 0.5 - 40) / level_radius(12.1));
             ASSERT_NEAR(alpha(edge, x, 32), front, 3e-6) << x;
             ASSERT_NEAR(value(edge, x, 32, 0), 0.8 * front, 3e-6) << x;
         }
         // Well within the CoC, the light of the whole small square arrives.
         const auto in_square = [](int x, int y) { return x >= 37 && x < 43 && y >= 29 && y < 35; };
         const Image square = spread(in_square, method);
-        const double radius = test::level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
+        const double radius = level_radius(12.1), share = 36 / (std::numbers::pi * radius * radius);
         for (int x = 36; x < 44; ++x) EXPECT_NEAR(alpha(square, x, 32), share, 2e-3 * share) << x;
         double sum = 0;
         for (const float a : square.alpha) sum += static_cast<double>(a);
@@ -135,7 +131,7 @@ TEST(ForeignFocus, WhatIsSharpNearbyLeavesNoOutlineInWhatIsBlurred) {
         if (in_square(x, y, 46)) return Stack{{bench.inverse_z(0), 0, 1, 0}};
         return Stack{};
     });
-    const double radius = test::level_radius(11.9), share = 36 / (std::numbers::pi * radius * radius);
+    const double radius = level_radius(11.9), share = 36 / (std::numbers::pi * radius * radius);
     for (const FocusMethod method : both) {
         const Image image = bench.focus(p, method).image;
         for (int x = 29; x < 37; ++x) EXPECT_NEAR(alpha(image, x, 32), share, 2e-3 * share) << x;
@@ -297,7 +293,7 @@ TEST(ForeignFocus, AHalfPlaneThatEndsInsideAPixelIsItsOwnEdge) {
                 EXPECT_TRUE(apart.image.alpha.empty());
                 double largest = 0;
                 for (int x = 0; x < 80; ++x) {
-                    const double r = test::level_radius(near_px), t = x + 0.5 - x0;
+                    const double r = level_radius(near_px), t = x + 0.5 - x0;
                     const double front = static_cast<double>(share) * edge_response(t / r) +
                                          (1 - static_cast<double>(share)) * edge_response((t - 1) / r);
                     ASSERT_NEAR(value(apart.image, x, 12, 0), front, 3e-6)
@@ -389,4 +385,4 @@ TEST(ForeignFocus, AZoomedFrameKeepsColourAndAlpha) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_focus_test

@@ -14,7 +14,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::impulse_focus_test {
 namespace {
 
 constexpr double depth_m = 4;
@@ -159,4 +159,4 @@ TEST_F(ImpulseFocus, RefusesWhatIsNoAperture) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::impulse_focus_test

@@ -14,7 +14,7 @@
 #include "focus/responses/response_model.h"
 #include "lens/ellipse_coverage.h"
 
-namespace postlens {
+namespace postlens::test::kernel_test {
 namespace {
 
 constexpr KernelReach far{100000, 100000};
@@ -240,4 +240,4 @@ TEST(KernelTable, CoarsensTheSameInWhateverOrderShapesComeIn) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::kernel_test

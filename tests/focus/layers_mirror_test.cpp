@@ -11,10 +11,8 @@
 #include "tests/focus/level_radius.h"
 #include "tests/support/edge_response.h"
 
-namespace postlens {
+namespace postlens::test::layers_mirror_test {
 namespace {
-
-using namespace test;
 
 TEST(Layers, AMirrorsOutlineIsBlurredAsTheMirrorAndItsImageAsTheImage) {
     // A mirror with a straight border and a blur of 4.95 px shows an edge in focus, in front of a black wall.
@@ -130,4 +128,4 @@ TEST(Layers, WhatAMirrorInAMirrorHidesDoesNotDarkenIt) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::layers_mirror_test

@@ -18,10 +18,8 @@
 #include "tests/focus/layer_records.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::layers_reference_test {
 namespace {
-
-using namespace test;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -156,4 +154,4 @@ TEST(Composite, LiesOver) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::layers_reference_test

@@ -15,10 +15,8 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::layers_test {
 namespace {
-
-using namespace test;
 
 TEST(Layers, HalfPlaneBeforeABackgroundIsItsOwnEdgeWhateverTheBackground) {
     // The signed radius of a disc has the other sign behind the focus.
@@ -220,4 +218,4 @@ TEST(Layers, ASmallLightBehindSomethingComesToLight) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::layers_test

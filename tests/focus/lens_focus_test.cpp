@@ -12,7 +12,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_focus_test {
 namespace {
 
 constexpr double depth_m = 0.8;
@@ -154,4 +154,4 @@ TEST_F(LensFocus, RefusesWhatNoLensDoes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_focus_test

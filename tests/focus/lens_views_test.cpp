@@ -4,7 +4,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 
-namespace postlens::test {
+namespace postlens::test::lens_views_test {
 namespace {
 
 FocusGeometry geometry() {
@@ -95,4 +95,4 @@ TEST(LensViewPoints, HalfTheDifferenceOfTwoSetsIsTheErrorOfOne) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_views_test

@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::mattes_focus_test {
 namespace {
 
 constexpr int width = 160, height = 120, overscan = 12;
@@ -152,4 +152,4 @@ TEST_F(MattesTest, EachIsThatOfTheObjectRenderedAloneThroughTheLens) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::mattes_focus_test

@@ -10,14 +10,10 @@
 #include "tests/support/stack_bench.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::object_effects_test {
 namespace {
 
-using test::alpha;
-using test::edge_response;
-using test::Stack;
-using test::value;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 constexpr int x0 = 40;
 constexpr double near_px = -8, wall_px = 6;
@@ -67,7 +63,7 @@ TEST_F(ObjectEffectsTest, WhatIsEstimatedFromAHoldoutIsNotShown) {
         apply_object_effects(p, {.holdouts = {{"--holdout", "wall"}}}, bench_.inverse_focus_per_m);
         const FocusResult r = bench_.focus(p, method);
         for (int x = 0; x < bench_.width; ++x) {
-            const double front = edge_response((x + 0.5 - x0) / test::level_radius(near_px));
+            const double front = edge_response((x + 0.5 - x0) / level_radius(near_px));
             EXPECT_NEAR(value(r.image, x, 1, 0), front, method == FocusMethod::layers ? 1e-5 : 0.05) << x;
             EXPECT_NEAR(alpha(r.image, x, 1), value(r.image, x, 1, 0), 1e-5) << x;
             EXPECT_NEAR(value(r.image, x, 1, 2), 0, 1e-5) << x;
@@ -92,7 +88,7 @@ TEST_F(ObjectEffectsTest, AnOffsetGivesTheCirclesOfTheOtherDepth) {
                           1 / static_cast<double>(bench_.inverse_z(near_px));
     const FocusResult r = focused({.offsets = {{by_name_, metres}}}, FocusMethod::layers);
     for (int x = 0; x < bench_.width; ++x) {
-        const double front = edge_response((x + 0.5 - x0) / test::level_radius(moved_px));
+        const double front = edge_response((x + 0.5 - x0) / level_radius(moved_px));
         EXPECT_NEAR(value(r.image, x, 1, 0), front, 1e-5) << x;
     }
 }
@@ -111,7 +107,7 @@ TEST_F(ObjectEffectsTest, WhatAnObjectHidesStaysWhereItsFocusGoes) {
 }
 
 TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = (folder.path() / "mask.exr").string();
     Image mask(bench_.width, bench_.height);
     for (int y = 0; y < bench_.height; ++y) {
@@ -137,7 +133,7 @@ TEST_F(ObjectEffectsTest, AMaskChoosesWhatANameDoes) {
 }
 
 TEST_F(ObjectEffectsTest, AShareOfAMaskDividesASampleInTwo) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = (folder.path() / "mask.exr").string();
     const Bench small{.width = 4, .height = 1};
     Image mask(4, 1);
@@ -188,11 +184,11 @@ TEST_F(ObjectEffectsTest, WhatNoPixelShowsIsRefusedWithTheNamesThereAre) {
     refused("none.png", ExitCode::invalid_input, "none.png");
     p.channels.matte.reset();
     refused("cup", ExitCode::wrong_arguments, "no ids");
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const std::string path = (folder.path() / "mask.exr").string();
     write_image(path, Image(3, 3));
     refused(path, ExitCode::invalid_input, "3x3");
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::object_effects_test

@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::pipeline_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -216,4 +216,4 @@ TEST_F(Pipeline, AnOrthographicFileHasNoLens) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::pipeline_test

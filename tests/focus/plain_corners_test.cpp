@@ -10,7 +10,7 @@
 #include "tests/focus/focus_records.h"
 #include "tests/support/random_records.h"
 
-namespace postlens::test {
+namespace postlens::test::plain_corners_test {
 namespace {
 
 TEST(LevelTable, HasTheLevelsOfItsDefinition) {
@@ -151,4 +151,4 @@ TEST(PlainCorners, GiveTheSameTablesAsAmongAllOthers) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::plain_corners_test

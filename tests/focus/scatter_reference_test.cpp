@@ -14,10 +14,8 @@
 #include "tests/focus/focus_records.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::scatter_reference_test {
 namespace {
-
-using namespace test;
 
 void expect_equals_reference(const SplatTables& tables) {
     Image fast;
@@ -239,4 +237,4 @@ TEST(DepthSpacing, InverseStepsAreTheBetterChoiceAtEqualCost) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::scatter_reference_test

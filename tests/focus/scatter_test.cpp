@@ -17,10 +17,8 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::scatter_test {
 namespace {
-
-using namespace test;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -322,4 +320,4 @@ TEST(Scatter, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::scatter_test

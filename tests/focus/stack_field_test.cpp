@@ -9,14 +9,10 @@
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
 
-namespace postlens {
+namespace postlens::test::stack_field_test {
 namespace {
 
-using test::alpha;
-using test::edge_response;
-using test::Stack;
-using test::value;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 FocusGeometry geometry_of(const Bench& bench) {
     return {.aperture_radius_m = 1, .inverse_focus_per_m = bench.inverse_focus_per_m, .gain_px = 1000};
@@ -202,4 +198,4 @@ TEST(StackField, SameBitsForAnyNumberOfThreadsAndAnyPart) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::stack_field_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::instruction_sets_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -22,10 +22,10 @@ class InstructionSets : public testing::Test {
         fs::remove_all(out);
         const std::string command = settings + quoted(POSTLENS_RESULTS) + " " + quoted(out.string()) + " " +
                                     quoted(program) + " >" + quoted(err.string()) + " 2>&1";
-        EXPECT_EQ(std::system(command.c_str()), 0) << text_of(err);
+        EXPECT_EQ(std::system(command.c_str()), 0) << bytes_of(err);
         std::map<std::string, std::string> files;
         for (const auto& entry : fs::directory_iterator(out))
-            files.emplace(entry.path().filename().string(), text_of(entry.path()));
+            files.emplace(entry.path().filename().string(), bytes_of(entry.path()));
         return files;
     }
     // The level of instruction sets that the program's resolvers select.
@@ -34,7 +34,7 @@ class InstructionSets : public testing::Test {
         const std::string command =
             "POSTLENS_SAY_CPU_LEVEL=1 " + quoted(program) + " >" + quoted(said.string());
         EXPECT_EQ(std::system(command.c_str()), 0);
-        return text_of(said);
+        return bytes_of(said);
     }
     TemporaryFolder folder_;
 };
@@ -67,4 +67,4 @@ TEST_F(InstructionSets, OlderProcessorsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::instruction_sets_test

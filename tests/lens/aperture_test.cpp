@@ -6,7 +6,7 @@
 #include "lens/aperture_response.h"
 #include "lens/outline_rows.h"
 
-namespace postlens {
+namespace postlens::test::aperture_test {
 namespace {
 
 using glm::dmat2;
@@ -315,4 +315,4 @@ TEST(ApertureResponse, NextToNothingIsOnePixel) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::aperture_test

@@ -6,7 +6,7 @@
 
 #include "lens/ellipse_coverage.h"
 
-namespace postlens {
+namespace postlens::test::coverage_test {
 namespace {
 
 /// The sum of all coverages and their centroid, without listing the inner pixels.
@@ -228,4 +228,4 @@ TEST(Ellipse, RaisesSemiAxesThatAreTooShort) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::coverage_test

@@ -17,7 +17,7 @@
 #include "lens/lommel/quadrature.h"
 #include "lens/wave/wave_scale.h"
 
-namespace postlens {
+namespace postlens::test::diffraction_response_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -235,4 +235,4 @@ TEST(DiffractionResponses, RefuseWhatTheyCannotMake) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::diffraction_response_test

@@ -11,7 +11,7 @@
 #include "lens/lommel/lommel_rows.h"
 #include "lens/lommel/radial_energy.h"
 
-namespace postlens {
+namespace postlens::test::diffraction_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -186,4 +186,4 @@ TEST(EncircledEnergy, IntegralGivesMeans) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::diffraction_test

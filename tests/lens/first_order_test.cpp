@@ -19,7 +19,7 @@
 #include "lens/traced/traced_lens.h"
 #include "tests/lens/lens_files.h"
 
-namespace postlens::test {
+namespace postlens::test::first_order_test {
 namespace {
 
 // Compares with a stated value whose last digit is rounded.
@@ -258,4 +258,4 @@ TEST(FirstOrder, AnImageLiesWhereTheThickLensEquationPutsIt) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::first_order_test

@@ -15,7 +15,7 @@
 #include "lens/lommel/pixel_energy.h"
 #include "lens/wave/fourier_response.h"
 
-namespace postlens {
+namespace postlens::test::fourier_optics_test {
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -251,4 +251,4 @@ TEST(FourierOptics, RefusesWhatItCannotMake) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::fourier_optics_test

@@ -11,7 +11,7 @@
 #include "lens/prescription/glass_catalogue.h"
 #include "tests/lens/lens_files.h"
 
-namespace postlens::test {
+namespace postlens::test::glasses_test {
 namespace {
 
 TEST(Glasses, TermsGiveThePublishedIndex) {
@@ -79,4 +79,4 @@ TEST(Glasses, AnAbbeNumberIsKept) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::glasses_test

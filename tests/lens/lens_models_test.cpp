@@ -12,7 +12,7 @@
 #include "lens/traced/mesh_response.h"
 #include "tests/lens/lens_files.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_models_test {
 namespace {
 
 using glm::dvec2;
@@ -169,4 +169,4 @@ TEST(LensSection, DrawsEveryElementAndTheRays) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_models_test

@@ -16,7 +16,7 @@
 #include "lens/lommel/lommel.h"
 #include "lens/wave/crossover.h"
 
-namespace postlens {
+namespace postlens::test::lens_response_test {
 namespace {
 
 constexpr double pi = std::numbers::pi, infinity = std::numeric_limits<double>::infinity();
@@ -186,4 +186,4 @@ TEST(LensResponse, BladesStandUprightBehindTheFocus) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::lens_response_test

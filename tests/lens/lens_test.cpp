@@ -11,7 +11,7 @@
 #include "lens/focus_geometry.h"
 #include "lens/thin_lens.h"
 
-namespace postlens {
+namespace postlens::test::lens_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -193,4 +193,4 @@ TEST(FocusGeometry, RefusesWhatIsOutOfRangeWithTheReason) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::lens_test

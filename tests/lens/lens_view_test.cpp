@@ -6,7 +6,7 @@
 #include "lens/prescription/read_prescription.h"
 #include "lens/traced/fan_table.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_view_test {
 namespace {
 
 using glm::dvec2;
@@ -194,4 +194,4 @@ TEST(PupilFan, OfAThinMapIsTheDisc) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_view_test

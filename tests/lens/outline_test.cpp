@@ -5,7 +5,7 @@
 
 #include "lens/outline_rows.h"
 
-namespace postlens {
+namespace postlens::test::outline_test {
 namespace {
 
 using glm::dvec2;
@@ -154,4 +154,4 @@ TEST(OutlineRows, ARectangleOnThePixelGridIsExact) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::outline_test

@@ -13,7 +13,7 @@
 #include "tests/lens/lens_files.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::prescription_test {
 namespace {
 
 TEST(DatFiles, PlanesMayBeWrittenLikeStops) {
@@ -282,4 +282,4 @@ TEST_F(PrescriptionFiles, BadSequencesAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::prescription_test

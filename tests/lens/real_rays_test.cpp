@@ -15,7 +15,7 @@
 #include "lens/traced/traced_lens.h"
 #include "tests/lens/lens_files.h"
 
-namespace postlens::test {
+namespace postlens::test::real_rays_test {
 namespace {
 
 using glm::dvec2;
@@ -281,4 +281,4 @@ TEST(RealRays, TendToTheParaxialOnes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::real_rays_test

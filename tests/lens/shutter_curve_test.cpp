@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::shutter_curve_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -178,4 +178,4 @@ TEST_F(ShutterFile, AMillionPointsAreTheMost) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::shutter_curve_test

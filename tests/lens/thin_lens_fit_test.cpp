@@ -14,7 +14,7 @@
 #include "lens/thin_lens.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::thin_lens_fit_test {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -122,7 +122,7 @@ TEST(ThinLensFit, RefusesDataOfNoLens) {
 }
 
 TEST(CocPairs, AreReadAndRefusedWithTheirLine) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const auto path = folder.path() / "pairs.csv";
     std::ofstream(path) << "distance_m,coc_mm\n# a remark\n1.5,0.2\r\n\ninf,0.5\n";
     const auto pairs = read_coc_pairs(path);
@@ -187,4 +187,4 @@ TEST(SharpRange, SaysWhyNoneDoes) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::thin_lens_fit_test

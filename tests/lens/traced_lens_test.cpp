@@ -12,7 +12,7 @@
 #include "lens/prescription/prescription.h"
 #include "tests/lens/lens_files.h"
 
-namespace postlens::test {
+namespace postlens::test::traced_lens_test {
 namespace {
 
 using glm::dvec2;
@@ -226,4 +226,4 @@ TEST(TracedLensImpulse, ThroughTheFisheyeAndTheAspheres) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::traced_lens_test

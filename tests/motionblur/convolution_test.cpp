@@ -10,16 +10,12 @@
 
 #include "core/threads.h"
 #include "motionblur/convolution/fft_convolution.h"
+#include "tests/motionblur/drawn_path.h"
 
-namespace postlens::test {
+namespace postlens::test::convolution_test {
 namespace {
 
 using glm::dvec2;
-
-PathRaster draw(const std::vector<PathPoint>& points, int cells_per_px = 1,
-                const ShutterCurve& curve = ShutterCurve::box()) {
-    return draw_path(points, dvec2(0), points.front().time_s, points.back().time_s, curve, cells_per_px);
-}
 
 std::vector<PathPoint> straight(dvec2 way_px) {
     return {{0, {0, 0}}, {1, way_px}};
@@ -266,4 +262,4 @@ TEST(FastFftSize, IsTheNextProductOfSmallPrimes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::convolution_test

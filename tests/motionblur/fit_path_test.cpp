@@ -11,7 +11,7 @@
 
 #include "core/error.h"
 
-namespace postlens::test {
+namespace postlens::test::fit_path_test {
 namespace {
 
 using glm::dvec2;
@@ -167,4 +167,4 @@ TEST(FitPath, WhatCannotBeFittedIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::fit_path_test

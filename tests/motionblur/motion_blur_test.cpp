@@ -10,10 +10,9 @@
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens {
+namespace postlens::test::motion_blur_test {
 namespace {
 
-using namespace test;
 using glm::dvec3;
 
 constexpr double depth_m = 4;
@@ -48,12 +47,6 @@ double pixel_mean(int x, double left, double width, double way) {
 bool equal_bits(const Image& a, const Image& b) {
     return a.rgb.size() == b.rgb.size() &&
            std::memcmp(a.rgb.data(), b.rgb.data(), a.rgb.size() * sizeof(float)) == 0;
-}
-
-double light_of(const Image& image) {
-    double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) sum += static_cast<double>(image.rgb[i]);
-    return sum;
 }
 
 struct BarCase {
@@ -383,4 +376,4 @@ TEST(MotionBlur, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::motion_blur_test

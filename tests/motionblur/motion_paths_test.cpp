@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "motionblur/paths/screen_path.h"
 
-namespace postlens::test {
+namespace postlens::test::motion_paths_test {
 namespace {
 
 using glm::dvec2;
@@ -231,4 +231,4 @@ TEST(Flatten, IsBoundedForAnyFunction) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::motion_paths_test

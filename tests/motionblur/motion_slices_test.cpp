@@ -9,10 +9,9 @@
 #include "motionblur/motion_blur.h"
 #include "tests/support/motion_frame.h"
 
-namespace postlens {
+namespace postlens::test::motion_slices_test {
 namespace {
 
-using namespace test;
 using glm::dvec2, glm::dvec3;
 
 // Distance from the axis, m, of raster column x at a depth.
@@ -46,12 +45,6 @@ Rectangle upright(double left, double left_depth_m, double right, double right_d
     const dvec3 a(at_column(left, left_depth_m), -10, -left_depth_m),
         b(at_column(right, right_depth_m), -10, -right_depth_m);
     return {a, b - a, {0, 20, 0}};
-}
-
-double light_of(const Image& image) {
-    double sum = 0;
-    for (std::size_t i = 0; i < image.rgb.size(); i += 3) sum += static_cast<double>(image.rgb[i]);
-    return sum;
 }
 
 constexpr double way_m = 0.9;
@@ -293,4 +286,4 @@ TEST(MotionSlices, StretchHoldsTheLightOfWhatTurnsOverOnTheWay) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::motion_slices_test

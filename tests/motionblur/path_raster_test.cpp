@@ -9,8 +9,9 @@
 #include <random>
 
 #include "core/error.h"
+#include "tests/motionblur/drawn_path.h"
 
-namespace postlens::test {
+namespace postlens::test::path_raster_test {
 namespace {
 
 using glm::dvec2;
@@ -23,11 +24,6 @@ double weight_or_zero(const PathRaster& r, int x, int y) {
     const bool inside =
         x >= r.x_begin && x < r.x_begin + r.width && y >= r.y_begin && y < r.y_begin + r.height;
     return inside ? r.at(x, y) : 0;
-}
-
-PathRaster draw(const std::vector<PathPoint>& points, int cells_per_px = 1,
-                const ShutterCurve& curve = ShutterCurve::box()) {
-    return draw_path(points, dvec2(0), points.front().time_s, points.back().time_s, curve, cells_per_px);
 }
 
 // The slow reference: adds many instants, each in the middle of an equal part of the light.
@@ -333,4 +329,4 @@ TEST(PathRasters, ValuesWeighTheLight) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::path_raster_test

@@ -12,7 +12,7 @@
 #include "core/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::paths_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -189,4 +189,4 @@ TEST_F(PathsFile, NamesBecomeIds) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::paths_file_test

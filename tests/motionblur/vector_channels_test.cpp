@@ -14,7 +14,7 @@
 #include "motionblur/vectors/vector_frame.h"
 #include "tests/motionblur/flat_pictures.h"
 
-namespace postlens::test {
+namespace postlens::test::vector_channels_test {
 namespace {
 
 TEST_F(VectorFrameTest, ScaleAndSignAreWhatTheNamesOrTheUserSay) {
@@ -121,9 +121,9 @@ TEST_F(VectorFrameTest, RefusesPixelsThatAreNoNumbersWithTheirPlace) {
              {0, nan}, {2, inf}, {3, nan}, {3, -1.0F}, {3, -inf}, {4, nan}, {5, -inf}, {4, 3e6F}}) {
         FlatPicture p = plate();
         const auto usual = p.values;
-        p.values = [&, usual](int x, int y) {
+        p.values = [usual, at = channel, bad = value](int x, int y) {
             std::vector<float> v = usual(x, y);
-            if (x == 41 && y == 7) v[channel] = value;
+            if (x == 41 && y == 7) v[at] = bad;
             return v;
         };
         const std::string said = refusal(p);
@@ -155,4 +155,4 @@ TEST_F(VectorFrameTest, RefusesWindowsOutOfBounds) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::vector_channels_test

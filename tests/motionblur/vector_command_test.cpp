@@ -14,7 +14,7 @@
 #include "tests/motionblur/flat_pictures.h"
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::vector_command_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,7 +78,7 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
 
 TEST_F(VectorFrameTest, CommandRefusesDamagedFiles) {
     plate().write(in("plate.exr"));
-    const std::string bytes = text_of(in("plate.exr"));
+    const std::string bytes = bytes_of(in("plate.exr"));
     const auto refused_with = [&](const std::string& name, const std::string& content) {
         std::ofstream(in(name), std::ios::binary) << content;
         refused({"motionblur", in(name), "-o", in("out.png"), "--shutter", "0:1"}, ExitCode::invalid_input,
@@ -193,4 +193,4 @@ TEST_F(Beachball, BlursWithinTheWayAndKeepsTheRest) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::vector_command_test

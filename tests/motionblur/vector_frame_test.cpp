@@ -15,7 +15,7 @@
 #include "motionblur/vectors/vector_sheets.h"
 #include "tests/motionblur/flat_pictures.h"
 
-namespace postlens::test {
+namespace postlens::test::vector_frame_test {
 namespace {
 
 double ramp_mean(double a, double b) {  // of clamp(s, 0, 1) for s in [a, b]
@@ -276,4 +276,4 @@ TEST_F(VectorFrameTest, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::vector_frame_test

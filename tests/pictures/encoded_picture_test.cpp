@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <random>
 #include <string>
@@ -13,9 +12,10 @@
 #include "core/error.h"
 #include "pictures/exr/flat_exr.h"
 #include "pictures/srgb.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::encoded_picture_test {
 namespace {
 
 int by_power(float v) {
@@ -42,11 +42,6 @@ TEST(EncodedPicture, BytesAreThoseOfTheCurve) {
         EXPECT_EQ(srgb_byte(std::bit_cast<float>(below)), byte - 1);
         EXPECT_EQ(srgb_byte(std::bit_cast<float>(from)), byte);
     }
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
@@ -123,4 +118,4 @@ TEST(EncodedPicture, SaysWhatIsWrongWithItsSize) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::encoded_picture_test

@@ -11,7 +11,7 @@
 #include "core/error.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::exr_attributes_test {
 namespace {
 
 // The OpenEXR library reads four bytes beyond the end of a manifest.
@@ -78,4 +78,4 @@ TEST(ExrAttribute, FillsItsSize) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::exr_attributes_test

@@ -13,7 +13,7 @@
 #include "pictures/image.h"
 #include "tests/pictures/foreign_files.h"
 
-namespace postlens::test {
+namespace postlens::test::foreign_depth_test {
 namespace {
 
 TEST_F(ForeignPictureTest, NothingHitIsInfinitelyFar) {
@@ -177,4 +177,4 @@ TEST_F(ForeignPictureTest, CameraOptionsOutOfRangeAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::foreign_depth_test

@@ -22,7 +22,7 @@
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::foreign_ids_test {
 namespace {
 
 constexpr int width = 5, height = 3;
@@ -106,7 +106,7 @@ class ForeignIds : public testing::Test {
         return static_cast<int>(std::count_if(p.repairs.begin(), p.repairs.end(),
                                               [](const ForeignRepair& r) { return r.code == "ids"; }));
     }
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
 };
 
 TEST(CryptomatteId, IsThatOfTheSpecificationsOwnPictures) {
@@ -440,4 +440,4 @@ TEST(UnmixEdges, AnythingFlattensToItself) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::foreign_ids_test

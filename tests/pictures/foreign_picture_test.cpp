@@ -14,7 +14,7 @@
 #include "pictures/image.h"
 #include "tests/pictures/foreign_files.h"
 
-namespace postlens::test {
+namespace postlens::test::foreign_picture_test {
 namespace {
 
 TEST_F(ForeignPictureTest, PlainColourAndDepth) {
@@ -236,4 +236,4 @@ TEST_F(ForeignPictureTest, GreyAndNothingButAlpha) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::foreign_picture_test

@@ -3,15 +3,15 @@
 #include <cstddef>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <string_view>
 
 #include "pictures/foreign/foreign_picture.h"
 #include "tests/pictures/foreign_files.h"
+#include "tests/support/file_bytes.h"
 
-namespace postlens::test {
+namespace postlens::test::foreign_repairs_test {
 namespace {
 
 TEST_F(ForeignPictureTest, ColoursThatAreNoNumbersGetTheMeanOfThoseAround) {
@@ -40,8 +40,7 @@ TEST_F(ForeignPictureTest, AlphasBeyondOneAreCutOff) {
 
 TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
     write_parts(in("whole.exr"), {{rgbz(1, 2)}});
-    std::ifstream file(in("whole.exr"), std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string bytes = bytes_of(in("whole.exr"));
     for (std::size_t length = 0; length < bytes.size(); length += 7) {
         std::ofstream(in("cut.exr"), std::ios::binary) << bytes.substr(0, length);
         (void)refusal([&] { (void)read_foreign_picture(in("cut.exr"), {}, {}); });
@@ -71,8 +70,7 @@ TEST_F(ForeignPictureTest, RefusesAnAttributeOfAnotherSizeThanItsType) {
     EXPECT_PRED1(damaged, refusal([&] { (void)read_image(huge_size); }));
     // The list of channels, with a stated size one byte too small.
     write_parts(in("whole.exr"), {{rgbz(1, 2)}});
-    std::ifstream file(in("whole.exr"), std::ios::binary);
-    std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    std::string bytes = bytes_of(in("whole.exr"));
     char& size = bytes.at(bytes.find("chlist") + sizeof("chlist"));
     size = static_cast<char>(size - 1);
     std::ofstream(in("channels.exr"), std::ios::binary) << bytes;
@@ -88,8 +86,7 @@ TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     // A row of 15.7 million pixels with 3 channels takes 189 MB uncompressed, which is accepted. A part that
     // states no compression has ZIP, which packs 16 rows at a time. Tile sizes in a scanline part are
     // ignored.
-    std::ifstream file(data_folder + "nan_inf.exr", std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    const std::string bytes = bytes_of(data_folder + "nan_inf.exr");
     const auto wide = [&](auto&& change) {
         std::string wider = bytes;
         const std::string_view window("dataWindow\0box2i\0\x10\0\0", 21);
@@ -117,14 +114,14 @@ TEST_F(ForeignPictureTest, RefusesChunksOfMoreBytesThanTheFile) {
     };
     for (const auto& [name, chunk, packed] :
          {Case{"deep_object_ids.exr", 2816, 4 + 8}, Case{"deep_alpha.exr", 944, 4 * 4 + 8}}) {
-        std::ifstream file(data_folder + name, std::ios::binary);
-        std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        std::string bytes = bytes_of(data_folder + name);
         bytes.replace(chunk + packed, 8, std::string("\0\0\0\x40\0\0\0\0", 8));  // 1 GiB
-        std::ofstream(in(name), std::ios::binary) << bytes;
-        const std::string said = refusal([&] { (void)read_foreign_picture(in(name), {}, {}); });
+        const std::string path = in(name);
+        write_bytes(path, bytes);
+        const std::string said = refusal([&] { (void)read_foreign_picture(path, {}, {}); });
         EXPECT_NE(said.find("a chunk is damaged (got 10737"), std::string::npos) << said;
     }
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::foreign_repairs_test

@@ -7,7 +7,6 @@
 #include <csignal>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <sys/resource.h>
@@ -19,13 +18,13 @@
 #include "pictures/formats/picture_library.h"
 #include "pictures/formats/plain_picture.h"
 #include "pictures/srgb.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::image_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 
 Image ramp(int width, int height) {
     Image image(width, height);
@@ -164,7 +163,7 @@ TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
     for (float& v : noise.rgb) v = static_cast<float>(state = state * 1664525U + 1013904223U) / 4e9F;
     for (const char* name : {"a.exr", "a.png", "a.tif", "a.jpg"}) {
         const auto [code, text] = error_of([&] {
-            const test::FileSizeLimit limit(4096);
+            const FileSizeLimit limit(4096);
             write_image(folder.path() / name, noise);
         });
         EXPECT_EQ(code, ExitCode::cannot_write) << name;
@@ -178,8 +177,7 @@ TEST(Image, EqualPicturesAreEqualFiles) {
     const TemporaryFolder folder;
     const auto bytes = [&](const std::string& name) {
         write_image(folder.path() / name, ramp(8, 6));
-        std::ifstream in(folder.path() / name, std::ios::binary);
-        return std::string{std::istreambuf_iterator<char>(in), {}};
+        return bytes_of(folder.path() / name);
     };
     std::vector<std::string> before;
     const std::vector<std::string> names{"a.exr", "a.png", "a.jpg", "a.tif"};
@@ -314,8 +312,7 @@ TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
     write_image(at / "a.png", ramp(19, 7));
     write_image(at / "a.exr", ramp(19, 7));
     for (const char* name : {"a.png", "a.exr"}) {
-        std::ifstream in(at / name, std::ios::binary);
-        const std::string whole((std::istreambuf_iterator<char>(in)), {});
+        const std::string whole = bytes_of(at / name);
         ASSERT_GT(whole.size(), 100U);
         const fs::path broken = at / (std::string("broken_") + name);
         for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 97) {
@@ -339,4 +336,4 @@ TEST(PlainPicture, ADamagedFileIsAnErrorOrAPictureButNothingElse) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::image_test

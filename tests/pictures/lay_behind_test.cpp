@@ -7,11 +7,10 @@
 #include "core/error.h"
 #include "tests/support/stack_bench.h"
 
-namespace postlens {
+namespace postlens::test::lay_behind_test {
 namespace {
 
-using test::Stack;
-using Bench = test::StackBench;
+using Bench = StackBench;
 
 /// What a test says of a sample.
 StackSample sample(float z_m, float grey, float a = 1) {
@@ -119,4 +118,4 @@ TEST(LayBehind, OtherRastersAndViewsAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::lay_behind_test

@@ -16,11 +16,6 @@ namespace postlens::test {
 /// The lens of all images.
 inline constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
 
-/// A rectangle at a depth that faces the camera, m.
-inline Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {glm::dvec3(x0, y0, -depth_m), glm::dvec3(x1 - x0, 0, 0), glm::dvec3(0, y1 - y0, 0)};
-}
-
 /// A striped wall at 10 m, which is one object, and a bar at 1 m on the left.
 inline SceneBuilder bar_and_wall() {
     SceneBuilder b;
@@ -35,9 +30,9 @@ inline SceneBuilder bar_and_wall() {
 }
 
 /// Settings of a trace with or without the hidden surfaces that the lens sees past edges.
-inline TraceSettings traced(bool hidden) {
+inline TraceSettings traced(bool hidden, int levels = 4) {
     TraceSettings s;
-    s.subdivision.levels = 4;
+    s.subdivision.levels = levels;
     if (hidden) s.for_f_number = wide.f_number;
     s.overscan_px = 24;
     return s;

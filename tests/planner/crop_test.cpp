@@ -21,7 +21,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::crop_test {
 namespace {
 
 const std::string samples = POSTLENS_SAMPLES;
@@ -353,4 +353,4 @@ TEST(Crop, MustLieWithinThePicture) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::crop_test

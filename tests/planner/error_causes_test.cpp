@@ -6,21 +6,16 @@
 
 #include "core/error.h"
 #include "core/threads.h"
+#include "tests/planner/bar_scene.h"
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::error_causes_test {
 namespace {
 
 using glm::dvec3;
 
-constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
-
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
-}
-
-SceneBuilder bar_and_wall() {
+SceneBuilder bar_and_broad_stripes() {
     SceneBuilder b;
     b.add(board(-0.1, -0.02, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
     for (int i = -40; i < 40; ++i) {
@@ -32,9 +27,7 @@ SceneBuilder bar_and_wall() {
 }
 
 TraceSettings traced(bool hidden, int levels, int overscan_px) {
-    TraceSettings s;
-    s.subdivision.levels = levels;
-    if (hidden) s.for_f_number = wide.f_number;
+    TraceSettings s = test::traced(hidden, levels);
     s.overscan_px = overscan_px;
     return s;
 }
@@ -70,14 +63,14 @@ FocusSettings settings(FocusMethod method, double focus_m) {
 }
 
 TEST(ErrorCauses, WhatWasNotRecordedBehindANearEdge) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_broad_stripes();
     const TracedFrame frame(b.scene, traced(false, 4, 32));
     const Found f = found(frame, b.scene, settings(FocusMethod::lightfield, 10));
     EXPECT_GT(f.share(ErrorCause::hidden_surface), 0.8);
 }
 
 TEST(ErrorCauses, SurfacesInTheWrongOrder) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_broad_stripes();
     const TracedFrame frame(b.scene, traced(true, 4, 32));
     const Found f = found(frame, b.scene, settings(FocusMethod::scatter, 10));
     EXPECT_GT(f.share(ErrorCause::visibility), 0.8);
@@ -109,7 +102,7 @@ TEST(ErrorCauses, LightFromBeyondTheMargin) {
 }
 
 TEST(ErrorCauses, RecordsTooFar) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_broad_stripes();
     const TracedFrame frame(b.scene, traced(true, 0, 8));
     FocusSettings s = settings(FocusMethod::lightfield, 10);
     s.lens.f_number = 64;
@@ -118,7 +111,7 @@ TEST(ErrorCauses, RecordsTooFar) {
 }
 
 TEST(ErrorCauses, NothingIsWrongWhereNothingIs) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_broad_stripes();
     const TracedFrame frame(b.scene, traced(true, 3, 16));
     FocusFrame of(frame.file());
     CauseRequest request;
@@ -131,7 +124,7 @@ TEST(ErrorCauses, NothingIsWrongWhereNothingIs) {
 }
 
 TEST(ErrorCauses, SameForAnyNumberOfThreads) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_broad_stripes();
     const TracedFrame frame(b.scene, traced(false, 2, 4));
     CauseRequest request;
     request.view.focus = settings(FocusMethod::scatter, 10);
@@ -147,4 +140,4 @@ TEST(ErrorCauses, SameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::error_causes_test

@@ -8,7 +8,7 @@
 #include "reproject/patches/patches.h"
 #include "reproject/raster_map.h"
 
-namespace postlens::test {
+namespace postlens::test::highlight_motion_test {
 namespace {
 
 TEST(HighlightMotion, MomentsShareTheLightAlongTheWay) {
@@ -97,4 +97,4 @@ TEST(HighlightMotion, WhatComesNearerGrowsAndWhatPassesTheCameraIsGone) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::highlight_motion_test

@@ -16,7 +16,7 @@
 #include "tracer/distributed/eye_rays.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::hybrid_test {
 namespace {
 
 using glm::dvec3;
@@ -139,4 +139,4 @@ TEST(Hybrid, RaysLookPastWhatHidesALampAndLeaveItsLightToTheLens) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::hybrid_test

@@ -12,41 +12,15 @@
 #include "planner/errors/edge_cells.h"
 #include "planner/errors/record_floor.h"
 #include "planner/trace_plan.h"
+#include "tests/planner/bar_scene.h"
 #include "tests/support/motion_frame.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::planner_test {
 namespace {
 
 using glm::dvec3;
-
-constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
-
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
-}
-
-/// A striped wall and a near bar on the left.
-SceneBuilder bar_and_wall() {
-    SceneBuilder b;
-    b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
-    for (int i = -40; i < 40; ++i) {
-        b.add(board(i * 0.35, i * 0.35 + 0.35, -9, 9, 10),
-              glowing(i % 2 == 0 ? dvec3(0.9, 0.9, 0.9) : dvec3(0.15, 0.2, 0.4)))
-            .id = 2;
-    }
-    b.scene.sha256 = std::string(64, 'a');
-    return b;
-}
-
-TraceSettings traced(bool hidden, int levels = 4) {
-    TraceSettings s;
-    s.subdivision.levels = levels;
-    if (hidden) s.for_f_number = wide.f_number;
-    s.overscan_px = 24;
-    return s;
-}
 
 AutoSettings settings(double target_db, double focus_m = 3) {
     AutoSettings s;
@@ -370,4 +344,4 @@ TEST(TracePlan, LeavesOutWhatIsNotNeeded) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::planner_test

@@ -3,30 +3,24 @@
 
 #include <cmath>
 #include <gtest/gtest.h>
-#include <numeric>
 #include <random>
 
 #include "core/error.h"
 #include "core/threads.h"
 #include "motionblur/motion_blur.h"
 #include "pictures/srgb.h"
+#include "tests/planner/bar_scene.h"
 #include "tests/support/motion_frame.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::predicted_error_test {
 namespace {
 
 using glm::dvec3;
 
-constexpr ThinLens wide{.focal_length_mm = 50, .f_number = 0.7};
-
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
-}
-
 /// A wall of random patches, which favours no set of views, and a near bar on the left that moves by `move_m`
 /// in one second.
-SceneBuilder bar_and_wall(double move_m = 0) {
+SceneBuilder bar_and_patches(double move_m = 0) {
     SceneBuilder b;
     Object& bar = b.add(board(-0.34, -0.27, -2, 2, 1), glowing({0.9, 0.2, 0.1}));
     if (move_m != 0) bar.keys = from_to({move_m, 0, 0});
@@ -45,14 +39,6 @@ SceneBuilder bar_and_wall(double move_m = 0) {
     }
     b.scene.sha256 = std::string(64, 'a');
     return b;
-}
-
-TraceSettings traced(bool hidden, int levels = 5) {
-    TraceSettings s;
-    s.subdivision.levels = levels;
-    if (hidden) s.for_f_number = wide.f_number;
-    s.overscan_px = 24;
-    return s;
 }
 
 FocusSettings with(FocusMethod method, int views = default_lens_views) {
@@ -101,8 +87,8 @@ void expect_near(double expected_db, double is_db, const std::string& what) {
 }
 
 TEST(PredictError, OfEveryMethodIsWhatThePictureIsOffBy) {
-    const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(true));
+    const SceneBuilder b = bar_and_patches();
+    const TracedFrame frame(b.scene, traced(true, 5));
     const Image truth = rays(b.scene, with(FocusMethod::scatter));
     double least = 100, most = 0;
     for (const FocusSettings& f :
@@ -118,8 +104,8 @@ TEST(PredictError, OfEveryMethodIsWhatThePictureIsOffBy) {
 }
 
 TEST(PredictError, KnowsAWrongPictureFromARightOne) {
-    const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(true));
+    const SceneBuilder b = bar_and_patches();
+    const TracedFrame frame(b.scene, traced(true, 5));
     const FocusSettings f = with(FocusMethod::layers);
     Image image = focus_picture(frame.file(), f).image;
     const double right = expected_db(frame.file(), f, image);
@@ -131,13 +117,13 @@ TEST(PredictError, KnowsAWrongPictureFromARightOne) {
 }
 
 TEST(PredictError, BoundsWhatTheRecordsLack) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_patches();
     FocusSettings f = with(FocusMethod::lightfield, 256);
     f.focus_distance_m = 10;  // blurs the edge of the bar widely
     const Image truth = rays(b.scene, f);
     double least_unsure = 0;
     // Fine records with hidden surfaces, coarse records with them, and records without hidden surfaces.
-    for (const TraceSettings& t : {traced(true), traced(true, 1), traced(false)}) {
+    for (const TraceSettings& t : {traced(true, 5), traced(true, 1), traced(false, 5)}) {
         const TracedFrame frame(b.scene, t);
         const Image image = focus_picture(frame.file(), f).image;
         FocusFrame of(frame.file());
@@ -151,8 +137,8 @@ TEST(PredictError, BoundsWhatTheRecordsLack) {
 }
 
 TEST(PredictError, OfACropIsOfItsPixels) {
-    const SceneBuilder b = bar_and_wall();
-    const TracedFrame frame(b.scene, traced(true));
+    const SceneBuilder b = bar_and_patches();
+    const TracedFrame frame(b.scene, traced(true, 5));
     FocusSettings f = with(FocusMethod::scatter);
     // The light field of these records, with the greatest number of views.
     const Image all = focus_picture(frame.file(), with(FocusMethod::lightfield, most_lens_views)).image;
@@ -165,8 +151,8 @@ TEST(PredictError, OfACropIsOfItsPixels) {
 }
 
 TEST(PredictError, WithTheShutterOpen) {
-    const SceneBuilder b = bar_and_wall(0.2);
-    TraceSettings t = traced(true);
+    const SceneBuilder b = bar_and_patches(0.2);
+    TraceSettings t = traced(true, 5);
     t.for_shutter = TimeSpan{0, 1};
     const TracedFrame frame(b.scene, t);
     const FrameMotion motion = motion_of(frame.file().header(), {});
@@ -184,7 +170,7 @@ TEST(PredictError, WithTheShutterOpen) {
 }
 
 TEST(PredictError, SameBitsForAnyNumberOfThreads) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_patches();
     const TracedFrame frame(b.scene, traced(true, 2));
     const FocusSettings f = with(FocusMethod::layers);
     const Image image = focus_picture(frame.file(), f).image;
@@ -196,7 +182,7 @@ TEST(PredictError, SameBitsForAnyNumberOfThreads) {
 }
 
 TEST(PredictError, RefusesWhatItCannotTell) {
-    const SceneBuilder b = bar_and_wall();
+    const SceneBuilder b = bar_and_patches();
     const TracedFrame frame(b.scene, traced(false, 0));
     const SampleHeader& h = frame.file().header();
     FocusSettings f = with(FocusMethod::scatter);
@@ -228,7 +214,7 @@ TEST(PredictError, BoundsWhatNobodySawInAMirrorsRim) {
             b.add(board(x, x + patch_m, y, y + patch_m, -2),
                   glowing({colour(random), colour(random), colour(random)}));
     }
-    const TracedFrame frame(b.scene, traced(true));
+    const TracedFrame frame(b.scene, traced(true, 5));
     FocusSettings f = with(FocusMethod::lightfield, 256);
     f.focus_distance_m = 4;
     const Image image = focus_picture(frame.file(), f).image;
@@ -240,4 +226,4 @@ TEST(PredictError, BoundsWhatNobodySawInAMirrorsRim) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::predicted_error_test

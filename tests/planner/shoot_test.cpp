@@ -16,7 +16,7 @@
 #include "tests/support/motion_frame.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::shoot_test {
 namespace {
 
 using glm::dvec3;
@@ -229,4 +229,4 @@ TEST(Shoot, KeysCarryWhatTurns) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::shoot_test

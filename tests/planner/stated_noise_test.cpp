@@ -15,7 +15,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::stated_noise_test {
 namespace {
 
 constexpr int width = 320, height = 192, images = 6;
@@ -125,4 +125,4 @@ TEST(StatedNoise, OfATileIsItsNoiseWithinTheStatedInterval) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::stated_noise_test

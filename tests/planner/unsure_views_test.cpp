@@ -15,7 +15,7 @@
 #include "tracer/distributed/scene_rays.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::unsure_views_test {
 namespace {
 
 using glm::dvec3;
@@ -267,4 +267,4 @@ TEST(UnsureViews, MeetNoHighlightTwice) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::unsure_views_test

@@ -25,7 +25,7 @@
 
 #include "tests/support/command_test.h"
 
-namespace postlens::test {
+namespace postlens::test::api_test {
 namespace {
 
 const std::string bars = POSTLENS_SAMPLES "/scenes/bars.toml",
@@ -76,7 +76,7 @@ TEST_F(Api, TraceAndFocusMakeTheCommandsFiles) {
     const std::string path = traced();
     command({"trace", bars, "-o", in("expected.exr"), "--size=48x27", "--for-f-number=1.4", "--for-focus=2",
              "--for-shutter=0:0.5", "--subdivide=0", "--overscan=auto"});
-    EXPECT_EQ(text_of(path), text_of(in("expected.exr")));
+    EXPECT_EQ(bytes_of(path), bytes_of(in("expected.exr")));
 
     const api::Frame frame(path);
     for (const std::string method : {"scatter", "layers", "lightfield"}) {
@@ -85,7 +85,7 @@ TEST_F(Api, TraceAndFocusMakeTheCommandsFiles) {
         api::save_picture(in("a.exr"), made.picture);
         command({"focus", path, "-o", in("b.exr"), "--focal-length=50", "--f-number=2", "--focus=3",
                  "--method=" + method});
-        EXPECT_EQ(text_of(in("a.exr")), text_of(in("b.exr"))) << method;
+        EXPECT_EQ(bytes_of(in("a.exr")), bytes_of(in("b.exr"))) << method;
         EXPECT_EQ(made.method, method);
         EXPECT_EQ(made.f_number, 2);
         EXPECT_EQ(made.focus_distance_m, 3);
@@ -260,4 +260,4 @@ TEST_F(Api, AnyCommandRuns) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::api_test

@@ -9,11 +9,8 @@
 #include "core/error.h"
 #include "tests/support/random_records.h"
 
-namespace postlens {
+namespace postlens::test::quadtree_test {
 namespace {
-
-using test::Places;
-using test::steps_per_px;
 
 /// Weight and leaf size of a sample in each of its four quadrants.
 struct Quadrants {
@@ -105,14 +102,13 @@ void expect_equal_reference(const PointSamples& got, const RecordBand& band, int
 
 RecordBand make_band(int levels, double probability, unsigned seed) {
     std::mt19937 random(seed);
-    return test::random_band(
-        random, -2, 7, -1, 6,
-        {.levels = levels, .probability = probability, .has_w = true, .has_layers = true});
+    return random_band(random, -2, 7, -1, 6,
+                       {.levels = levels, .probability = probability, .has_w = true, .has_layers = true});
 }
 
 TEST(Quadtree, OneSampleAPixelWeighsAQuarterInEachOfItsFourPixels) {
     std::mt19937 random(1);
-    const RecordBand band = test::random_band(random, 0, 4, 0, 4, {});
+    const RecordBand band = random_band(random, 0, 4, 0, 4, {});
     PointSamples got;
     find_point_samples(band, 0, 4, 0, 3, got);
     ASSERT_EQ(got.samples.size(), 16U);
@@ -189,12 +185,12 @@ TEST(Quadtree, EqualsTheReferenceForRandomTrees) {
 TEST(Quadtree, FinestLeavesAreOfOneStep) {
     Places places;
     std::mt19937 random(3);
-    test::subdivide(places, random, 1.0, 1, 0, 0, steps_per_px);
+    subdivide(places, random, 1.0, 1, 0, 0, steps_per_px);
     int x = 0, size = steps_per_px;
     while (size > 1) {  // divides the upper left quarter again
         size /= 2;
         for (const int dy : {0, size}) {
-            for (const int dx : {0, size}) test::add_corners(places, x + dx, dy, size);
+            for (const int dx : {0, size}) add_corners(places, x + dx, dy, size);
         }
     }
     RecordBand band;
@@ -270,7 +266,7 @@ TEST(Picture, IsTheSameBitsFromAnyBand) {
         const int x = static_cast<int>(i);
         picture_row(band, 2, x, x + 1, std::span(narrow).subspan(3 * i, 3));
     }
-    picture_row(test::rows_of_band(band, 2, 4), 2, 0, 5, pair);
+    picture_row(rows_of_band(band, 2, 4), 2, 0, 5, pair);
     EXPECT_EQ(whole, narrow);
     EXPECT_EQ(whole, pair);
 }
@@ -310,4 +306,4 @@ TEST(Quadtree, AMissingCornerIsRefused) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::quadtree_test

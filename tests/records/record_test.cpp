@@ -9,7 +9,7 @@
 
 #include "records/record_check.h"
 
-namespace postlens {
+namespace postlens::test::record_test {
 namespace {
 
 using Bounce = NodePath::Bounce;
@@ -104,4 +104,4 @@ TEST(RecordCheck, InfinityIsADepthAndChannelsMustExist) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::record_test

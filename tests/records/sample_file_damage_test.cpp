@@ -7,7 +7,6 @@
 #include <fstream>
 #include <functional>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <random>
 #include <string>
 #include <sys/resource.h>
@@ -18,27 +17,17 @@
 #include "records/file/record_scanline.h"
 #include "records/file/sample_file_header.h"
 #include "records/sample_file.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::sample_file_damage_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::RandomOptions;
-using test::TemporaryFolder;
 
 constexpr std::array all_compressions{RecordCompression::none, RecordCompression::rle,
                                       RecordCompression::zips};
-
-std::string bytes_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_bytes(const fs::path& path, std::string_view bytes) {
-    std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-}
 
 /// All content that a reader returns.
 struct Content {
@@ -110,11 +99,11 @@ void write_small_file(const fs::path& path, RecordCompression compression) {
     const RandomOptions options{
         .levels = 1, .probability = 0.3, .has_w = true, .has_layers = true, .keys = 1};
     std::mt19937 random(5);
-    const SampleHeader header = test::full_header(4, 3, 1, options);
+    const SampleHeader header = full_header(4, 3, 1, options);
     SampleFileWriter writer(path, header, compression);
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.next_instant();
-    writer.write(test::random_frame(random, header, options));
+    writer.write(random_frame(random, header, options));
     writer.finish();
 }
 
@@ -189,7 +178,7 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
 class ForgedFile {
   public:
     RandomOptions options{.has_w = true};
-    SampleHeader header = test::full_header(3, 2, 0, options);
+    SampleHeader header = full_header(3, 2, 0, options);
     RecordBand records;
     /// Applied to each scanline's counts and channels before the checksum is computed.
     std::function<void(int y, ScanlineBytes&)> change_bytes = [](int, ScanlineBytes&) {};
@@ -197,7 +186,7 @@ class ForgedFile {
 
     ForgedFile() {
         std::mt19937 random(3);
-        records = test::random_frame(random, header, options);
+        records = random_frame(random, header, options);
     }
 
     void write(const fs::path& path) const {
@@ -422,4 +411,4 @@ TEST(ForeignFile, DamagedFilesOfOthersAreRefusedQuickly) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::sample_file_damage_test

@@ -24,7 +24,7 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::sample_file_readers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -200,4 +200,4 @@ TEST(SampleFile, StandardAttributesAreWhatOtherProgramsExpect) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sample_file_readers_test

@@ -16,7 +16,7 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::sample_file_refusals_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -227,4 +227,4 @@ TEST(SampleFile, IsRecognisedByItsVersionAttribute) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sample_file_refusals_test

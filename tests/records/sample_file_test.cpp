@@ -16,7 +16,7 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::sample_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -193,4 +193,4 @@ TEST(SampleFile, ScanlineFactsDescribeEachRow) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sample_file_test

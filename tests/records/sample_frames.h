@@ -6,9 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <random>
 #include <string>
 #include <utility>
@@ -20,6 +18,7 @@
 #include "records/record.h"
 #include "records/sample_file.h"
 #include "records/sample_header.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/random_records.h"
 
 namespace postlens::test {
@@ -65,11 +64,6 @@ inline std::uint64_t write_frame(const std::filesystem::path& path, const Frame&
         write_instant(key);
     }
     return writer.finish();
-}
-
-inline std::string bytes_of(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
 }
 
 inline void expect_equal_bands(const RecordBand& a, const RecordBand& b) {

@@ -10,7 +10,7 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::following_light_test {
 namespace {
 
 constexpr int width = 70, height = 40, overscan = 4;
@@ -223,4 +223,4 @@ TEST(PixelBlocks, HaveWhatAnyOfTheirPixelsHas) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::following_light_test

@@ -12,7 +12,7 @@
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::moving_patches_test {
 namespace {
 
 using glm::dmat4;
@@ -408,4 +408,4 @@ TEST(PatchMarks, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::moving_patches_test

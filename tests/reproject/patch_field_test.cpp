@@ -16,7 +16,7 @@
 #include "reproject/sight_rays.h"
 #include "tests/reproject/made_sheets.h"
 
-namespace postlens::test {
+namespace postlens::test::patch_field_test {
 namespace {
 
 TEST(PatchField, AMotionAndItsLensAreOneMap) {
@@ -110,4 +110,4 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::patch_field_test

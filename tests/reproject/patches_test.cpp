@@ -15,7 +15,7 @@
 #include "tests/reproject/made_sheets.h"
 #include "tests/support/random_records.h"
 
-namespace postlens::test {
+namespace postlens::test::patches_test {
 namespace {
 
 /// Draws a patch pixel by pixel, in double.
@@ -222,4 +222,4 @@ TEST(Patches, APlaneIsCutNoFurtherThanSquares) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::patches_test

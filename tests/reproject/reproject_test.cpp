@@ -11,7 +11,7 @@
 #include "tests/support/random_motion.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::reproject_test {
 namespace {
 
 using glm::dmat4;
@@ -282,4 +282,4 @@ INSTANTIATE_TEST_SUITE_P(
                     TransformKey{.translation = {0.5, 0.1, 0.3}}));
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::reproject_test

@@ -14,7 +14,7 @@
 #include "tests/reproject/made_sheets.h"
 #include "tests/support/random_records.h"
 
-namespace postlens::test {
+namespace postlens::test::sheets_test {
 namespace {
 
 // In layer 0, every position belongs to exactly one sheet, and the pixel means equal the traced image.
@@ -170,4 +170,4 @@ TEST(Sheets, SomeOfThemHaveWhatTheyHadAmongAll) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sheets_test

@@ -14,7 +14,7 @@
 #include "tests/scene/mesh_text.h"
 #include "tests/scene/read_apart.h"
 
-namespace postlens::test {
+namespace postlens::test::broken_mesh_test {
 namespace {
 
 using testing::HasSubstr;
@@ -164,4 +164,4 @@ TEST_F(MeshText, BrokenObjFilesAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::broken_mesh_test

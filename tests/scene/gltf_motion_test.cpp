@@ -13,7 +13,7 @@
 #include "tests/scene/mesh_text.h"
 #include "tracer/camera_model.h"
 
-namespace postlens::test {
+namespace postlens::test::gltf_motion_test {
 namespace {
 
 using glm::dmat4;
@@ -200,4 +200,4 @@ TEST_F(MeshText, LengthsFollowTheUnit) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::gltf_motion_test

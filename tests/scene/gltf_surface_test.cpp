@@ -2,10 +2,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <limits>
 #include <string>
 #include <vector>
@@ -17,10 +15,11 @@
 #include "scene/scene.h"
 #include "tests/scene/gltf_text.h"
 #include "tests/scene/mesh_text.h"
+#include "tests/support/file_bytes.h"
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading/shading.h"
 
-namespace postlens::test {
+namespace postlens::test::gltf_surface_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,11 +92,6 @@ Image four_colours() {
     Image image(2, 2);
     image.rgb = {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
     return image;
-}
-
-std::string bytes_of(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
 }
 
 TEST_F(MeshText, PicturesLieAsTheFormatSays) {
@@ -225,4 +219,4 @@ TEST_F(MeshText, TrianglesWithoutAreaAreLeftOut) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::gltf_surface_test

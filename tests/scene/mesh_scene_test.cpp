@@ -4,10 +4,8 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <gtest/gtest.h>
 #include <iostream>
-#include <iterator>
 #include <numbers>
 #include <set>
 #include <string>
@@ -16,9 +14,10 @@
 #include "scene/scene.h"
 #include "tests/scene/mesh_text.h"
 #include "tests/scene/read_apart.h"
+#include "tests/support/file_bytes.h"
 #include "tracer/camera_model.h"
 
-namespace postlens::test {
+namespace postlens::test::mesh_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -133,8 +132,7 @@ TEST(PublishedMeshes, ACubicSplineIsFollowed) {
     ASSERT_EQ(s.objects.size(), 1U);
     const Object& cube = s.objects[0];
     // The file has 9 vectors: values (0,0,0), (2,1,0) and (0,0,0) at 0, 1 and 2 s, each with two tangents.
-    std::ifstream file(published / "01_cs_translate.bin", std::ios::binary);
-    const std::string bytes((std::istreambuf_iterator<char>(file)), {});
+    const std::string bytes = bytes_of(published / "01_cs_translate.bin");
     std::vector<float> v(27);
     std::memcpy(v.data(), bytes.data() + 624, 108);
     EXPECT_EQ(v[12], 2.0F);
@@ -204,4 +202,4 @@ TEST(PublishedMeshes, TheCornellBoxIsSeenFromItsOpenSide) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::mesh_scene_test

@@ -11,9 +11,10 @@
 #include "scene/file_digest.h"
 #include "scene/scene.h"
 #include "scene/shape_bounds.h"
+#include "tests/scene/mesh_text.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::nff_scene_test {
 namespace {
 
 using glm::dvec3;
@@ -34,10 +35,6 @@ Counts count(const Scene& scene) {
         }
     }
     return c;
-}
-
-const Mesh& mesh_of(const Object& object) {
-    return *std::get<std::shared_ptr<const Mesh>>(object.shape);
 }
 
 std::filesystem::path published(const std::string& name) {
@@ -69,7 +66,7 @@ class NffText : public testing::Test {
         return "no error";
     }
 
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
     std::filesystem::path path_ = folder_.path() / "t.nff";
 };
 
@@ -411,4 +408,4 @@ TEST_F(NffText, LargeGarbageFailsAtOnce) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::nff_scene_test

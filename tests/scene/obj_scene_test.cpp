@@ -10,7 +10,7 @@
 #include "scene/scene.h"
 #include "tests/scene/mesh_text.h"
 
-namespace postlens::test {
+namespace postlens::test::obj_scene_test {
 namespace {
 
 using glm::dvec3;
@@ -66,4 +66,4 @@ TEST(MeshFiles, TextIsMadeUtf8) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::obj_scene_test

@@ -13,7 +13,7 @@
 #include "tests/support/command_test.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens::test {
+namespace postlens::test::ply_scene_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -27,8 +27,7 @@ TEST_F(PlyLists, EveryOrderOfElementsAndPropertiesGivesThePictureOfThePlainFile)
     const auto image = [&](const fs::path& file, const std::string& name) {
         EXPECT_EQ(run({"trace", file.string(), "-o", in("a.exr"), "--size", "96x64"}).exit_code, 0) << file;
         EXPECT_EQ(run({"image", in("a.exr"), "-o", in(name)}).exit_code, 0) << file;
-        std::ifstream bytes(in(name), std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(bytes), {});
+        return bytes_of(in(name));
     };
     const std::string wanted = image(lists / "plain.ply", "plain.exr");
     ASSERT_GT(wanted.size(), 96U * 64U);
@@ -70,7 +69,7 @@ class PlyText : public testing::Test {
         return false;
     }
 
-    test::TemporaryFolder folder_;
+    TemporaryFolder folder_;
     Scene scene_;
 };
 
@@ -199,4 +198,4 @@ TEST_F(PlyText, ErrorsNameTheirCause) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::ply_scene_test

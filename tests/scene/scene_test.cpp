@@ -15,7 +15,7 @@
 #include "scene/triangulate.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::scene_test {
 namespace {
 
 using glm::dvec2;
@@ -395,7 +395,7 @@ std::string error_of(const std::filesystem::path& path, const SceneReadOptions& 
 }
 
 TEST(ReadScene, RefusesWhatIsNoFile) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     std::filesystem::create_directory(folder.path() / "folder.toml");
     std::filesystem::create_directory(folder.path() / "folder.nff");
     const auto code = ExitCode::invalid_input;
@@ -424,4 +424,4 @@ TEST(ReadScene, RefusesUnitsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::scene_test

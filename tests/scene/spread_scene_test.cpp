@@ -7,13 +7,13 @@
 #include "scene/scene.h"
 #include "tests/support/temporary_folder.h"
 
-namespace postlens {
+namespace postlens::test::spread_scene_test {
 namespace {
 
 const std::string ball = "\n[[object]]\nshape = 'sphere'\nradius_m = 1\n";
 
 Scene read(const std::string& text, double metres_per_unit = 1) {
-    const test::TemporaryFolder folder;
+    const TemporaryFolder folder;
     const auto path = folder.path() / "scene.toml";
     std::ofstream(path) << text;
     return read_scene(path, {.metres_per_unit = metres_per_unit});
@@ -104,4 +104,4 @@ TEST(SpreadScene, SingularTransformsAndUnorderedKeysAreRefused) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::spread_scene_test

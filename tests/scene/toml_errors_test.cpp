@@ -13,7 +13,7 @@
 #include "scene/toml/toml_scene.h"
 #include "tests/scene/toml_text.h"
 
-namespace postlens::test {
+namespace postlens::test::toml_errors_test {
 namespace {
 
 using glm::dvec3;
@@ -350,4 +350,4 @@ TEST_F(TomlText, LargeGarbageFailsAtOnce) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::toml_errors_test

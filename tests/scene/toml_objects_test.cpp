@@ -8,7 +8,7 @@
 #include "scene/scene.h"
 #include "tests/scene/toml_text.h"
 
-namespace postlens::test {
+namespace postlens::test::toml_objects_test {
 namespace {
 
 using glm::dvec3;
@@ -187,4 +187,4 @@ TEST_F(TomlText, InstancesShareTheirMesh) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::toml_objects_test

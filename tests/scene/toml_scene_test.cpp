@@ -12,7 +12,7 @@
 #include "scene/scene.h"
 #include "tests/scene/toml_text.h"
 
-namespace postlens::test {
+namespace postlens::test::toml_scene_test {
 namespace {
 
 using glm::dvec3;
@@ -303,4 +303,4 @@ TEST(SampleScenes, RulerMarksStandWhereTheySay) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::toml_scene_test

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 #include <gtest/gtest.h>
-#include <iterator>
 #include <string>
 #include <sys/wait.h>
 #include <thread>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test {
@@ -35,17 +35,20 @@ inline void wait_for_handler(pid_t process) {
     }
 }
 
+/// The words of a command line.
+using Words = std::vector<std::string>;
+
+/// The words of `a`, then those of `b`.
+inline Words operator+(Words a, const Words& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
 /// The result of a command.
 struct Outcome {
     int exit_code = -1;
     std::string out, err;
 };
-
-/// The bytes of a file.
-inline std::string text_of(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A word in single quotes for the shell.
 inline std::string quoted(const std::string& word) {
@@ -72,7 +75,7 @@ class CommandTest : public testing::Test {
             .append(quoted(err.string()))
             .append(" </dev/null");
         const int status = std::system(command.c_str());
-        Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), text_of(out), text_of(err)};
+        Outcome r{WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), bytes_of(out), bytes_of(err)};
         std::filesystem::remove(out);
         std::filesystem::remove(err);
         return r;

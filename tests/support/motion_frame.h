@@ -29,6 +29,13 @@ inline double psnr(const Image& a, const Image& b) {
     return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
 }
 
+/// The sum of all red values.
+inline double light_of(const Image& image) {
+    double sum = 0;
+    for (std::size_t i = 0; i < image.rgb.size(); i += 3) sum += static_cast<double>(image.rgb[i]);
+    return sum;
+}
+
 /// A sample file of a scene, which is removed at the end.
 class TracedFrame {
   public:

@@ -43,6 +43,11 @@ inline Material glass(double ior, double transmission = 1) {
     return m;
 }
 
+/// A rectangle that faces the camera, m.
+inline Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
+    return {glm::dvec3(x0, y0, -depth_m), glm::dvec3(x1 - x0, 0, 0), glm::dvec3(0, y1 - y0, 0)};
+}
+
 /// A scene with a camera of 64 x 48 px and 50 mm, without ambient light.
 struct SceneBuilder {
     Scene scene;

@@ -18,14 +18,10 @@
 #include "sweep/values.h"
 #include "tests/support/motion_frame.h"
 
-namespace postlens::test {
+namespace postlens::test::sweep_test {
 namespace {
 
 using glm::dvec3;
-
-Rectangle board(double x0, double x1, double y0, double y1, double depth_m) {
-    return {dvec3(x0, y0, -depth_m), dvec3(x1 - x0, 0, 0), dvec3(0, y1 - y0, 0)};
-}
 
 /// Two planes, a mirror ball and a light that is bright enough to be a highlight.
 SceneBuilder some_scene() {
@@ -400,4 +396,4 @@ TEST(Figures, TheEnergyOfAStepIsItsSquareTimesItsLength) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sweep_test

@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 
-namespace postlens::test {
+namespace postlens::test::camera_model_test {
 namespace {
 
 using glm::dvec3;
@@ -55,4 +55,4 @@ TEST(Camera, RefusesWhatIsNoView) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::camera_model_test

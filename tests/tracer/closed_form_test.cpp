@@ -10,7 +10,7 @@
 #include "tests/support/scene_builder.h"
 #include "tests/tracer/repeated_renders.h"
 
-namespace postlens::test {
+namespace postlens::test::closed_form_test {
 namespace {
 
 using glm::dvec3;
@@ -342,4 +342,4 @@ TEST(OutOfFocus, APointLightKeepsItsLightAndItsPlace) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::closed_form_test

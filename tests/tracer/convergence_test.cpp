@@ -7,7 +7,7 @@
 #include "tests/support/scene_builder.h"
 #include "tracer/render.h"
 
-namespace postlens {
+namespace postlens::test::convergence_test {
 namespace {
 
 // A moving, defocused wall with smooth waves. The integrand has no edges, so a sampler reaches its best rate.
@@ -22,8 +22,8 @@ Scene smooth_scene() {
         waves.rgb[i] = static_cast<float>(1 + 0.5 * std::cos(turn * (3 * x + static_cast<double>(i % 3))) *
                                                   std::cos(turn * 2 * y));
     }
-    test::SceneBuilder b;
-    Material m = test::glowing(glm::dvec3(1));
+    SceneBuilder b;
+    Material m = glowing(glm::dvec3(1));
     m.emission_texture = std::make_shared<const Texture>(std::move(waves));
     Object& wall = b.add(test::square({0, 0, -4}, {0, 0, 1}, 4), m);
     wall.keys = {{0}, {1, {0.3, 0.1, 0}}};
@@ -99,4 +99,4 @@ TEST(Convergence, StrataAreBetweenTheTwo) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::convergence_test

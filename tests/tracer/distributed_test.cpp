@@ -12,7 +12,7 @@
 #include "tests/tracer/repeated_renders.h"
 #include "tracer/shading_trees/distributed_tracer.h"
 
-namespace postlens::test {
+namespace postlens::test::distributed_test {
 namespace {
 
 using glm::dvec3;
@@ -196,4 +196,4 @@ TEST(Trees, EndWhereTooLittleWouldCome) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::distributed_test

@@ -14,11 +14,10 @@
 #include "tests/support/temporary_folder.h"
 #include "tracer/trace.h"
 
-namespace postlens {
+namespace postlens::test::expected_size_test {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 
 std::string refusal(std::uint64_t bytes, std::uint64_t free_bytes) {
     try {
@@ -128,4 +127,4 @@ TEST(ExpectedSize, ATraceThatIsRefusedLeavesTheOldFile) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::expected_size_test

@@ -15,7 +15,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::exposure_test {
 namespace {
 
 /// A floor, a mirror ball and a glass ball under a point light, with all light multiplied by `brighter`.
@@ -227,4 +227,4 @@ TEST(Exposure, WarnsOfWhatIsBeyondWhiteAndOfWhatIsTooDark) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::exposure_test

@@ -16,7 +16,7 @@
 #include "tracer/shading_trees/hidden_surfaces.h"
 #include "tracer/shading_trees/whitted.h"
 
-namespace postlens::test {
+namespace postlens::test::hidden_layers_test {
 namespace {
 
 using glm::dvec2;
@@ -410,4 +410,4 @@ TEST(ComesToLight, WhereNothingMovesNothingDoes) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::hidden_layers_test

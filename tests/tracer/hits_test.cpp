@@ -16,7 +16,7 @@
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading_trees/whitted.h"
 
-namespace postlens::test {
+namespace postlens::test::hits_test {
 namespace {
 
 using glm::dvec2;
@@ -278,4 +278,4 @@ TEST(Threads, TheSameBitsForAnyNumber) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::hits_test

@@ -5,23 +5,21 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <glm/gtc/quaternion.hpp>
 #include <gtest/gtest.h>
-#include <iterator>
-#include <limits>
 #include <numbers>
 
 #include "core/error.h"
 #include "core/threads.h"
 #include "records/motion/motion_path.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/recording/recorded_motion.h"
 #include "tracer/shading_trees/film_motion.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::key_instants_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -271,8 +269,7 @@ TEST(KeyFiles, SameBitsForAnyNumberOfThreads) {
     for (const int threads : {1, 2, 5}) {
         const ThreadLimit limit(threads);
         trace_to_file(b.scene, trace_settings(3), folder.path() / "a.exr");
-        std::ifstream in(folder.path() / "a.exr", std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+        const std::string bytes = bytes_of(folder.path() / "a.exr");
         if (first.empty()) first = bytes;
         EXPECT_TRUE(bytes == first) << threads;
     }
@@ -390,4 +387,4 @@ TEST(TraceSettingsOfShutters, AreChecked) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::key_instants_test

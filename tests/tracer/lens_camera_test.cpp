@@ -14,7 +14,7 @@
 #include "tests/support/scene_builder.h"
 #include "tracer/render.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_camera_test {
 namespace {
 
 using glm::dvec2;
@@ -350,4 +350,4 @@ TEST(FarFromTheOrigin, ThePictureIsTheSame) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_camera_test

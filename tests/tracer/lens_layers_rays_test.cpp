@@ -11,7 +11,7 @@
 #include "tests/tracer/lens_plates.h"
 #include "tracer/shading_trees/lens_reach.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_layers_rays_test {
 namespace {
 
 using glm::dvec3;
@@ -188,4 +188,4 @@ TEST(LensLayersInMirrors, BehindGlass) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_layers_rays_test

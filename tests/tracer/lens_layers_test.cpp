@@ -14,7 +14,7 @@
 #include "tracer/shading_trees/lens_reach.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::lens_layers_test {
 namespace {
 
 using glm::dvec3;
@@ -211,4 +211,4 @@ TEST(LensLayers, CostWhatTheBandsAreWide) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::lens_layers_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace postlens {
+namespace postlens::test::min_max_pyramid_test {
 namespace {
 
 struct Raster {
@@ -137,4 +137,4 @@ TEST(MinMaxPyramid, NothingIsInARasterOfHoles) {
 }
 
 }  // namespace
-}  // namespace postlens
+}  // namespace postlens::test::min_max_pyramid_test

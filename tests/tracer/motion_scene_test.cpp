@@ -13,7 +13,7 @@
 #include "tests/tracer/moving_shapes.h"
 #include "tracer/intersection/ray_scene.h"
 
-namespace postlens::test {
+namespace postlens::test::motion_scene_test {
 namespace {
 
 using glm::dvec3;
@@ -230,4 +230,4 @@ TEST(MovingScene, TooFastForEmbreeIsSaid) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::motion_scene_test

@@ -11,7 +11,7 @@
 #include "tests/support/scene_builder.h"
 #include "tracer/intersection/motion_steps.h"
 
-namespace postlens::test {
+namespace postlens::test::motion_test {
 namespace {
 
 using glm::dmat4;
@@ -309,4 +309,4 @@ TEST(MovingBounds, OfAPlaneStayFinite) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::motion_test

@@ -11,7 +11,7 @@
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading/shading.h"
 
-namespace postlens::test {
+namespace postlens::test::moving_shadows_test {
 namespace {
 
 using glm::dvec3;
@@ -138,4 +138,4 @@ TEST(MovingScene, NothingShadowsItself) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::moving_shadows_test

@@ -12,7 +12,7 @@
 #include "tracer/render.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::patterns_test {
 namespace {
 
 using glm::dvec3;
@@ -233,4 +233,4 @@ TEST(CornersAndPatterns, ACheckeredFloorIsKnownAsWellAsItIsDivided) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::patterns_test

@@ -16,7 +16,7 @@
 #include "tracer/camera_model.h"
 #include "tracer/shading/shading.h"
 
-namespace postlens::test {
+namespace postlens::test::penumbra_test {
 namespace {
 
 using glm::dvec2;
@@ -271,4 +271,4 @@ TEST(ShadowsInMotion, FallAtTheRightInstant) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::penumbra_test

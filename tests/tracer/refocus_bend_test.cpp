@@ -19,7 +19,7 @@
 #include "tracer/shading_trees/whitted.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::refocus_bend_test {
 namespace {
 
 using glm::dvec2;
@@ -331,4 +331,4 @@ TEST(BendWarning, SaysWhichShareWIsWrongFor) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::refocus_bend_test

@@ -8,7 +8,7 @@
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading_trees/whitted.h"
 
-namespace postlens::test {
+namespace postlens::test::refocus_test {
 namespace {
 
 using glm::dvec2;
@@ -295,4 +295,4 @@ TEST(RefocusMatrix, AFoldStaysFinite) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::refocus_test

@@ -18,7 +18,7 @@
 #include "tracer/distributed/render_setup.h"
 #include "tracer/distributed/render_state.h"
 
-namespace postlens::test {
+namespace postlens::test::render_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -382,4 +382,4 @@ TEST(RenderErrors, AnInterruptionBeforeItBeginsWritesNothing) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::render_test

@@ -13,7 +13,7 @@
 #include "tracer/sampling/permutation.h"
 #include "tracer/sampling/sampler.h"
 
-namespace postlens::test {
+namespace postlens::test::sample_points_test {
 namespace {
 
 TEST(SampleHash, FloatsStayBelowOne) {
@@ -242,4 +242,4 @@ TEST(Poisson, MoreThanABlockIsSeveral) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sample_points_test

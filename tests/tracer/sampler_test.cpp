@@ -14,7 +14,7 @@
 #include "core/threads.h"
 #include "tests/tracer/point_statistics.h"
 
-namespace postlens::test {
+namespace postlens::test::sampler_test {
 namespace {
 
 const SampleSet light_set = sample_set(4, 17, 2);
@@ -306,4 +306,4 @@ TEST(SamplerConvergence, SlopesOfTheError) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sampler_test

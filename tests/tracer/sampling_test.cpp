@@ -13,20 +13,16 @@
 #include "core/threads.h"
 #include "records/quadtree.h"
 #include "records/sample_file.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/recording/corner_sampler.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::sampling_test {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string bytes_of(const fs::path& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 // A scene with mirrors, glass, edges in all directions, a thin object and a light.
 SceneBuilder busy_scene() {
@@ -280,4 +276,4 @@ TEST_P(PublishedRayCounts, AreMet) {
 INSTANTIATE_TEST_SUITE_P(Spd, PublishedRayCounts, testing::Values("balls", "tetra", "mount"));
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sampling_test

@@ -17,7 +17,7 @@
 #include "tracer/recording/corner_sampler.h"
 #include "tracer/trace.h"
 
-namespace postlens::test {
+namespace postlens::test::small_things_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -303,4 +303,4 @@ TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::small_things_test

@@ -10,7 +10,7 @@
 #include "tests/tracer/point_statistics.h"
 #include "tracer/sampling/sampler.h"
 
-namespace postlens::test {
+namespace postlens::test::sobol_test {
 namespace {
 
 // Sobol's coordinates by definition: the digits of the index times a matrix. The matrix follows from the
@@ -214,4 +214,4 @@ TEST(OwenScramble, HasTheErrorOfATree) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::sobol_test

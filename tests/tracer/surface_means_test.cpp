@@ -17,7 +17,7 @@
 #include "tracer/shading_trees/lobe_means.h"
 #include "tracer/shading_trees/whitted.h"
 
-namespace postlens::test {
+namespace postlens::test::surface_means_test {
 namespace {
 
 using glm::dvec2;
@@ -267,4 +267,4 @@ TEST(LightMeans, SameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::surface_means_test

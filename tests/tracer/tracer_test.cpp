@@ -12,7 +12,7 @@
 #include "tracer/shading/radiance_bounds.h"
 #include "tracer/shading_trees/whitted.h"
 
-namespace postlens::test {
+namespace postlens::test::tracer_test {
 namespace {
 
 using glm::dvec2;
@@ -217,4 +217,4 @@ TEST(Tree, WhatIsHitNowhereIsARecordToo) {
 }
 
 }  // namespace
-}  // namespace postlens::test
+}  // namespace postlens::test::tracer_test
