@@ -28,8 +28,9 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Writes the robust residuals of `focus` through a lens to `out`. Above `linear_from` they count
-    /// linearly.
+    /// Makes the image that `focus` makes with the lens `place`, and writes the robust residuals between this
+    /// image and the given one to `out`. Residuals above `linear_from` count linearly instead of by their
+    /// square.
     void at(const LensPlace& place, double* out, double linear_from);
     /// Writes the derivatives of the residuals, alternately by the logarithm of the aperture and by the
     /// inverse focus distance 1/s (1/m). `focus_step_per_m`: half the difference in 1/s over which the

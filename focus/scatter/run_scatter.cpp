@@ -88,8 +88,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds a filtered source row whose values are all 1 in the reach of the kernel. The result is the sum of
-/// each kernel row.
+/// Adds what a source row would add whose values are all 1. Where all pixels in the kernel's reach are equal,
+/// filtering by a kernel row is a multiplication by the sum of its weights, so no convolution is needed.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

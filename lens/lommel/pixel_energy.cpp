@@ -25,8 +25,8 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // 16 nodes resolve the fringes of L over a panel that spans 6 in v. The limit of 64 panels matters only
-    // where a pixel contains hundreds of fringes.
+    // 16 quadrature nodes resolve the diffraction fringes of L, the light within a radius, over a panel that
+    // spans 6 in v. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));

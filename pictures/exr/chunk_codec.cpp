@@ -46,8 +46,8 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Handles eight bytes per step. Sums of 1, 2, 4 and 8 neighbours are computed in one word, without
-    // carries from byte to byte.
+    // Each step treats eight bytes as one 64-bit word. Three additions of the word to itself, shifted by 1, 2
+    // and 4 bytes, give the running sums of all eight. `add` prevents carries from one byte into the next.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {

@@ -144,7 +144,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // The memory consists of the sums and counts, the words of their file, and two images.
+    // Memory holds the sums and counts of the samples, the 32-bit words as which they are written to a file,
+    // and two images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
