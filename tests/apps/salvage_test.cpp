@@ -262,8 +262,9 @@ class SalvageCommand : public CommandTest {
   protected:
     static constexpr int width = 64, height = 48;
     void SetUp() override {
-        const Outcome r = run({"trace", POSTLENS_SAMPLES "/scenes/motion.toml", "-o", in("a.exr"), "--size",
-                               "64x48", "--overscan", "8", "--for-shutter", "0:1", "--quiet"});
+        constexpr const char* scene = POSTLENS_SAMPLES "/scenes/motion.toml";
+        const Outcome r = run({"trace", scene, "-o", in("a.exr"), "--size", "64x48", "--overscan", "8",
+                               "--for-shutter", "0:1", "--quiet"});
         ASSERT_EQ(r.exit_code, 0) << r.err;
         write_bytes(in("b.exr"), with_flipped_bit(with_flipped_bit(bytes_of(in("a.exr")), records_part, 20),
                                                   records_part, 21));

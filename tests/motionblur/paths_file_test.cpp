@@ -125,9 +125,9 @@ TEST_F(PathsFile, KnotsAreFiniteAndInOrder) {
     refused_text(with("{at_px=[0,0]}"), "has no 'time_s'");
     refused_text(with("{time_s=0,at_px=[0,0],z=1}"), "unknown key (got 'z'");
     refused_text(with("{time_s=0,at_px=[0,0],out_px=[1,1]}"),
-                 "'out_px' is for kind = \"bezier\" (got \"polyline\")");
+                 R"('out_px' is for kind = "bezier" (got "polyline"))");
     refused_text(with("{time_s=0,at_px=[0,0],in_px=[1,1]}", "catmull-rom"),
-                 "'in_px' is for kind = \"bezier\"");
+                 R"('in_px' is for kind = "bezier")");
     refused_text(with("{time_s=0,at_px=[0,0],in_px=[1,inf]}", "bezier"), "'in_px' is out of range");
     refused_text(with("3"), "'knots' holds a number");
     std::string many;

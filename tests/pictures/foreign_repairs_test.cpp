@@ -89,7 +89,7 @@ TEST_F(ForeignPictureTest, RefusesRowsWiderThanThereIsReasonFor) {
     const std::string bytes = bytes_of(data_folder + "nan_inf.exr");
     const auto wide = [&](auto&& change) {
         std::string wider = bytes;
-        const std::string_view window("dataWindow\0box2i\0\x10\0\0", 21);
+        const std::string_view window("dataWindow\0box2i\0\x10\0\0\0", 21);
         wider.replace(wider.find(window) + window.size() + 8, 4, std::string("\xff\xff\xef\0", 4));
         change(wider);
         std::ofstream(in("wide.exr"), std::ios::binary) << wider;

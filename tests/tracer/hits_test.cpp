@@ -157,7 +157,8 @@ TEST(Hits, OfSurfacesThatCoincideTheFirstIsSeen) {
         batch.clear(false);
         std::vector<dvec3> directions;
         for (int i = 0; i < 10000; ++i) {
-            directions.push_back(glm::normalize(dvec3(0.006 * (i % 100 - 50), 0.006 * (i / 100 - 50), -1)));
+            const int column = i % 100, row = i / 100;
+            directions.push_back(glm::normalize(dvec3(0.006 * (column - 50), 0.006 * (row - 50), -1)));
             batch.add(dvec3(0), directions.back(), std::numeric_limits<float>::infinity());
         }
         rays.intersect(batch, coherent);
