@@ -179,7 +179,7 @@ int overscan_for(const TraceSettings& s, const Instant& instant) {
 // need more memory than this, but never less.
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
-    constexpr std::uint64_t rows_of_records = 64;
+    constexpr std::uint64_t rows_of_records = 32;
     // LensReach stores for each pixel an inverse depth, and ranges of inverse depths in a pyramid over the
     // pixels.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;

@@ -161,10 +161,10 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                    },
                                    p.lens);
         p.rule.takes = [takes = p.rule.takes, &p](const Highlight& light, const SheetKey& key,
-                                                  float area_px2) {
-            if (p.highlight_motion->moves(key)) return HighlightMotion::takes(light, area_px2);
+                                                  const BrightSheet& sheet) {
+            if (p.highlight_motion->moves(key)) return HighlightMotion::takes(light, sheet.area_px2);
             return !p.motions->moves(key.path.bits() == 0 ? key.id : key.parent_id) &&
-                   takes(light, key, area_px2);
+                   takes(light, key, sheet);
         };
     }
     double records = 0;
@@ -193,7 +193,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
         const std::shared_ptr<TreeSheets> sheets =
             frame.sheets(i, p.rule, i == 0 ? settings_.also : RecordsRead{});
         if (settings_.rays != nullptr && p.rule.takes)
-            p.less = leave_to_lens(*sheets, *settings_.rays, p.moves, p.rule);
+            p.less = leave_to_lens(*sheets, *settings_.rays, p.lens, p.moves, p.rule);
         p.all->add(sheets, p.lens);
     }
     p.of_all = std::make_unique<FieldHighlights>(*p.all->sheets[0], settings_.aperture, g, settings_.window,

@@ -46,8 +46,14 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.above = brightest;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens = patch_lens(geometry);
-    rule.takes = [lens](const Highlight& light, const SheetKey& /*key*/, float area_px2) {
-        return area_px2 < small_px2 || lens.least_blur_px(light.w) >= spread_from_px;
+    rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
+        const double blur_px = lens.least_blur_px(light.w);
+        if (sheet.area_px2 < small_px2) return true;
+        // Of a surface wider than its blur, each pixel sees only a part, but all highlights of a group share
+        // one shadow. The shadow would be displaced.
+        const bool is_cut = key.path.bits() == 0 && sheet.hides != Hides::nothing;
+        return blur_px >= spread_from_px &&
+               (!is_cut || static_cast<double>(sheet.area_px2) < blur_px * blur_px);
     };
     return rule;
 }

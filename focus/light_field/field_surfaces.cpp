@@ -140,11 +140,11 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
                             std::abs(lens_.inverse_focus_per_m - w(light.w.yy)) * lens_box_px_.y);
         out[light.sheet].include(std::floor(w(light.y) - reach), std::ceil(w(light.y) + reach));
     };
-    const std::vector<float> area_px2 = bright_areas(*mesh.sheets);
+    const std::vector<BrightSheet> bright = bright_sheets(*mesh.sheets);
     for (const Highlight& light : mesh.sheets->bright) {
         include(light);
         const SheetKey& key = mesh.sheets->sheets[light.sheet].key;
-        if (motion_ == nullptr || !motion_->moves(key) || !rule_.takes(light, key, area_px2[light.sheet]))
+        if (motion_ == nullptr || !motion_->moves(key) || !rule_.takes(light, key, bright[light.sheet]))
             continue;
         for (const HighlightMotion::Moment& m : motion_->moments(light, key, HighlightMotion::most_moments))
             include(m.light);

@@ -2,6 +2,7 @@
 // samples of views.
 #pragma once
 
+#include "reproject/patches/patches.h"
 #include "reproject/sheets/sheet_mesh.h"
 #include "reproject/sight_rays.h"
 
@@ -12,9 +13,10 @@ namespace postlens {
 ///
 /// A ray only identifies the surface that it hits. So for each surface, either all radiance above the limit
 /// is a highlight, or none is. None is a highlight if rays get different radiance from the surface
-/// (SightRays::steady), or if a nearer surface hides a part of the highlight. A surface is identified by its
-/// path and ids. If it is seen directly and does not move, it is also identified by its square of the raster.
-[[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, bool moves,
-                                           HighlightRule& rule);
+/// (SightRays::steady), or if the records do not contain the highlight completely. A surface is identified by
+/// its path and ids. If it is seen directly and does not move, it is also identified by its square of the
+/// raster.
+[[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
+                                           bool moves, HighlightRule& rule);
 
 }  // namespace postlens

@@ -35,7 +35,7 @@ class HighlightMotion {
 
     /// Whether the surface with this key is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
-    /// Whether a moving highlight is spread as a streak. `area_px2` is defined in HighlightRule.
+    /// Whether a moving highlight is spread as a streak. `area_px2`: BrightSheet::area_px2.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A highlight at one instant.
     struct Moment {

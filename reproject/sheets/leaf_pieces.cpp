@@ -108,8 +108,10 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
     }
     std::array<Beside, 4> around;
     for (std::size_t k = 0; k < 4; ++k) around[k] = beside(leaf.corner[k], node(nearest), size);
-    const bool cut_before =
-        std::any_of(around.begin(), around.end(), [](const Beside& b) { return b.before; });
+    Hides hides = Hides::nothing;
+    for (const Beside& b : around) {
+        if (b.before) hides = std::max(hides, b.here || b.behind ? Hides::recorded : Hides::unknown);
+    }
     const float half = size / 2;
     const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
         const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
@@ -122,7 +124,7 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
                    1,
                    right ? x + size : x,
                    down ? y + size : y,
-                   cut_before,
+                   hides,
                    maybe});
     };
     for (std::size_t k = 0; k < 4; ++k) {
@@ -140,7 +142,7 @@ LeafPieces::Beside LeafPieces::beside(std::uint32_t corner, const TreeSurface& o
         const TreeSurface& s = node(i);
         if (s.path != of.path || s.parent_id != of.parent_id) continue;
         const auto [low, high] = std::minmax(s.inverse_z, of.inverse_z);
-        if (s.id == of.id && continuous(low, high, size)) return {out.before, false};
+        if (s.id == of.id && continuous(low, high, size)) return {out.before, false, true};
         out.before = out.before || s.inverse_z > of.inverse_z;
         out.behind = out.behind || s.inverse_z < of.inverse_z;
     }

@@ -29,8 +29,8 @@ struct LeafPiece {
     std::array<std::uint32_t, 4> node{};
     int corners = 4;  ///< 4: node[] are the leaf's corners; 1: only node[0], at (at_x, at_y) px in the cell
     float at_x = 0, at_y = 0;
-    bool cut_before = false;  ///< Highlight::cut_before
-    bool maybe = false;       ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
+    Hides hides = Hides::nothing;  ///< by nearer surfaces
+    bool maybe = false;            ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
 };
 
 /// Divides quadtree leaves into pieces. If all four corners of a leaf see one surface, the leaf is one piece.
@@ -71,11 +71,10 @@ class LeafPieces {
     void add_leaf(const Leaf& leaf, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
                    float size, int cell, const Leaf& leaf);
-    /// The other surfaces that the corners of a quadtree leaf show next to a given surface. `before`: a
-    /// corner shows a nearer surface. `behind`: a corner shows a farther surface and does not show the given
-    /// one.
+    /// What a corner of a quadtree leaf shows besides a given surface. `before`: a nearer surface. `behind`:
+    /// a farther surface, and not the given one. `here`: the given surface.
     struct Beside {
-        bool before = false, behind = false;
+        bool before = false, behind = false, here = false;
     };
     [[nodiscard]] Beside beside(std::uint32_t corner, const TreeSurface& of, float size) const;
     void add_piece(const LeafPiece& piece);

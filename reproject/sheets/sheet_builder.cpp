@@ -161,8 +161,9 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
         light.area = area;
         light.w = s.path.bits() == 0 ? Mat2::isotropic(s.inverse_z) : s.w;
         light.inverse_z = s.inverse_z;
+        light.bend = s.bend;
         light.sheet = drafts_[sheet].number;
-        light.cut_before = piece.cut_before;
+        light.hides = piece.hides;
         out_.bright.push_back(light);
     }
     t.r = rgb[0];

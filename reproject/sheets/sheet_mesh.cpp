@@ -214,21 +214,25 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
     return out;
 }
 
-std::vector<float> bright_areas(const SheetMesh& mesh) {
-    std::vector<float> area_px2(mesh.sheets.size(), 0.0F);
-    for (const Highlight& light : mesh.bright) area_px2[light.sheet] += light.area;
-    return area_px2;
+std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh) {
+    std::vector<BrightSheet> out(mesh.sheets.size());
+    for (const Highlight& light : mesh.bright) {
+        BrightSheet& sheet = out[light.sheet];
+        sheet.area_px2 += light.area;
+        sheet.hides = std::max(sheet.hides, light.hides);
+    }
+    return out;
 }
 
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule) {
     for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         std::vector<std::uint8_t> taken(mesh->bright.size(), 0);
         mesh->highlights.clear();
-        const std::vector<float> area_px2 = bright_areas(*mesh);
+        const std::vector<BrightSheet> bright = bright_sheets(*mesh);
         for (std::size_t i = 0; rule.takes && i < taken.size(); ++i) {
             const Highlight& light = mesh->bright[i];
             const SheetKey& key = mesh->sheets[light.sheet].key;
-            if (!rule.takes(light, key, area_px2[light.sheet])) continue;
+            if (!rule.takes(light, key, bright[light.sheet])) continue;
             taken[i] = 1;
             mesh->highlights.push_back(light);
         }

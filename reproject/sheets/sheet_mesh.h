@@ -76,6 +76,13 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
+/// What nearer surfaces hide of a surface in a quadtree leaf.
+enum class Hides : std::uint8_t {
+    nothing,
+    recorded,  ///< a part that is recorded as a hidden surface
+    unknown    ///< a part that may not be recorded
+};
+
 /// Radiance above a limit that is removed from the sheets (recorded surfaces) and spread over the image by
 /// its impulse response.
 struct Highlight {
@@ -84,10 +91,9 @@ struct Highlight {
     float area = 0;              ///< px^2 of the surface that emits it
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
+    float bend = 0;              ///< Record::w_bend
     std::uint32_t sheet = 0;
-    /// Whether a nearer surface covers a part of the quadtree leaf in which the highlight was found, and may
-    /// hide more of it.
-    bool cut_before = false;
+    Hides hides = Hides::nothing;
 };
 
 /// A texel (colour of one quadtree leaf) whose radiance exceeds the limit for highlights.
@@ -132,16 +138,22 @@ struct TreeSheets {
     SheetMesh deeper;  ///< with W; empty without such nodes
 };
 
+/// The radiance of a sheet above the limit for highlights.
+struct BrightSheet {
+    float area_px2 = 0;
+    Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
+};
+
 /// Decides which radiance is spread as a highlight. If `takes` returns true, the highlight consists of the
 /// radiance of each channel in excess of `above`.
 struct HighlightRule {
     float above = 1;
-    /// Returns whether `light` becomes a highlight. `key` is the key of its sheet. `area_px2` is the area of
-    /// all radiance above the limit in that sheet. If empty, nothing is a highlight.
-    std::function<bool(const Highlight& light, const SheetKey& key, float area_px2)> takes;
+    /// Returns whether `light` becomes a highlight. `key` and `sheet` describe its sheet. If empty,
+    /// nothing is a highlight.
+    std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Per sheet, the area of its radiance above the limit, px^2.
-[[nodiscard]] std::vector<float> bright_areas(const SheetMesh& mesh);
+/// One element per sheet.
+[[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets of an instant are built. A selected sheet is bit-identical to the one built without a
 /// selection; only its number differs.

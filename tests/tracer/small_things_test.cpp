@@ -302,5 +302,92 @@ TEST(SmallThings, AFileWithoutSubdivisionStaysWithoutIt) {
     EXPECT_EQ(r.too_narrow_objects, 1U);  // reported by the command
 }
 
+TEST(BrightImages, EveryLampInAFlatMirrorIsFoundAndAsBrightAsItsAreaSays) {
+    // The mirror halves the distance depth_m, so the images of these lights are those of the test above.
+    std::mt19937 random(8);
+    std::uniform_real_distribution<double> place(1.5, 6.5), wide(0.2, 1.4);
+    SceneBuilder b;
+    std::vector<double> expected;
+    for (int by = 0; by < 3; ++by) {  // more would exceed the limit of cells
+        for (int bx = 0; bx < width / 8; ++bx) {
+            const dvec3 image = point_at({8 * bx + place(random), 8 * by + place(random)});
+            const double diameter_px = wide(random);
+            b.add(Sphere{{image.x, image.y, 0}, diameter_px / 2 * pixel_m}, glowing(dvec3(20)));
+            expected.push_back(20 * std::numbers::pi / 4 * diameter_px * diameter_px * glm::length(image) /
+                               depth_m);
+        }
+    }
+    b.add(Plane{{0, 0, -depth_m / 2}, {0, 0, 1}}, mirror());
+    const Sampled without = sample(b.scene, {}), with = sample(b.scene, things_of(b.scene));
+    int missed = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const auto id = static_cast<std::uint32_t>(i + 1);
+        missed += without.hits.contains(id) ? 0 : 1;
+        EXPECT_TRUE(with.hits.contains(id)) << i;
+        double light = 0;
+        for (std::size_t y = 0; y < 8; ++y) {
+            for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
+        }
+        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
+        const double cells = std::min(diameter_px / 2 * (1 << BrightImages::most_levels), 8.0);
+        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
+        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
+    }
+    EXPECT_GT(missed, 5);  // otherwise the scene tests nothing
+}
+
+TEST(BrightImages, LampsInAMirrorBallAndInGlassAreAsBrightAsManyPointsShowThem) {
+    for (const Material& material : {mirror(), glass(1.5)}) {
+        SceneBuilder b;
+        for (int i = 0; i < 24; ++i) {
+            // Even ones are behind the camera, odd ones behind the ball.
+            const double angle = 0.2618 * i;
+            const bool even = i % 2 == 0;
+            b.add(Sphere{dvec3(1.5 * std::cos(angle), 1.5 * std::sin(angle), even ? 3 : -14),
+                         even ? 0.25 : 0.05},
+                  glowing(dvec3(20)));
+        }
+        b.add(Sphere{{0, 0, -6}, 1}, material);
+        const SmallThings things = things_of(b.scene);
+        ASSERT_FALSE(things.images().empty());
+        const double light = sum(sample(b.scene, things).light), without = sum(sample(b.scene, {}).light);
+        const RayScene rays(b.scene, 0);
+        const CameraModel camera(b.scene.cameras[0], 0);
+        const WhittedTracer tracer(rays, camera, {});
+        constexpr int fine = 24;
+        double expected = 0;
+        std::vector<dvec2> row(static_cast<std::size_t>(width * fine));
+        TracedSamples traced;
+        RayCounts counts;
+        for (int y = 0; y < height * fine; ++y) {
+            for (std::size_t x = 0; x < row.size(); ++x) row[x] = (dvec2(x, y) + 0.5) / dvec2(fine);
+            tracer.trace(row, traced, counts);
+            for (const Record& r : traced.records) expected += static_cast<double>(r.r) / (fine * fine);
+        }
+        // The images have radii of 5 lattice cells and more. The mean of 12 of them has a standard deviation
+        // of at most 0.8 % by cells and by points.
+        EXPECT_NEAR(light / expected, 1, 0.04) << material.ior << " " << without / expected;
+        EXPECT_GT(std::abs(without / expected - 1), 0.06);
+    }
+}
+
+TEST(BrightImages, ASceneWithoutMirrorsHasNone) {
+    SceneBuilder b;
+    b.add(Sphere{point_at({20, 20}), 0.1}, glowing(dvec3(20)));
+    EXPECT_TRUE(things_of(b.scene).images().empty());
+    b.add(Plane{{0, 0, -depth_m}, {0, 0, 1}}, mirror());
+    EXPECT_FALSE(things_of(b.scene).images().empty());
+}
+
+TEST(BrightImages, TooManyLampsAreLimitedByTheRaster) {
+    // With more mirrors, fewer lamps fit into the number of cells that the raster allows.
+    SceneBuilder b;
+    for (int i = 0; i < 100; ++i) b.add(Sphere{{0.1 * i, 0, -20}, 0.001 * (i + 1)}, glowing(dvec3(2)));
+    for (int i = 0; i < 1000; ++i) b.add(Sphere{{0, 0, 1.0 + i}, 0.1}, mirror());
+    const double most = SmallThings::most_cells_per_pixel * width * height;
+    ASSERT_LT(most, BrightImages::cells_of_image * 2 * 1000);
+    EXPECT_TRUE(things_of(b.scene).images().empty());
+}
+
 }  // namespace
 }  // namespace postlens::test::small_things_test

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace postlens {
 
@@ -162,7 +163,8 @@ bool CellSplit::splits(const CornerCell& c) const {
         hidden = hidden || s.count > s.visible;
     }
     return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
-           (!things_.empty() && small_things_ask(c, hidden));
+           (!things_.empty() && small_things_ask(c, hidden)) ||
+           (!things_.images().empty() && bright_images_ask(c));
 }
 
 bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
@@ -175,9 +177,37 @@ bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
     }
     const glm::dvec2 at = grid_.position(CornerGrid::key(c.x, c.y));
     const double size = static_cast<double>(c.size) / grid_.unit;
-    const SmallThings::Wanted wanted = things_.wanted(
+    const WantedCells wanted = things_.wanted(
         at.x, at.y, size, hidden ? std::numeric_limits<double>::infinity() : static_cast<double>(farthest));
     return size > wanted.find_px || (edge && size > wanted.outline_px);
+}
+
+bool CellSplit::bright_images_ask(const CornerCell& c) const {
+    const double size = static_cast<double>(c.size) / grid_.unit;
+    std::array<Seen, 4> seen;
+    for (std::size_t i = 0; i < 4; ++i) seen[i] = visible_layer(samples_[c.corner[i]]);
+    for (std::uint32_t n = 0; n < seen[0].count; ++n) {
+        const Record& first = seen[0].chunk->records[seen[0].first + n];
+        if (first.path.bits() == 0) continue;
+        std::array<const Arrival*, 4> at{&seen[0].chunk->arrivals[seen[0].first + n]};
+        bool edge = false;
+        for (std::size_t i = 1; i < 4; ++i) {
+            const auto records = std::span(seen[i].chunk->records).subspan(seen[i].first, seen[i].count);
+            const auto like = n < records.size() && records[n].path == first.path
+                                  ? records.begin() + n
+                                  : std::find_if(records.begin(), records.end(),
+                                                 [&](const Record& r) { return r.path == first.path; });
+            if (like == records.end()) break;
+            const auto index = seen[i].first + static_cast<std::size_t>(like - records.begin());
+            at[i] = &seen[i].chunk->arrivals[index];
+            if (at[i]->parent != at[0]->parent) at[i] = nullptr;
+            edge = edge || like->id != first.id;
+        }
+        if (std::find(at.begin(), at.end(), nullptr) != at.end()) continue;
+        const WantedCells wanted = things_.images().wanted(at, size);
+        if (size > wanted.find_px || (edge && size > wanted.outline_px)) return true;
+    }
+    return false;
 }
 
 bool CellSplit::hidden_layers_differ(const CornerCell& c) const {

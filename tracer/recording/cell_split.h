@@ -76,6 +76,8 @@ class CellSplit {
     /// True if the cell may contain a narrow object, which all of its corners can miss. Objects behind the
     /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
+    /// True if the cell may contain the image of a small bright object in a mirror or in glass.
+    [[nodiscard]] bool bright_images_ask(const CornerCell& c) const;
     /// True if the hidden layers divide the cell, by the same criteria as visible ones. Corners without a
     /// layer do not take part in its comparison. A hidden layer that begins after a bounce has no primary
     /// node, so only layers whose first nodes have the same path are compared.

@@ -18,8 +18,10 @@ namespace {
 
 // Rows of pixels that are traced together. 64 rows contain enough tiles for all threads, and need little
 // memory for any width of the raster.
-constexpr int band_rows = 64;
-constexpr int tile = 32;
+// Rows of pixels whose records are in memory at once, and edge, px, of the squares that a thread traces at
+// once. A band has several squares for each of a dozen threads.
+constexpr int band_rows = 32;
+constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
 class BandSampler {
@@ -304,23 +306,21 @@ class BandSampler {
         carried_.records.clear();
         carried_.noisy.clear();
         carried_.sources.clear();
+        carried_.arrivals.clear();
         std::size_t kept = 0;
         for (CornerSample s : samples_) {
             if (s.y != edge) continue;
-            const auto& from = chunks_[s.chunk].records;
-            const auto& noisy = chunks_[s.chunk].noisy;
+            const TracedSamples& chunk = chunks_[s.chunk];
             const auto at = static_cast<std::uint32_t>(carried_.records.size());
-            carried_.records.insert(carried_.records.end(), from.begin() + s.first,
-                                    from.begin() + s.first + s.count);
-            if (!noisy.empty()) {
-                carried_.noisy.insert(carried_.noisy.end(), noisy.begin() + s.first,
-                                      noisy.begin() + s.first + s.count);
-            }
-            const auto& sources = chunks_[s.chunk].sources;
-            if (!sources.empty()) {
-                carried_.sources.insert(carried_.sources.end(), sources.begin() + s.first,
-                                        sources.begin() + s.first + s.count);
-            }
+            const auto keep = [&s](const auto& from, auto& to) {
+                if (from.empty()) return;
+                const auto first = from.begin() + s.first;
+                to.insert(to.end(), first, first + s.count);
+            };
+            keep(chunk.records, carried_.records);
+            keep(chunk.noisy, carried_.noisy);
+            keep(chunk.sources, carried_.sources);
+            keep(chunk.arrivals, carried_.arrivals);
             s.chunk = 0;
             s.first = at;
             samples_[kept++] = s;

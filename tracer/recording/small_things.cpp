@@ -144,7 +144,11 @@ double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
 
 SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin,
                          double x_end, double y_begin, double y_end)
-    : x_begin_(x_begin), x_end_(x_end), y_begin_(y_begin), y_end_(y_end) {
+    : x_begin_(x_begin),
+      x_end_(x_end),
+      y_begin_(y_begin),
+      y_end_(y_end),
+      images_(scene, time_s, most_cells_per_pixel * raster_px()) {
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& o = scene.objects[i];
         const dvec3& emission = scene.materials[o.material].emission;
@@ -155,6 +159,7 @@ SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double t
         const double finest = std::min(r.find_px, r.outline_px);
         levels_ = std::max(levels_, static_cast<int>(std::ceil(-std::log2(finest) - 1e-9)));
     }
+    if (!images_.empty()) levels_ = std::max(levels_, BrightImages::most_levels);
     levels_ = std::clamp(levels_, 0, most_levels);
     index_tiles();
 }
@@ -254,8 +259,7 @@ std::uint64_t SmallThings::objects() const {
 }
 
 void SmallThings::keep_affordable() {
-    const double raster = std::max(0.0, x_end_ - x_begin_) * std::max(0.0, y_end_ - y_begin_);
-    double left = most_cells_per_pixel * raster;
+    double left = most_cells_per_pixel * raster_px();
     if (cells() <= left) return;
     std::stable_sort(pieces_.begin(), pieces_.end(), [](const Piece& a, const Piece& b) {
         const bool a_bright = a.brightness > 1, b_bright = b.brightness > 1;
@@ -301,8 +305,8 @@ void SmallThings::index_tiles() {
     visit([&](std::size_t tile, std::uint32_t i) { tile_pieces_[next[tile]++] = i; });
 }
 
-SmallThings::Wanted SmallThings::wanted(double x, double y, double size, double farthest_m) const {
-    Wanted out{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+WantedCells SmallThings::wanted(double x, double y, double size, double farthest_m) const {
+    WantedCells out{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
     if (pieces_.empty()) return out;
     const dvec2 centre(x + size / 2, y + size / 2);
     const int column = static_cast<int>(std::floor((centre.x - x_begin_) / tile_px)),

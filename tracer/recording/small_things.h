@@ -3,6 +3,7 @@
 // hit them.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -11,11 +12,12 @@
 
 #include "scene/scene.h"
 #include "tracer/camera_model.h"
+#include "tracer/recording/bright_images.h"
 
 namespace postlens {
 
-/// Narrow objects that are seen directly. Objects seen by reflection or refraction, planes, and meshes with a
-/// wide part are not included.
+/// Narrow objects that are seen directly, and bright ones that are seen in mirrors and glass (`images`).
+/// Planes, and meshes with a wide part, are not included.
 class SmallThings {
   public:
     /// Width, px, above which an object is not narrow, because it cannot lie between the corners of pixels.
@@ -41,6 +43,8 @@ class SmallThings {
                 double y_begin, double y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
+    /// Bright objects seen in mirrors and glass.
+    [[nodiscard]] const BrightImages& images() const { return images_; }
     /// Levels of subdivision that the narrow objects need, at most `most_levels`; 0 if there are none.
     [[nodiscard]] int levels() const { return levels_; }
     /// Approximate number of cells needed.
@@ -50,14 +54,9 @@ class SmallThings {
     /// Number of narrow objects that are omitted because they are too narrow or too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Largest size of a cell, px.
-    struct Wanted {
-        double find_px;     ///< for every cell near a narrow object
-        double outline_px;  ///< for cells whose corners have different ids
-    };
     /// Returns the largest cell sizes for the square of `size` px with the upper left corner (x, y). Nothing
     /// in the square is farther away than `farthest_m`.
-    [[nodiscard]] Wanted wanted(double x, double y, double size, double farthest_m) const;
+    [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:
     /// A straight piece of a narrow object, projected to the film.
@@ -76,12 +75,16 @@ class SmallThings {
              double time_s);
     void add_piece(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& half,
                    double brightness, std::uint32_t object, const CameraModel& camera);
+    [[nodiscard]] double raster_px() const {
+        return std::max(0.0, x_end_ - x_begin_) * std::max(0.0, y_end_ - y_begin_);
+    }
     void keep_affordable();
     void index_tiles();
 
     double x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
     int columns_ = 0, rows_ = 0, levels_ = 0;
     std::vector<Piece> pieces_;
+    BrightImages images_;
     std::set<std::uint32_t> lost_;
     std::vector<std::uint32_t> tile_offsets_, tile_pieces_;
 };

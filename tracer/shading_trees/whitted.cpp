@@ -51,7 +51,7 @@ void WhittedTracer::Impl::start(Workspace& w) const {
     w.chain_bounces.clear();
 }
 
-WhittedTracer::Impl::Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) {
+WhittedTracer::Impl::Node& WhittedTracer::Impl::add_node(const PathRay& ray, Workspace& w) const {
     Node& n = w.nodes.add();
     n.record.path = ray.path;
     n.record.layer = ray.layer;
@@ -59,6 +59,10 @@ WhittedTracer::Impl::Node& WhittedTracer::Impl::add_node(const PathRay& ray, Wor
     n.throughput = ray.throughput;
     n.noisy = dvec3(0);
     n.source = {};
+    if (has_arrivals && ray.path.bits() != 0) {
+        n.arrival = {glm::vec3(ray.origin), glm::vec3(ray.direction), std::numeric_limits<float>::infinity(),
+                     static_cast<float>(largest(ray.throughput)), ray.parent};
+    }
     n.sample = ray.sample;
     return n;
 }
@@ -92,6 +96,7 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     }
     const dvec3 colour = surface_colour(m, s);
     n.radiance = own_radiance(scene, m, s, colour);
+    n.arrival.length = static_cast<float>(s.t);
     n.source.texture = m.colour_texture ? m.colour_texture.get() : m.emission_texture.get();
     if (n.source.texture != nullptr) n.source.place = n.source.texture->place(s.object_position, s.uv);
     light(ray, s, f, key, m, colour, w, counts);
@@ -301,6 +306,9 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     impl_->has_textures =
         std::any_of(scene.scene().materials.begin(), scene.scene().materials.end(), has_texture);
     impl_->has_sources = !impl_->lights.empty() || impl_->has_textures;
+    const auto is_bright = [](const Material& m) { return largest(m.emission) > 1; };
+    impl_->has_arrivals = impl_->deeper_nodes && std::any_of(scene.scene().materials.begin(),
+                                                             scene.scene().materials.end(), is_bright);
 }
 
 WhittedTracer::~WhittedTracer() = default;
@@ -331,7 +339,7 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
     if (!w.lobes.empty()) impl_->average_lobes(w, counts);
     if (!w.extents.empty()) impl_->average_extents(w, counts);
-    Impl::collect(w, impl_->noisy(), impl_->has_sources, out);
+    impl_->collect(w, out);
 }
 
 }  // namespace postlens

@@ -46,6 +46,15 @@ struct RayCounts {
     }
 };
 
+/// The ray that arrives at a node after bounces. Cells are subdivided where such rays may pass a small bright
+/// object.
+struct Arrival {
+    glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
+    float length = 0;                 ///< m; infinity if it hits nothing
+    float throughput = 0;      ///< factor of the node's radiance in the sample, of its brightest channel
+    std::uint32_t parent = 0;  ///< id of the object that reflected or transmitted the ray
+};
+
 /// The texture and the shadows that determine the colour of a record. They show edges of textures and
 /// shadows, at which cells are subdivided even if the colours at their corners are equal.
 struct ColourSource {
@@ -64,6 +73,9 @@ struct TracedSamples {
     std::vector<glm::vec3> noisy;
     /// One per record. Empty if the scene has neither textures nor lights.
     std::vector<ColourSource> sources;
+    /// One per record; only those of nodes after bounces are set. Empty if the scene has no mirror, no glass,
+    /// or nothing brighter than white.
+    std::vector<Arrival> arrivals;
 };
 
 class WhittedTracer {

@@ -47,6 +47,7 @@ struct WhittedTracer::Impl {
         glm::dvec3 throughput{0};
         std::uint32_t sample = 0;
         ColourSource source;
+        Arrival arrival;
     };
 
     // The node to which the mean over a lobe is added, and the factor of the mean.
@@ -114,7 +115,7 @@ struct WhittedTracer::Impl {
     bool has_extents = false;
     bool deeper_nodes = false;
     bool refocus = false;
-    bool has_sources = false, has_textures = false;
+    bool has_sources = false, has_textures = false, has_arrivals = false;
     std::vector<double> bound;  // for each number of nodes left, an upper bound of the radiance of a subtree
 
     void start(Workspace& w) const;
@@ -133,7 +134,7 @@ struct WhittedTracer::Impl {
     // of it.
     void root(const FirstHit& first, const HiddenHit& h, PathRay ray, Workspace& w, RayCounts& counts) const;
     // Adds a node and sets everything in it except depth, id, W and radiance.
-    [[nodiscard]] static Node& add_node(const PathRay& ray, Workspace& w);
+    [[nodiscard]] Node& add_node(const PathRay& ray, Workspace& w) const;
     void miss(const PathRay& ray, Workspace& w) const;
     void hit(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w,
              RayCounts& counts) const;
@@ -160,7 +161,7 @@ struct WhittedTracer::Impl {
     // must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the nodes to records. Nodes are ordered by generation, records by sample, layer and path.
-    static void collect(Workspace& w, bool noisy, bool sources, TracedSamples& out);
+    void collect(Workspace& w, TracedSamples& out) const;
 };
 
 }  // namespace postlens

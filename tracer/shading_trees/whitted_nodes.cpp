@@ -81,13 +81,15 @@ void WhittedTracer::Impl::take_bends_around(Workspace& w,
     });
 }
 
-void WhittedTracer::Impl::collect(Workspace& w, bool noisy, bool sources, TracedSamples& out) {
+void WhittedTracer::Impl::collect(Workspace& w, TracedSamples& out) const {
     out.offsets.assign(w.positions.size() + 1, 0);
     for (std::size_t i = 0; i < w.nodes.count; ++i) ++out.offsets[w.nodes[i].sample + 1];
     for (std::size_t i = 1; i < out.offsets.size(); ++i) out.offsets[i] += out.offsets[i - 1];
     out.records.resize(w.nodes.count);
-    out.noisy.resize(noisy ? w.nodes.count : 0);
-    out.sources.resize(sources ? w.nodes.count : 0);
+    const bool with_noisy = noisy(), only_records = !with_noisy && !has_sources && !has_arrivals;
+    out.noisy.resize(with_noisy ? w.nodes.count : 0);
+    out.sources.resize(has_sources ? w.nodes.count : 0);
+    out.arrivals.resize(has_arrivals ? w.nodes.count : 0);
     std::vector<std::uint32_t>& next = w.order;
     next.assign(out.offsets.begin(), out.offsets.end() - 1);
     for (std::size_t i = 0; i < w.nodes.count; ++i) {
@@ -98,8 +100,9 @@ void WhittedTracer::Impl::collect(Workspace& w, bool noisy, bool sources, Traced
         n.record.r = static_cast<float>(c.x);
         n.record.g = static_cast<float>(c.y);
         n.record.b = static_cast<float>(c.z);
-        if (noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
-        if (sources) out.sources[next[n.sample]] = n.source;
+        if (with_noisy) out.noisy[next[n.sample]] = glm::vec3(n.noisy * n.throughput);
+        if (has_sources) out.sources[next[n.sample]] = n.source;
+        if (has_arrivals) out.arrivals[next[n.sample]] = n.arrival;
         out.records[next[n.sample]++] = n.record;
     }
     const auto before = [](const Record& a, const Record& b) {
@@ -109,6 +112,7 @@ void WhittedTracer::Impl::collect(Workspace& w, bool noisy, bool sources, Traced
         Record record;
         glm::vec3 noisy{0};
         ColourSource source;
+        Arrival arrival;
     };
     std::vector<All> all;
     for (std::size_t i = 0; i < w.positions.size(); ++i) {
@@ -116,21 +120,23 @@ void WhittedTracer::Impl::collect(Workspace& w, bool noisy, bool sources, Traced
         const auto first = out.records.begin() + static_cast<std::ptrdiff_t>(begin),
                    last = out.records.begin() + static_cast<std::ptrdiff_t>(end);
         if (end - begin <= 2 || std::is_sorted(first, last, before)) continue;
-        if (!noisy && !sources) {
+        if (only_records) {
             std::sort(first, last, before);
             continue;
         }
         all.clear();
         for (std::size_t k = begin; k < end; ++k) {
-            all.push_back({out.records[k], noisy ? out.noisy[k] : glm::vec3(0),
-                           sources ? out.sources[k] : ColourSource()});
+            all.push_back({out.records[k], with_noisy ? out.noisy[k] : glm::vec3(0),
+                           has_sources ? out.sources[k] : ColourSource(),
+                           has_arrivals ? out.arrivals[k] : Arrival()});
         }
         std::sort(all.begin(), all.end(),
                   [&](const All& a, const All& b) { return before(a.record, b.record); });
         for (std::size_t k = begin; k < end; ++k) {
             out.records[k] = all[k - begin].record;
-            if (noisy) out.noisy[k] = all[k - begin].noisy;
-            if (sources) out.sources[k] = all[k - begin].source;
+            if (with_noisy) out.noisy[k] = all[k - begin].noisy;
+            if (has_sources) out.sources[k] = all[k - begin].source;
+            if (has_arrivals) out.arrivals[k] = all[k - begin].arrival;
         }
     }
 }

@@ -1,0 +1,60 @@
+// Images of small bright objects in mirrors and glass, such as lamps in a glass ball. They may lie between
+// the corners of pixels, so cells that may contain one are subdivided until a corner must hit it.
+#pragma once
+
+#include <array>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/scene.h"
+#include "tracer/shading_trees/whitted.h"
+
+namespace postlens {
+
+/// Largest size of a quadtree cell, px, that narrow objects ask for.
+struct WantedCells {
+    double find_px;     ///< for every cell near a narrow object
+    double outline_px;  ///< for cells whose corners have different ids
+};
+
+/// The compact objects of a scene that are brighter than white. Where a cell may contain the image of one
+/// follows from the four rays that arrive at its corners after the same bounces.
+class BrightImages {
+  public:
+    /// Greatest depth of the subdivision.
+    static constexpr int most_levels = 5;
+    /// Approximate number of cells along the outline of an image and across it.
+    static constexpr double cells_of_image = 200;
+
+    /// Contains no objects.
+    BrightImages() = default;
+    /// Takes the objects as they are at an instant. If their images in all mirrors and glass objects may need
+    /// more than `most_cells` cells, only the brightest are kept.
+    BrightImages(const Scene& scene, double time_s, double most_cells);
+
+    [[nodiscard]] bool empty() const { return spheres_.empty(); }
+    /// Returns the largest sizes for a cell of `size_px`. `at`: the rays that arrive at the nodes of its
+    /// corners with the same path, in the order up-left, up-right, down-left, down-right.
+    [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
+
+  private:
+    struct Sphere {
+        glm::dvec3 centre{0};
+        double radius = 0, brightness = 0;
+    };
+    /// A node of a binary tree over spheres_, in depth-first order: a sphere that contains the spheres
+    /// [first, last).
+    struct Group {
+        glm::dvec3 centre{0};
+        double radius = 0;
+        std::uint32_t first = 0, last = 0;
+        std::uint32_t after = 0;  ///< index of the first node that is not below this one
+    };
+    static constexpr std::uint32_t few = 4;  ///< largest number of spheres of a leaf
+    void add_group(std::uint32_t first, std::uint32_t last);
+
+    std::vector<Sphere> spheres_;
+    std::vector<Group> groups_;
+};
+
+}  // namespace postlens
