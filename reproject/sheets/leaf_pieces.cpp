@@ -98,7 +98,11 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
         const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
                                               node(corners[2]).inverse_z, node(corners[3]).inverse_z});
         if (continuous(low, high, size)) {
-            add_piece({key, cell, x, y, size, corners});
+            LeafPiece piece{key, cell, x, y, size, corners};
+            for (std::size_t k = 0; k < 4; ++k) {
+                if (beside(leaf.corner[k], node(corners[k]), size).before) piece.hides = Hides::recorded;
+            }
+            add_piece(piece);
             return;
         }
     }

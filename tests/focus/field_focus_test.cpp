@@ -272,6 +272,21 @@ TEST(FieldFocus, AWideLampsShadowsAreSoft) {
     EXPECT_GT(psnr(got, truth), 35);
 }
 
+// Each pixel sees only a part of a bright surface that is wider than its blur. Its highlights would share the
+// shadow of the centre of 1.5 px, and shine through the border of what hides them.
+TEST(FieldFocus, AWideBrightSurfaceDoesNotShineThroughWhatHidesAPart) {
+    SceneBuilder b;
+    b.add(board(-0.1, 0.15, -0.15, 0.15, 1.5), glowing({3, 3, 3}));
+    b.add(board(-0.8, 0.02, -0.8, 0.02, 1), glowing({0.1, 0.1, 0.1}));
+    b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
+    FocusSettings f = by_field(5, 256);
+    f.lens.f_number = 0.35;
+    const TracedFrame frame(b.scene, for_lens(f.lens.f_number));
+    const Image truth = rays(b.scene, f, 4096), got = focus_picture(frame.file(), f).image;
+    // Measured: 44.1 dB; 40.2 dB if its highlights are spread.
+    EXPECT_GT(psnr(got, truth), 43);
+}
+
 // The light reaches each pixel of the disc through a different lens point, so occluders must be found for
 // this point and not for the eight nearest views. A post cuts a third out of the disc, with edges a pixel
 // wide.

@@ -266,5 +266,26 @@ TEST(UnsureViews, MeetNoHighlightTwice) {
     EXPECT_NEAR(light / right, 1, 0.01);
 }
 
+// Rays would meet the small lamp by chance. The part that the bar hides is recorded, so the lens can spread
+// all of it.
+TEST(UnsureViews, LeaveALampToTheLensIfItsHiddenPartIsRecorded) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
+    b.add(Rectangle{dvec3(0.001, -1, -0.7), dvec3(0.04, 0, 0), dvec3(0, 2, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'd');
+    const Case c{"", 0.7, 0.9};
+    TraceSettings trace = traced_for(c);
+    trace.overscan_px = 24;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    EXPECT_GT(got.retraced_share, 0);
+    const Image truth = rendered(b.scene, c, 50, 16384, 9);
+    // Measured: 56.5 dB; 42.2 dB if rays look for the lamp, 38.1 dB with rays alone.
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 16);
+}
+
 }  // namespace
 }  // namespace postlens::test::unsure_views_test
