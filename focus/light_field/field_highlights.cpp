@@ -48,12 +48,13 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     const PatchLens lens = patch_lens(geometry);
     rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
         const double blur_px = lens.least_blur_px(light.w);
-        if (sheet.area_px2 < small_px2) return true;
-        // Of a surface wider than its blur, each pixel sees only a part, but all highlights of a group share
-        // one shadow. The shadow would be displaced.
-        const bool is_cut = key.path.bits() == 0 && sheet.hides != Hides::nothing;
-        return blur_px >= spread_from_px &&
-               (!is_cut || static_cast<double>(sheet.area_px2) < blur_px * blur_px);
+        const bool is_blurred = blur_px >= spread_from_px;
+        if (key.path.bits() != 0 || sheet.hides == Hides::nothing)
+            return is_blurred || sheet.area_px2 < small_px2;
+        // Nearer surfaces cast shadows into the blur. Visibility cannot tell them apart if the blur is small
+        // (Source::by_all). Of a surface wider than its blur, each pixel sees only a part, but all highlights
+        // of a group share one shadow.
+        return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
 }

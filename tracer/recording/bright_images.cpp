@@ -135,8 +135,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);
-        const double half =
-            std::sqrt(std::max(0.0, squares - std::sqrt(std::max(0.0, squares * squares - area * area))));
+        const double root = std::sqrt(std::max(0.0, squares * squares - area * area));
+        const double half = area / std::sqrt(squares + root);
         const double width_px = 2 * half * size_px;
         constexpr double finest = 1.0 / (1 << most_levels);
         if (!(width_px <= SmallThings::widest_px)) return;
