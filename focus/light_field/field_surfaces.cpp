@@ -87,11 +87,11 @@ void FieldSurfaces::show(PatchField& field) const {
         field.instants.push_back({&primary[i], deeper[i].patches.empty() ? nullptr : &deeper[i]});
 }
 
-FieldStrips::FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
+FieldStrips::FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens,
                          const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
                          const HighlightMotion* motion)
     : file_(file),
-      lens_(lens),
+      lens_(std::move(lens)),
       rule_(rule),
       motion_(motion),
       sweep_(views),

@@ -51,9 +51,8 @@ class FieldStrips {
     /// also gets the surfaces that reach it from any other lens point within views.lens_reach_px.
     /// `lens_box_px`: half the width and height of the lens, in units of LensShift::lens_px, which limits the
     /// reach of highlights. `motion`: motion of highlights; null if no highlight moves.
-    FieldStrips(const SampleFileReader& file, std::size_t instants, const PatchLens& lens,
-                const HighlightRule& rule, const PatchField& views, const glm::dvec2& lens_box_px,
-                const HighlightMotion* motion);
+    FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
+                const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
     /// The surfaces that reach raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
