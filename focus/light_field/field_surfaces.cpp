@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <span>
+#include <utility>
 
 #include "core/memory.h"
 #include "reproject/sheets/sheet_subset.h"
