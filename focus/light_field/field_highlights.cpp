@@ -16,6 +16,9 @@ namespace {
 /// Smaller semi-axis of the CoC, px. If it is larger, the mean of the views would show a highlight as
 /// separate dots.
 constexpr double spread_from_px = 2;
+/// Smaller semi-axis of the CoC, px, below which a pixel receives the light of a highlight through the whole
+/// lens.
+constexpr double seen_by_all_px = 0.5;
 /// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Smaller highlights
 /// are spread by their impulse response even if they are hardly blurred, because only few views hit them.
 constexpr float small_px2 = 4;
@@ -51,9 +54,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const bool is_blurred = blur_px >= spread_from_px;
         if (key.path.bits() != 0 || sheet.hides == Hides::nothing)
             return is_blurred || sheet.area_px2 < small_px2;
-        // Nearer surfaces cast shadows into the blur. Visibility cannot tell them apart if the blur is small
-        // (Source::by_all). Of a surface wider than its blur, each pixel sees only a part, but all highlights
-        // of a group share one shadow.
+        // The views tell which part of a hardly blurred light is seen. Of a surface wider than its blur, each
+        // pixel sees only a part, but all highlights of a group share the shadows of what hides it.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -159,7 +161,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // If the impulse response is about as small as a pixel, a pixel receives light through the whole lens.
-    s.by_all = patch_lens(geometry_).least_blur_px(h.w) < spread_from_px;
+    s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
     sources_.push_back(s);
