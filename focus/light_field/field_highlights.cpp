@@ -54,8 +54,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const bool is_blurred = blur_px >= spread_from_px;
         if (key.path.bits() != 0 || sheet.hides == Hides::nothing)
             return is_blurred || sheet.area_px2 < small_px2;
-        // The views tell which part of a hardly blurred light is seen. Of a surface wider than its blur, each
-        // pixel sees only a part, but all highlights of a group share the shadows of what hides it.
+        // Views distinguish the visible part of a hardly blurred surface. A pixel sees only a part of a
+        // surface wider than its blur, but all highlights of a group share one shadow of a nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;

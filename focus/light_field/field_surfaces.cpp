@@ -52,9 +52,9 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
                                const HighlightRule& rule) {
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
-    const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge,
-              // An eighth of small frames, and less of large ones, tells enough.
-        probes = std::clamp(strips / 8, 1, 6);
+    const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
+    // An eighth of a small frame, and less of a large one, is enough for an estimate.
+    const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;
     for (int i = 0; i < probes; ++i) {

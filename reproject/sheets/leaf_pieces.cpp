@@ -100,7 +100,10 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
         if (continuous(low, high, size)) {
             LeafPiece piece{key, cell, x, y, size, corners};
             for (std::size_t k = 0; k < 4; ++k) {
-                if (beside(leaf.corner[k], node(corners[k]), size).before) piece.hides = Hides::recorded;
+                // The first node of a corner is the nearest.
+                if (corners[k] != trees_.offsets[leaf.corner[k]] &&
+                    beside(leaf.corner[k], node(corners[k]), size).before)
+                    piece.hides = Hides::recorded;
             }
             add_piece(piece);
             return;

@@ -266,8 +266,8 @@ TEST(UnsureViews, MeetNoHighlightTwice) {
     EXPECT_NEAR(light / right, 1, 0.01);
 }
 
-// Rays would meet the small lamp by chance. The part that the bar hides is recorded, so the lens can spread
-// all of it.
+// Rays hit a small light source by chance. The part that the bar hides is recorded, so the impulse response
+// can spread all of the light.
 TEST(UnsureViews, LeaveALampToTheLensIfItsHiddenPartIsRecorded) {
     SceneBuilder b;
     b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
@@ -283,7 +283,7 @@ TEST(UnsureViews, LeaveALampToTheLensIfItsHiddenPartIsRecorded) {
     const HybridResult got = hybrid_picture(frame.file(), s);
     EXPECT_GT(got.retraced_share, 0);
     const Image truth = rendered(b.scene, c, 50, 16384, 9);
-    // Measured: 56.5 dB; 42.2 dB if rays look for the lamp, 38.1 dB with rays alone.
+    // Measured: 56.5 dB; 42.2 dB if rays replace its highlights, 38.1 dB with rays alone.
     EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 16);
 }
 

@@ -77,6 +77,33 @@ double sum(const std::vector<double>& v) {
     return out;
 }
 
+/// A square of 8 x 8 px of the raster contains one light with a radiance of 20. Tests that `found` contains
+/// all of them, each as bright as `expected`, and that `missed` lacks some. Cells have at most `levels`
+/// levels. Returns the mean of the ratios of the light to the expected one.
+double expect_lights(const Sampled& found, const Sampled& missed, const std::vector<double>& expected,
+                     int levels) {
+    int lacks = 0;
+    double mean = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        const auto id = static_cast<std::uint32_t>(i + 1);
+        lacks += missed.hits.contains(id) ? 0 : 1;
+        EXPECT_TRUE(found.hits.contains(id)) << i;
+        double light = 0;
+        for (std::size_t y = 0; y < 8; ++y) {
+            for (std::size_t x = 0; x < 8; ++x) light += found.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
+        }
+        // The number of lattice points in a circle with a radius of R cells has a variance of 0.6765 R
+        // [kendall1948]. R is at least 8, unless the deepest level limits it.
+        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
+        const double cells = std::min(diameter_px / 2 * (1 << levels), 8.0);
+        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
+        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
+        mean += light / expected[i] / static_cast<double>(expected.size());
+    }
+    EXPECT_GT(lacks, 5);  // otherwise the scene tests nothing
+    return mean;
+}
+
 TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
     // Each block of 8 x 8 px has one light of 0.2 to 1.4 px width, at a random position within 5 px.
     std::mt19937 random(7);
@@ -94,26 +121,8 @@ TEST(SmallThings, EveryLampIsFoundAndAsBrightAsItsAreaSays) {
                                depth_m);
         }
     }
-    const Sampled without = sample(b.scene, {}), with = sample(b.scene, things_of(b.scene));
-    int missed = 0;
-    double mean = 0;
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-        const auto id = static_cast<std::uint32_t>(i + 1);
-        missed += without.hits.contains(id) ? 0 : 1;
-        EXPECT_TRUE(with.hits.contains(id)) << i;
-        double light = 0;
-        for (std::size_t y = 0; y < 8; ++y) {
-            for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
-        }
-        // The number of lattice points in a circle with a radius of R cells has a variance of 0.6765 R
-        // [kendall1948]. R is at least 8 here, unless the deepest level limits it.
-        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
-        const double cells = std::max(8.0, std::min(diameter_px / 2 * (1 << SmallThings::most_levels), 8.0));
-        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
-        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
-        mean += light / expected[i] / static_cast<double>(expected.size());
-    }
-    EXPECT_GT(missed, 5);         // otherwise the scene tests nothing
+    const double mean = expect_lights(sample(b.scene, things_of(b.scene)), sample(b.scene, {}), expected,
+                                      SmallThings::most_levels);
     EXPECT_NEAR(mean, 1, 0.007);  // four standard deviations of the mean of 48
 }
 
@@ -318,22 +327,8 @@ TEST(BrightImages, EveryLampInAFlatMirrorIsFoundAndAsBrightAsItsAreaSays) {
         }
     }
     b.add(Plane{{0, 0, -depth_m / 2}, {0, 0, 1}}, mirror());
-    const Sampled without = sample(b.scene, {}), with = sample(b.scene, things_of(b.scene));
-    int missed = 0;
-    for (std::size_t i = 0; i < expected.size(); ++i) {
-        const auto id = static_cast<std::uint32_t>(i + 1);
-        missed += without.hits.contains(id) ? 0 : 1;
-        EXPECT_TRUE(with.hits.contains(id)) << i;
-        double light = 0;
-        for (std::size_t y = 0; y < 8; ++y) {
-            for (std::size_t x = 0; x < 8; ++x) light += with.light[(i / 8 * 8 + y) * width + i % 8 * 8 + x];
-        }
-        const double diameter_px = std::sqrt(expected[i] / 20 * 4 / std::numbers::pi);
-        const double cells = std::min(diameter_px / 2 * (1 << BrightImages::most_levels), 8.0);
-        const double deviation = std::sqrt(0.6765 * cells) / (std::numbers::pi * cells * cells);
-        EXPECT_NEAR(light / expected[i], 1, 4 * deviation) << i << ", " << diameter_px << " px";
-    }
-    EXPECT_GT(missed, 5);  // otherwise the scene tests nothing
+    (void)expect_lights(sample(b.scene, things_of(b.scene)), sample(b.scene, {}), expected,
+                        BrightImages::most_levels);
 }
 
 TEST(BrightImages, LampsInAMirrorBallAndInGlassAreAsBrightAsManyPointsShowThem) {
@@ -380,7 +375,7 @@ TEST(BrightImages, ASceneWithoutMirrorsHasNone) {
 }
 
 TEST(BrightImages, TooManyLampsAreLimitedByTheRaster) {
-    // With more mirrors, fewer lamps fit into the number of cells that the raster allows.
+    // With more mirrors, fewer light sources fit into the number of cells that the raster allows.
     SceneBuilder b;
     for (int i = 0; i < 100; ++i) b.add(Sphere{{0.1 * i, 0, -20}, 0.001 * (i + 1)}, glowing(dvec3(2)));
     for (int i = 0; i < 1000; ++i) b.add(Sphere{{0, 0, 1.0 + i}, 0.1}, mirror());

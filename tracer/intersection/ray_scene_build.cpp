@@ -5,6 +5,7 @@
 
 #include "core/error.h"
 #include "core/job.h"
+#include "scene/object_pose.h"
 #include "scene/shape_bounds.h"
 #include "tracer/intersection/ray_scene_impl.h"
 
@@ -238,9 +239,7 @@ void RayScene::Impl::add_objects(const MotionAccuracy& accuracy) {
     }
     for (std::uint32_t i = 0; i < scene->objects.size(); ++i) {
         const Object& object = scene->objects[i];
-        const dmat4 world_from_object = object.keys.empty()
-                                            ? object.world_from_object
-                                            : transform_at(object.keys, span.open_s) * object.motion_base;
+        const dmat4 world_from_object = world_at(object, span.open_s);
         object_from_world.push_back(glm::inverse(world_from_object));
         mirrored.push_back(glm::determinant(dmat3(world_from_object)) < 0);
         shadows.push_back(shadow_of(*scene, object));

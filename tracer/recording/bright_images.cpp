@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "scene/object_pose.h"
 #include "scene/shape_bounds.h"
 #include "tracer/recording/small_things.h"
 #include "tracer/shading/shading.h"
@@ -66,9 +67,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (m.reflects() || m.transmission != dvec3(0)) ++mirrors;
         const double brightness = largest(m.emission);
         if (!(brightness > 1) || std::holds_alternative<Plane>(o.shape)) continue;
-        const glm::dmat4 world =
-            o.keys.empty() ? o.world_from_object : transform_at(o.keys, time_s) * o.motion_base;
-        const Bounds b = shape_bounds(o.shape, world);
+        const Bounds b = shape_bounds(o.shape, world_at(o, time_s));
         if (b.empty()) continue;
         const dvec3 half = (b.max - b.min) / 2.0;
         std::array<double, 3> sizes{half.x, half.y, half.z};

@@ -1,5 +1,6 @@
-// Images of small bright objects in mirrors and glass, such as lamps in a glass ball. They may lie between
-// the corners of pixels, so cells that may contain one are subdivided until a corner must hit it.
+// Images of small bright objects in mirrors and glass, such as light sources seen through a glass ball. They
+// may lie between the corners of pixels, so cells that may contain one are subdivided until a corner must hit
+// it.
 #pragma once
 
 #include <array>
@@ -11,10 +12,13 @@
 
 namespace postlens {
 
-/// Largest size of a quadtree cell, px, that narrow objects ask for.
+/// Largest size of a quadtree cell, px, that narrow objects need.
 struct WantedCells {
     double find_px;     ///< for every cell near a narrow object
     double outline_px;  ///< for cells whose corners have different ids
+    [[nodiscard]] bool divide(double size_px, bool different_ids) const {
+        return size_px > find_px || (different_ids && size_px > outline_px);
+    }
 };
 
 /// The compact objects of a scene that are brighter than white. Where a cell may contain the image of one

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 
 namespace postlens {
 
@@ -84,16 +83,18 @@ std::optional<std::array<std::uint32_t, 4>> CellSplit::nodes_like(const Seen* s,
     return node;
 }
 
-std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Seen& in, std::uint32_t guess) {
-    if (guess < in.count) {
-        const Record& r = in.chunk->records[in.first + guess];
-        if (r.path == wanted.path) return r.id == wanted.id ? std::optional(in.first + guess) : std::nullopt;
-    }
-    for (std::uint32_t n = in.first; n < in.first + in.count; ++n) {
-        const Record& r = in.chunk->records[n];
-        if (r.path == wanted.path) return r.id == wanted.id ? std::optional(n) : std::nullopt;
+std::optional<std::uint32_t> CellSplit::node_of_path(NodePath path, const Seen& in, std::uint32_t guess) {
+    const Record* const records = in.chunk->records.data() + in.first;
+    if (guess < in.count && records[guess].path == path) return in.first + guess;
+    for (std::uint32_t n = 0; n < in.count; ++n) {
+        if (records[n].path == path) return in.first + n;
     }
     return std::nullopt;
+}
+
+std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Seen& in, std::uint32_t guess) {
+    const auto node = node_of_path(wanted.path, in, guess);
+    return node && in.chunk->records[*node].id == wanted.id ? node : std::nullopt;
 }
 
 bool CellSplit::shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node, int count) {
@@ -164,7 +165,7 @@ bool CellSplit::splits(const CornerCell& c) const {
     }
     return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
            (!things_.empty() && small_things_ask(c, hidden)) ||
-           (!things_.images().empty() && bright_images_ask(c));
+           (!things_.images().empty() && bright_images_ask(c, seen));
 }
 
 bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
@@ -179,33 +180,26 @@ bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
     const double size = static_cast<double>(c.size) / grid_.unit;
     const WantedCells wanted = things_.wanted(
         at.x, at.y, size, hidden ? std::numeric_limits<double>::infinity() : static_cast<double>(farthest));
-    return size > wanted.find_px || (edge && size > wanted.outline_px);
+    return wanted.divide(size, edge);
 }
 
-bool CellSplit::bright_images_ask(const CornerCell& c) const {
+bool CellSplit::bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const {
     const double size = static_cast<double>(c.size) / grid_.unit;
-    std::array<Seen, 4> seen;
-    for (std::size_t i = 0; i < 4; ++i) seen[i] = visible_layer(samples_[c.corner[i]]);
-    for (std::uint32_t n = 0; n < seen[0].count; ++n) {
-        const Record& first = seen[0].chunk->records[seen[0].first + n];
+    for (std::uint32_t n = 0; n < s[0].count; ++n) {
+        const Record& first = s[0].chunk->records[s[0].first + n];
         if (first.path.bits() == 0) continue;
-        std::array<const Arrival*, 4> at{&seen[0].chunk->arrivals[seen[0].first + n]};
+        std::array<const Arrival*, 4> at{};
         bool edge = false;
-        for (std::size_t i = 1; i < 4; ++i) {
-            const auto records = std::span(seen[i].chunk->records).subspan(seen[i].first, seen[i].count);
-            const auto like = n < records.size() && records[n].path == first.path
-                                  ? records.begin() + n
-                                  : std::find_if(records.begin(), records.end(),
-                                                 [&](const Record& r) { return r.path == first.path; });
-            if (like == records.end()) break;
-            const auto index = seen[i].first + static_cast<std::size_t>(like - records.begin());
-            at[i] = &seen[i].chunk->arrivals[index];
-            if (at[i]->parent != at[0]->parent) at[i] = nullptr;
-            edge = edge || like->id != first.id;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const auto node = node_of_path(first.path, s[i], n);
+            if (!node) break;
+            at[i] = &s[i].chunk->arrivals[*node];
+            edge = edge || s[i].chunk->records[*node].id != first.id;
         }
-        if (std::find(at.begin(), at.end(), nullptr) != at.end()) continue;
-        const WantedCells wanted = things_.images().wanted(at, size);
-        if (size > wanted.find_px || (edge && size > wanted.outline_px)) return true;
+        const bool alike = std::all_of(at.begin(), at.end(), [&](const Arrival* a) {
+            return a != nullptr && a->parent == at[0]->parent;
+        });
+        if (alike && things_.images().wanted(at, size).divide(size, edge)) return true;
     }
     return false;
 }

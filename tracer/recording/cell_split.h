@@ -58,8 +58,11 @@ class CellSplit {
     /// corner. Empty if a corner has no such node.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n);
-    /// Returns the node with the path and the id of `wanted`. Tests the node with index `guess` first,
-    /// because most corners of a cell have the same tree.
+    /// Returns the node with the path. Tests the node with index `guess` first, because most corners of a
+    /// cell have the same tree.
+    [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
+                                                                   std::uint32_t guess);
+    /// Returns the node with the path and the id of `wanted`, as node_of_path does.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
@@ -77,7 +80,8 @@ class CellSplit {
     /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass.
-    [[nodiscard]] bool bright_images_ask(const CornerCell& c) const;
+    /// `s`: the visible layers of its corners.
+    [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
     /// True if the hidden layers divide the cell, by the same criteria as visible ones. Corners without a
     /// layer do not take part in its comparison. A hidden layer that begins after a bounce has no primary
     /// node, so only layers whose first nodes have the same path are compared.

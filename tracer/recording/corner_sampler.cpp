@@ -16,10 +16,8 @@
 namespace postlens {
 namespace {
 
-// Rows of pixels that are traced together. 64 rows contain enough tiles for all threads, and need little
-// memory for any width of the raster.
 // Rows of pixels whose records are in memory at once, and edge, px, of the squares that a thread traces at
-// once. A band has several squares for each of a dozen threads.
+// once. Two rows of squares are enough for all threads, and need little memory for any width of the raster.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;

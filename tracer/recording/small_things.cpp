@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "scene/object_pose.h"
 #include "scene/shape_bounds.h"
 
 namespace postlens {
@@ -166,8 +167,7 @@ SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double t
 
 void SmallThings::add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,
                       double time_s) {
-    const glm::dmat4 world = object.keys.empty() ? object.world_from_object
-                                                 : transform_at(object.keys, time_s) * object.motion_base;
+    const glm::dmat4 world = world_at(object, time_s);
     std::optional<Axes> axes = std::visit(AxesOf{world}, object.shape);
     if (!axes) return;
     const bool tapers = axes->ends.x != axes->ends.y;
