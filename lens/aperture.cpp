@@ -215,6 +215,24 @@ dvec2 Aperture::sample(double u, double v) const {
     return std::sqrt(v) * (a + along * (b - a));
 }
 
+double Aperture::transmittance(const dvec2& q) const {
+    const dvec2 p(q.x * impulse_.squeeze, q.y);
+    if (picture_) {
+        const dvec2 cell = (p / cell_half(*picture_) + dvec2(picture_->width, picture_->height)) / 2.0;
+        if (!(cell.x >= 0 && cell.x < picture_->width && cell.y >= 0 && cell.y < picture_->height)) return 0;
+        const std::vector<double>& light = picture_->light;
+        return light[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(picture_->width) +
+                     static_cast<std::size_t>(cell.x)] /
+               *std::max_element(light.begin(), light.end());
+    }
+    if (is_plain_disc()) return p.x * p.x + p.y * p.y <= 1 ? 1 : 0;
+    for (std::size_t i = 0; i < rim_.size(); ++i) {
+        const dvec2 a = rim_[i], side = rim_[(i + 1) % rim_.size()] - a;
+        if (side.x * (q.y - a.y) - side.y * (q.x - a.x) < 0) return 0;
+    }
+    return 1;
+}
+
 std::uint64_t Aperture::fingerprint() const {
     Fingerprint out;
     const bool polygon = impulse_.kind == ImpulseKind::polygon;

@@ -70,6 +70,9 @@ class Aperture {
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture, with a density in proportion to the transmitted
     /// light. Ignores the second rim. The map is continuous almost everywhere.
     [[nodiscard]] glm::dvec2 sample(double u, double v) const;
+    /// Transmittance at a point, relative to the point that transmits most; 0 outside the aperture. Ignores
+    /// the second rim.
+    [[nodiscard]] double transmittance(const glm::dvec2& q) const;
 
     /// Hash of shape and modifiers.
     [[nodiscard]] std::uint64_t fingerprint() const;

@@ -36,17 +36,46 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     return sum / 3;
 }
 
-/// Squared error of the records in a pixel: product of the mean residuals (ray minus record) of the two
-/// independent halves, as a mean over channels.
-double bias_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
-    double sum = 0;
+/// Residuals of the two halves in a pixel, as encoded values per channel.
+struct Residuals {
+    std::array<double, 3> a{}, b{};
+    [[nodiscard]] bool any() const { return a != std::array<double, 3>{} || b != std::array<double, 3>{}; }
+};
+/// Product of the residuals of two independent halves: an estimate of the squared error, as a mean over
+/// channels.
+double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
+}
+
+/// Mean residuals (ray minus record) of the views' samples. They have much noise, so they are converted by
+/// the slope of the sRGB curve.
+Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
         const std::size_t k = 3 * pixel + c;
         const double s =
             slope((static_cast<double>(a.image.rgb[k]) + static_cast<double>(b.image.rgb[k])) / 2);
-        sum += s * s * a.checks[pixel].mean(c) * b.checks[pixel].mean(c);
+        out.a[c] = s * a.checks[pixel].mean(c);
+        out.b[c] = s * b.checks[pixel].mean(c);
     }
-    return sum / 3;
+    return out;
+}
+
+/// Residuals of the highlights. They have little noise and may exceed the range of the sRGB curve, so they
+/// are differences on the curve.
+Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    Residuals out;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t k = 3 * pixel + c;
+        const float value = (a.image.rgb[k] + b.image.rgb[k]) / 2;
+        const auto residual = [&](const PixelCheck& check) {
+            const double off = check.highlight_residual(c);
+            return off == 0 ? 0 : encoded(value + static_cast<float>(off)) - encoded(value);
+        };
+        out.a[c] = residual(a.checks[pixel]);
+        out.b[c] = residual(b.checks[pixel]);
+    }
+    return out;
 }
 
 struct Mean {
@@ -63,6 +92,15 @@ struct Mean {
     }
 };
 
+/// Sum over all pixels, estimated from pixels that are chosen with known probability.
+struct ChosenSum {
+    double sum = 0, variance = 0;
+    void add(double value, double probability) {
+        sum += value / probability;
+        variance += value * value * (1 - probability) / (probability * probability);
+    }
+};
+
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height) {
@@ -72,13 +110,30 @@ CheckedPixels::CheckedPixels(int width, int height) {
     edge_ = std::int64_t{width} * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
 }
 
+CheckedPixels::Place CheckedPixels::place_of(int x, int y) const {
+    const auto edge = static_cast<std::uint64_t>(edge_), column = static_cast<std::uint64_t>(x),
+               row = static_cast<std::uint64_t>(y), h = hash_of(column / edge, row / edge, 1);
+    return {h, row % edge * edge + column % edge, h % (edge * edge)};
+}
+
 CheckedPixels::Use CheckedPixels::use(int x, int y) const {
-    const auto bx = static_cast<std::uint64_t>(x / edge_), by = static_cast<std::uint64_t>(y / edge_);
-    const auto edge = static_cast<std::uint64_t>(edge_), pixels = edge * edge,
-               place = static_cast<std::uint64_t>(y) % edge * edge + static_cast<std::uint64_t>(x) % edge;
-    const std::uint64_t h = hash_of(bx, by, 1), stating = h % pixels,
-                        deciding = (stating + 1 + (h >> 32U) % (pixels - 1)) % pixels;
-    return place == stating ? Use::stating : place == deciding ? Use::deciding : Use::none;
+    const auto pixels = static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
+    const Place p = place_of(x, y);
+    const std::uint64_t deciding = (p.stating + 1 + (p.hash >> 32U) % (pixels - 1)) % pixels;
+    return p.place == p.stating ? Use::stating : p.place == deciding ? Use::deciding : Use::none;
+}
+
+double CheckedPixels::aimed(int x, int y, int views) const {
+    // A half of this many views or more has rays in all pixels.
+    constexpr int all_from_views = 128;
+    const auto pixels = static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_),
+               chosen = std::clamp<std::uint64_t>(pixels * static_cast<std::uint64_t>(views) / all_from_views,
+                                                  1, pixels);
+    const Place p = place_of(x, y);
+    // The odd factor visits all places of a block, and no neighbours one after the other.
+    constexpr std::uint64_t step = 7;
+    const std::uint64_t rank = (p.place + pixels - p.stating) * step % pixels;
+    return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels) : 0;
 }
 
 void CheckedPixels::views(int x, int y, int set, int first, int count,
@@ -109,6 +164,7 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     const int width = a.image.width, height = a.image.height, piece = piece_px(width, height);
     const CheckedPixels checked(width, height);
     Mean bias;
+    ChosenSum highlights;
     double noise_sum = 0, noise_squares = 0, pixels = 0;
     StatedError out;
     for (int y0 = 0; y0 < height; y0 += piece) {
@@ -121,9 +177,19 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
                                    static_cast<std::size_t>(x);
                     sum += noise_at(a, b, k);
                     ++pixels;
-                    if (a.checks.empty() || checked.use(x, y) == CheckedPixels::Use::none) continue;
-                    out.check_rays += a.checks[k].rays + b.checks[k].rays;
-                    if (checked.use(x, y) == checks) bias.add(bias_at(a, b, k));
+                    if (a.checks.empty()) continue;
+                    const PixelCheck &of_a = a.checks[k], &of_b = b.checks[k];
+                    out.check_rays += of_a.rays + of_b.rays + of_a.aimed + of_b.aimed;
+                    const bool is_stating = checked.use(x, y) == checks;
+                    if (!is_stating && of_a.aimed_share == 0) continue;
+                    const Residuals lights = highlight_residuals(a, b, k);
+                    if (is_stating) {
+                        const Residuals views = view_residuals(a, b, k);
+                        bias.add(product(views.a, views.b) + product(views.a, lights.b) +
+                                 product(lights.a, views.b));
+                    }
+                    if (lights.any())
+                        highlights.add(product(lights.a, lights.b), static_cast<double>(of_a.aimed_share));
                 }
             }
             noise_sum += sum;
@@ -132,14 +198,15 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     }
     pixels = std::max(pixels, 1.0);
     out.noise_mse = noise_sum / pixels;
-    out.bias_mse = std::max(0.0, bias.mean());
+    out.bias_mse = std::max(0.0, bias.mean() + highlights.sum / pixels);
     const double mse = out.mse();
     if (!(mse > 0)) return out;
     // Let the error of a square piece of the image be normally distributed and equal in all its pixels. Its
     // square s then has the variance 2 E(s)^2, and E(s^2) = 3 E(s)^2, so 2/3 s^2 estimates the variance. The
     // variance counts twice, because both the noise estimate and the noise of this particular image have it.
     const double noise_variance = 2 * 2.0 / 3 * noise_squares / (pixels * pixels),
-                 deviation = std::sqrt(noise_variance + bias.variance());
+                 deviation =
+                     std::sqrt(noise_variance + bias.variance() + highlights.variance / (pixels * pixels));
     // 95 % of a normal distribution lie within 1.96 standard deviations. Here the error's logarithm is
     // normally distributed.
     const double factor = std::exp(1.96 * deviation / mse);
@@ -158,8 +225,10 @@ std::vector<TileError> tile_errors(const FieldFocus& a, const FieldFocus& b) {
                            static_cast<std::size_t>(x);
             const std::size_t tile = grid.at(x, y);
             noise[tile].add(noise_at(a, b, k));
-            if (!a.checks.empty() && checked.use(x, y) == CheckedPixels::Use::deciding)
-                bias[tile].add(bias_at(a, b, k));
+            if (!a.checks.empty() && checked.use(x, y) == CheckedPixels::Use::deciding) {
+                const Residuals views = view_residuals(a, b, k);
+                bias[tile].add(product(views.a, views.b));
+            }
         }
     }
     std::vector<TileError> out;

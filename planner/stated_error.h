@@ -15,6 +15,10 @@ namespace postlens {
 /// images), one random pixel is checked to state the image's error. Another random pixel is checked to decide
 /// in which tiles rays replace all samples. In a checked pixel, up to two random views of each half are
 /// compared.
+///
+/// Rays are aimed at the highlights of the pixel that states the error, and of more pixels of the block the
+/// more views the image has. Errors of highlights are rare and large, and their rays cost little compared
+/// with many views.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
@@ -24,8 +28,15 @@ class CheckedPixels {
     /// Appends the numbers of the checked views among views [first, first + count) of a set. The numbers are
     /// relative to `first`: 0 to count - 1.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
+    /// PatchViews::aimed, for a half that has `views` views.
+    [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:
+    struct Place {
+        std::uint64_t hash, place,
+            stating;  ///< of the block; of the pixel, and of the one that states the error
+    };
+    [[nodiscard]] Place place_of(int x, int y) const;
     int edge_;
 };
 

@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "core/threads.h"
 #include "reproject/patches/border_reach.h"
+#include "reproject/patches/highlight_rays.h"
 #include "reproject/patches/motion_marks.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/patches/patch_reach.h"
@@ -30,6 +31,7 @@ struct Workplace {
     MotionMarks::Touched touched{};
     RaySamples rays;
     CheckedSamples checked;
+    CheckedHighlights checked_highlights;
 };
 
 /// Number of views that are drawn between two tests for cancellation. A tile can have thousands of views, so
@@ -127,6 +129,7 @@ class Field {
         if (set.rays != nullptr) w.rays.trace(set);
         if (set.checked) {
             w.checked.check(set);
+            if (lights) w.checked_highlights.check(field_, set, at, w.light, w.checked.sums);
             for (int y = 0; y < at.height; ++y) {
                 std::copy_n(w.checked.sums.begin() + y * SeenTile::edge, at.width,
                             out.checks.begin() + (y0 + y) * static_cast<std::ptrdiff_t>(field_.width) + x0);

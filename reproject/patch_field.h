@@ -66,6 +66,9 @@ struct PatchViews {
     /// ray. The results are stored in PatchPicture::checks; the image does not change. If empty, no samples
     /// are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
+    /// Only with `checked`: whether rays are aimed at the highlights of the pixel (x, y). Returns the share
+    /// of pixels that are chosen in the same way, or 0 if the pixel is not chosen. If empty, none is chosen.
+    std::function<double(int x, int y)> aimed;
     /// Number of the image that this set of views draws. Sets of one image must draw different square pieces
     /// of it.
     std::size_t picture = 0;
@@ -125,6 +128,15 @@ class Lights {
     /// the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
+    /// A line of sight along which a highlight reaches a pixel, unless something hides it. The mean over such
+    /// lines of `scale` times the highlights' radiance is the light of the highlights in the pixel.
+    struct Line {
+        SightLine line;
+        double scale = 0;  ///< 0: no lens point was found for this line
+    };
+    /// Appends `count` random lines to the pixel (x, y) of the image, or none if no highlight reaches it.
+    /// `seed` determines the lines.
+    virtual void aim(int x, int y, std::uint64_t seed, int count, std::vector<Line>& lines) const = 0;
 };
 
 /// Comparison of rays with records in one pixel. A residual is the radiance of a ray minus the radiance of
@@ -133,6 +145,16 @@ struct PixelCheck {
     std::uint32_t views = 0, rays = 0;
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
+    /// The highlights in the pixel: the light that was added to the image, and the sum of their light along
+    /// `aimed` rays that are aimed at them. Scene-linear.
+    std::array<float, 3> highlights{};
+    std::array<double, 3> aimed_sum{};
+    std::uint32_t aimed = 0;
+    float aimed_share = 0;  ///< the result of PatchViews::aimed
+    /// Residual of the highlights: their mean light along rays, minus the light in the image.
+    [[nodiscard]] double highlight_residual(std::size_t channel) const {
+        return aimed > 0 ? aimed_sum[channel] / aimed - static_cast<double>(highlights[channel]) : 0;
+    }
 };
 
 struct PatchPicture {

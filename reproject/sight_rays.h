@@ -46,6 +46,9 @@ class SightRays {
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
+    /// As `trace`, but writes only the radiance that `less` excludes.
+    virtual void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+                                 std::span<std::array<float, 3>> radiance) const = 0;
     /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
     /// from ray to ray.

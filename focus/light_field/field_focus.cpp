@@ -267,6 +267,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         views.less = p.less;
         views.left_to_rays = set.left_to_rays;
         views.checked = set.checked;
+        views.aimed = set.aimed;
         views.picture = set.picture;
         field.sets.push_back(std::move(views));
         pictures = std::max(pictures, set.picture + 1);

@@ -75,9 +75,10 @@ struct FieldViews {
     /// not drawn are filled from their surroundings.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // Only with rays. Both are defined in PatchViews.
+    // Only with rays. All are defined in PatchViews.
     std::function<bool(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
+    std::function<double(int x, int y)> aimed;
     /// Number of the image to which this set of views belongs, among the images drawn together. Sets of one
     /// image must draw different pieces of it.
     std::size_t picture = 0;

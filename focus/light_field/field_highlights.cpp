@@ -64,7 +64,11 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
 FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& aperture,
                                  const FocusGeometry& geometry, const RasterWindow& window,
                                  const HighlightMotion* motion)
-    : sheets_(sheets), geometry_(geometry), window_(window), round_(aperture.is_round()) {
+    : sheets_(sheets),
+      aperture_(aperture),
+      geometry_(geometry),
+      window_(window),
+      round_(aperture.is_round()) {
     if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
     model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
     const KernelReach reach{window.width() + 1, window.height() + 1};
@@ -143,6 +147,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
                                               -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
                                               geometry_.inverse_focus_per_m - static_cast<double>(h.w.yy));
+    s.px_from_lens = map;
     s.lens_from_px = glm::inverse(map);
     KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
                            : KernelKey::map(map, true);
@@ -158,6 +163,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     s.kernel = cache.number_of(key);
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
+    s.light = light_of(s.rgb);
+    s.area = m.share * static_cast<double>(h.area);
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // If the impulse response is about as small as a pixel, a pixel receives light through the whole lens.
@@ -178,7 +185,7 @@ void FieldHighlights::group_sources() {
                               static_cast<std::uint32_t>(groups_.size()));
         const Kernel& k = (*kernels_)[s.kernel];
         s.group = found->second;
-        const double light = light_of(s.rgb);
+        const double light = s.light;
         if (is_new) {
             groups_.push_back({s,
                                cell(s.at.x),
@@ -204,7 +211,7 @@ void FieldHighlights::group_sources() {
     for (const Source& s : sources_) {
         Group& g = groups_[s.group];
         const glm::dvec2 off = s.at - g.middle.at;
-        g.spread_px += light_of(s.rgb) / g.light * off * off;
+        g.spread_px += s.light / g.light * off * off;
     }
     for (Group& g : groups_) g.spread_px = glm::sqrt(g.spread_px);
     std::stable_sort(sources_.begin(), sources_.end(),

@@ -38,6 +38,10 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
+    /// Lights::aim: lines from random points of the recorded highlights that reach the pixel, through the
+    /// lens points at which each of them is seen there.
+    void aim(int x, int y, std::uint64_t seed, int count, std::vector<Lights::Line>& lines) const;
+
   private:
     class OverViews;
     struct Source {
@@ -45,8 +49,10 @@ class FieldHighlights {
         std::uint32_t kernel = 0;
         glm::dvec2 at{0};  ///< position, image px
         std::array<float, 3> rgb{};
+        double light = 0;   ///< sum of rgb
+        double area = 0;    ///< px^2, times the share of the exposure that its instant stands for
         double square = 0;  ///< rgb times radiance, of the brightest channel
-        glm::dmat2 lens_from_px{1};
+        glm::dmat2 lens_from_px{1}, px_from_lens{1};
         float inverse_z = 0;
         bool by_all = false;  ///< all views decide on visibility, instead of those near one lens point
         double u = -1;        ///< fraction of the exposure that is over at its instant; -1: always present
@@ -77,9 +83,12 @@ class FieldHighlights {
         std::array<float, SeenTile::pixels> share{};
     };
     [[nodiscard]] bool reaches(const Source& s, int x, int y, int width, int height) const;
+    /// Part of the light of a source that reaches a pixel of the image if nothing hides it.
+    [[nodiscard]] double response(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
     const TreeSheets& sheets_;
+    Aperture aperture_;
     FocusGeometry geometry_;
     RasterWindow window_;
     bool round_;

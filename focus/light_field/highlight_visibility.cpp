@@ -56,6 +56,9 @@ class FieldHighlights::OverViews final : public Lights {
         return of_.reach(x, y, width, height);
     }
     void add(const TileViews& views, std::vector<double>& light) const override;
+    void aim(int x, int y, std::uint64_t seed, int count, std::vector<Line>& lines) const override {
+        of_.aim(x, y, seed, count, lines);
+    }
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
@@ -313,13 +316,7 @@ void FieldHighlights::OverViews::add(const Source& s, const Part* part, const Ti
         const int x0 = std::max(views.x, s.x + row.x_begin),
                   x1 = std::min(views.x + views.width, s.x + row.x_end);
         for (int x = x0; x < x1; ++x) {
-            const int column = x - s.x;
-            const bool inner = column >= row.inner_begin && column < row.inner_end;
-            const int tap = column < row.inner_begin
-                                ? column - row.x_begin
-                                : column - row.x_begin - (row.inner_end - row.inner_begin);
-            const auto value = static_cast<double>(
-                inner ? kernel.inner : kernel.taps[row.tap + static_cast<std::uint32_t>(tap)]);
+            const double value = kernel.at(row, x - s.x);
             const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
                                       static_cast<std::size_t>(x - views.x);
             double share = value;

@@ -42,6 +42,13 @@ struct Kernel {
     int x_begin = 0, x_end = 0;  ///< columns over all rows
 
     [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
+    /// The value in a column of a row; the column is in [row.x_begin, row.x_end).
+    [[nodiscard]] double at(const KernelRow& row, int column) const {
+        if (column >= row.inner_begin && column < row.inner_end) return static_cast<double>(inner);
+        const int tap = column < row.inner_begin ? column - row.x_begin
+                                                 : column - row.x_begin - (row.inner_end - row.inner_begin);
+        return static_cast<double>(taps[row.tap + static_cast<std::uint32_t>(tap)]);
+    }
 };
 
 /// Builds the kernel of an ellipse whose centre is (phase_x, phase_y) px from the anchor, clipped to `reach`.

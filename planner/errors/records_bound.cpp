@@ -27,6 +27,10 @@ class NoRays final : public SightRays {
                std::span<std::array<float, 3>> radiance) const override {
         std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
     }
+    void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+                         std::span<std::array<float, 3>> radiance) const override {
+        trace(lines, less, radiance);
+    }
     [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
 };
 

@@ -88,6 +88,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
                                           int x, int y, std::vector<std::uint32_t>& some) {
                             pixels.views(x, y, static_cast<int>(half), first, count, some);
                         };
+                        set.aimed = [views = end, pixels = CheckedPixels(grid_.width, grid_.height)](
+                                        int x, int y) { return pixels.aimed(x, y, views); };
                     }
                 }
                 sets.push_back(std::move(set));
@@ -118,10 +120,15 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
             PixelCheck& check = to.checks[k];
             const PixelCheck& more = drawn.checks[k];
             const std::uint32_t both = check.views + more.views;
-            for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t c = 0; c < 3; ++c) {
                 check.sum[c] = both * (check.mean(c) + share * (more.mean(c) - check.mean(c)));
+                check.highlights[c] += static_cast<float>(share) * (more.highlights[c] - check.highlights[c]);
+                check.aimed_sum[c] += more.aimed_sum[c];
+            }
             check.views = both;
             check.rays += more.rays;
+            check.aimed += more.aimed;
+            check.aimed_share = more.aimed_share;
         }
     }
 }

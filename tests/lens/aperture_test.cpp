@@ -60,6 +60,31 @@ double difference(const ResponseGrid& a, const ResponseGrid& b, const PixelWindo
     return most * static_cast<double>(lit);
 }
 
+// The points that sample() draws transmit light, and the points that transmit light cover the aperture's
+// area.
+TEST(Aperture, TransmitsWhereItIsSampled) {
+    Impulse narrow;
+    narrow.squeeze = 2;
+    for (const Aperture& aperture :
+         {Aperture(Impulse{}), Aperture(narrow), Aperture(parse_impulse("--impulse", "polygon:5:20:0.3")),
+          Aperture(parse_impulse("--impulse", "image:x.png"), letter())}) {
+        constexpr int n = 64, grid = 1000;
+        for (int k = 0; k < n * n; ++k) {
+            // Not on the rim, which rounding may miss.
+            const dvec2 q = aperture.sample((k % n + 0.5) / n, (k / n + 0.5) / n);
+            if (aperture.picture() || glm::length(q) < 0.7) {
+                EXPECT_EQ(aperture.transmittance(q), 1);
+            }
+        }
+        double lit = 0;
+        for (int k = 0; k < grid * grid; ++k)
+            lit += aperture.transmittance((dvec2(k % grid, k / grid) + 0.5) * (2.4 / grid) - 1.2);
+        const double right =
+            aperture.picture() ? 14.0 / 35 * 4 * 5 / 7 : area(aperture.outline(dvec2(0), 1e-6));
+        EXPECT_NEAR(lit * (2.4 / grid) * (2.4 / grid), right, 0.005);
+    }
+}
+
 TEST(Impulse, WordsBecomeSettingsAndBack) {
     const Impulse p = parse_impulse("--impulse", "polygon:7:12.5:0.25");
     EXPECT_EQ(p.kind, ImpulseKind::polygon);

@@ -287,5 +287,51 @@ TEST(UnsureViews, LeaveALampToTheLensIfItsHiddenPartIsRecorded) {
     EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 16);
 }
 
+// The stated error includes that of highlights. Here a bar beyond the border of the records hides a part of
+// the lens from a lamp, so the image shows light that does not arrive.
+TEST(UnsureViews, StateTheErrorOfHighlights) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-1.28, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
+    b.add(Rectangle{dvec3(-0.6, -1, -0.3), dvec3(0.489, 0, 0), dvec3(0, 2, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'e');
+    const Case c{"", 0.7, 0.9};
+    TraceSettings trace;
+    trace.subdivision.levels = 4;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 256);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const double measured = db(got.focus.image, rendered(b.scene, c, 50, 16384, 9));
+    ASSERT_TRUE(got.stated);
+    EXPECT_NEAR(got.stated->db(), measured, 1);
+    EXPECT_GT(got.stated->bias_mse, got.stated->noise_mse);
+}
+
+// Rays that are aimed at a highlight that nothing hides meet its light: in blur wider and narrower than a
+// pixel, and through an aperture that is not round.
+TEST(UnsureViews, MeetTheHighlightsThatTheyAreAimedAt) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.005, -0.005, -4), dvec3(0.01, 0, 0), dvec3(0, 0.01, 0)}, glowing({12, 8, 4}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'c');
+    TraceSettings trace;
+    trace.overscan_px = 16;
+    trace.subdivision.levels = 7;
+    const TracedFrame frame(b.scene, trace);
+    for (const double focus_m : {1.0, 2.0, 3.9}) {
+        for (const char* impulse : {"disc", "polygon:5:10"}) {
+            SCOPED_TRACE(fmt::format("{} m, {}", focus_m, impulse));
+            HybridSettings s = hybrid_of({"", 0.7, focus_m}, 50, 256);
+            s.focus.impulse = parse_impulse("--impulse", impulse);
+            s.scene = &b.scene;
+            const HybridResult got = hybrid_picture(frame.file(), s);
+            ASSERT_TRUE(got.stated);
+            EXPECT_GT(got.stated->check_rays, 0);
+            EXPECT_LT(got.stated->bias_mse, 1e-6);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace postlens::test::unsure_views_test

@@ -65,6 +65,10 @@ class NotedLines : public SightRays {
         noted_.insert(noted_.end(), lines.begin(), lines.end());
         std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
     }
+    void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+                         std::span<std::array<float, 3>> radiance) const override {
+        trace(lines, less, radiance);
+    }
     [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
     [[nodiscard]] const std::vector<SightLine>& noted() const { return noted_; }
 
@@ -106,6 +110,75 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
         EXPECT_EQ(line.place, glm::dvec2(at));
         EXPECT_EQ(line.lens, glm::dvec2(at));
         EXPECT_EQ(line.light_before, at);
+    }
+}
+
+/// Highlights that add a light of 2 to every pixel. Lines that are aimed at them stand for a light of 3 if
+/// nothing hides it.
+class MadeLights : public Lights {
+  public:
+    [[nodiscard]] bool reach(int, int, int, int) const override { return true; }
+    void add(const TileViews& views, std::vector<double>& light) const override {
+        for (int y = 0; y < views.height; ++y) {
+            for (int x = 0; x < views.width; ++x) {
+                const auto pixel = static_cast<std::size_t>(y) * TileViews::row + static_cast<std::size_t>(x);
+                for (std::size_t c = 0; c < 3; ++c) light[values * pixel + c] += 2;
+            }
+        }
+    }
+    void aim(int x, int y, std::uint64_t, int count, std::vector<Line>& lines) const override {
+        for (int n = 0; n < count; ++n) lines.push_back({{.lens = {x, y + 0.01 * n}}, 3});
+    }
+};
+
+/// The highlights are seen from x >= 4 on, for x >= 8 by every second line only.
+class HalfHidden : public SightRays {
+  public:
+    void trace(std::span<const SightLine>, const LightElsewhere&,
+               std::span<std::array<float, 3>> radiance) const override {
+        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+    }
+    void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere&,
+                         std::span<std::array<float, 3>> radiance) const override {
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            const bool is_seen = lines[i].lens.x >= 8 ? lines[i].view % 2 == 0 : lines[i].lens.x >= 4;
+            radiance[i].fill(is_seen ? 1 : 0);
+        }
+    }
+    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
+};
+
+TEST(PatchField, ChecksHighlightsByLinesThatAreAimedAtThem) {
+    const MadeSheets f({.levels = 1}, [](Record& r) { r.id = 5; });
+    const PatchMesh mesh = cut_patches(f.sheets.primary, {1, 0.1});
+    const MadeLights lights;
+    const HalfHidden rays;
+    PatchField field;
+    field.instants = {{&mesh, nullptr}};
+    field.width = width;
+    field.height = height;
+    field.recorded_end = {width, height};
+    field.sets.resize(1);
+    PatchView v;
+    v.uses = {{0, 1, {}}};
+    PatchViews& set = field.sets[0];
+    set.views = {v};
+    set.lights = &lights;
+    set.rays = &rays;
+    set.checked = [](int, int, std::vector<std::uint32_t>&) {};
+    set.aimed = [](int x, int) { return x == 5 ? 0 : 0.5; };
+    std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+    patch_field(field, pictures);
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const PixelCheck& check = pictures[0].checks[static_cast<std::size_t>(y * width + x)];
+            SCOPED_TRACE(x);
+            EXPECT_EQ(check.highlights[1], 2);
+            EXPECT_EQ(check.aimed_share, x == 5 ? 0 : 0.5F);
+            // Where few rays differ, more are traced.
+            EXPECT_EQ(check.aimed, x == 5 ? 0U : x >= 8 ? 32U : 4U);
+            EXPECT_EQ(check.highlight_residual(1), x == 5 ? 0 : x >= 8 ? 1.5 - 2 : x >= 4 ? 3 - 2 : -2);
+        }
     }
 }
 

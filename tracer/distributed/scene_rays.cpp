@@ -29,9 +29,36 @@ bool SceneRays::steady(NodePath path, std::uint32_t id) const {
     return (path.bits() == 0 || steady_mirrors_) && !unsteady_.contains(id);
 }
 
+namespace {
+
+void store(const EyeRays& eye, const std::vector<glm::dvec3>& from,
+           std::span<std::array<float, 3>> radiance) {
+    for (std::size_t i = 0; i < radiance.size(); ++i) {
+        const double weight = eye.weight.empty() ? 1.0 : static_cast<double>(eye.weight[i]);
+        for (int c = 0; c < 3; ++c)
+            radiance[i][static_cast<std::size_t>(c)] = static_cast<float>(weight * from[i][c]);
+    }
+}
+
+}  // namespace
+
 void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less,
                       std::span<std::array<float, 3>> radiance) const {
     thread_local EyeRays eye;
+    trace(lines, less, eye);
+    store(eye, eye.radiance, radiance);
+}
+
+void SceneRays::trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+                                std::span<std::array<float, 3>> radiance) const {
+    std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+    if (!less.of) return;
+    thread_local EyeRays eye;
+    trace(lines, less, eye);
+    store(eye, eye.left_out, radiance);
+}
+
+void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const {
     eye.rays.clear(false, tracer_.needs_times());
     eye.pixel.clear();
     eye.index.clear();
@@ -63,11 +90,6 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     }
     RayCounts counts;
     tracer_.trace(eye, counts);
-    for (std::size_t i = 0; i < lines.size(); ++i) {
-        const double weight = eye.weight.empty() ? 1.0 : static_cast<double>(eye.weight[i]);
-        for (int c = 0; c < 3; ++c)
-            radiance[i][static_cast<std::size_t>(c)] = static_cast<float>(weight * eye.radiance[i][c]);
-    }
     const std::lock_guard lock(mutex_);
     counts_ += counts;
 }

@@ -57,6 +57,9 @@ struct Beam {
     double radius = 0, spread = 0;  // of the origins, m, and of the directions
 };
 
+/// Radiance below which an image is not looked for: an eighth of white on the sRGB curve, over black.
+constexpr double dimmest = 0.0144;
+
 }  // namespace
 
 BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells) {
@@ -111,7 +114,7 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
     if (groups_.empty()) return out;
     const Beam beam(at);
     const auto look_at = [&](const Sphere& s) {
-        if (s.brightness * beam.throughput <= 1 || !beam.may_touch(s.centre, s.radius)) return;
+        if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
         // Linear map from the position in the cell, in cells from its middle, to the position of the ray

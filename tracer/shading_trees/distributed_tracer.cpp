@@ -34,6 +34,13 @@ struct LimitedNode {
     dvec3 radiance{0};
 };
 
+/// Adds the radiance of a node, except for the part that the rays must not include.
+void add_limited(const dvec3& radiance, std::size_t ray, EyeRays& eye) {
+    const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
+    eye.radiance[ray] += kept;
+    eye.left_out[ray] += radiance - kept;
+}
+
 }  // namespace
 
 struct DistributedTracer::PathRay {
@@ -200,14 +207,14 @@ void DistributedTracer::resolve_shadows(EyeRays& eye, Workspace& w) const {
         (s.node == no_node ? eye.radiance[s.sample] : w.limited[s.node].radiance) +=
             s.radiance * w.shadow_rays.transmittance[k];
     }
-    for (const LimitedNode& n : w.limited)
-        eye.radiance[n.sample] += glm::min(n.radiance, dvec3(static_cast<double>(eye.less->above)));
+    for (const LimitedNode& n : w.limited) add_limited(n.radiance, n.sample, eye);
 }
 
 void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
     thread_local Workspace w;
     const auto count = static_cast<std::size_t>(eye.rays.count);
     eye.radiance.assign(count, dvec3(0));
+    eye.left_out.assign(eye.less != nullptr ? count : 0, dvec3(0));
     counts.eye += count;
     scene_.intersect(eye.rays, coherent() && !eye.rays.has_sources);
 
@@ -233,11 +240,14 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         PathRay ray;
         ray.sample = static_cast<std::uint32_t>(i);
         const bool limited = limits(ray, object, static_cast<double>(b.t[i]), eye);
-        const auto seen = [&](const dvec3& radiance) {
-            return limited ? glm::min(radiance, dvec3(static_cast<double>(eye.less->above))) : radiance;
+        const auto see = [&](const dvec3& radiance) {
+            if (limited)
+                add_limited(radiance, i, eye);
+            else
+                eye.radiance[i] = radiance;
         };
         if (answers_[object] == Answer::constant) {
-            eye.radiance[i] = seen(constant_[object]);
+            see(constant_[object]);
             continue;
         }
         ray.origin = dvec3(glm::vec3(b.ox[i], b.oy[i], b.oz[i]));
@@ -247,7 +257,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         if (answers_[object] == Answer::texture) {
             const Material& m = scene_.scene().materials[scene_.scene().objects[object].material];
             const SurfacePoint s = scene_.texture_point(key, ray.origin, ray.direction, t, time);
-            eye.radiance[i] = seen(own_radiance(scene_.scene(), m, s, surface_colour(m, s)));
+            see(own_radiance(scene_.scene(), m, s, surface_colour(m, s)));
             continue;
         }
         shade(ray, scene_.surface(key, ray.origin, ray.direction, t, time), key, eye, w, counts);

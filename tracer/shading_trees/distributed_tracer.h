@@ -38,6 +38,7 @@ struct EyeRays {
     /// distance t on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
+    std::vector<glm::dvec3> left_out;  ///< result: the radiance that `less` excludes; empty without `less`
 };
 
 class DistributedTracer {

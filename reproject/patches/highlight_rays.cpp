@@ -1,0 +1,100 @@
+#include "reproject/patches/highlight_rays.h"
+
+#include <algorithm>
+
+#include "core/sample_hash.h"
+#include "reproject/patches/view_rays.h"
+
+namespace postlens {
+namespace {
+
+/// Rays per pixel. Most pixels see either all light of a highlight or none, and few rays show which. Where
+/// these rays differ, more are traced.
+constexpr int few_rays = 4, more_rays = 28;
+/// Two rays differ if their light differs by more than this factor.
+constexpr double differing = 1e-3;
+
+}  // namespace
+
+bool CheckedHighlights::Aimed::rays_differ() const {
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (most[c] - least[c] > differing * most[c]) return true;
+    }
+    return false;
+}
+
+void CheckedHighlights::check(const PatchField& field, const PatchViews& set, const TilePlace& at,
+                              const std::vector<double>& light, std::vector<PixelCheck>& checks) {
+    aimed_.clear();
+    for (int y = 0; y < at.height; ++y) {
+        for (int x = 0; x < at.width; ++x) {
+            const auto k = static_cast<std::uint16_t>(y * SeenTile::edge + x);
+            for (std::size_t c = 0; c < 3; ++c)
+                checks[k].highlights[c] = static_cast<float>(light[Lights::values * k + c]);
+            const double share = set.aimed ? set.aimed(at.x - field.x + x, at.y - field.y + y) : 0;
+            checks[k].aimed_share = static_cast<float>(share);
+            if (share > 0) aimed_.push_back({.pixel = k});
+        }
+    }
+    trace(field, set, at, few_rays, aimed_);
+    const auto store = [&](const Aimed& a) {
+        checks[a.pixel].aimed_sum = a.sum;
+        checks[a.pixel].aimed = a.rays;
+    };
+    differing_.clear();
+    for (const Aimed& a : aimed_) {
+        if (a.rays_differ())
+            differing_.push_back(a);
+        else
+            store(a);
+    }
+    trace(field, set, at, more_rays, differing_);
+    for (const Aimed& a : differing_) store(a);
+}
+
+void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, const TilePlace& at, int count,
+                              std::vector<Aimed>& aimed) {
+    const PatchView& first = set.views.front();
+    for (std::size_t i = 0; i < aimed.size(); ++i) {
+        const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
+        const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
+        // Independent lines in each pixel, set and range of views, and in the second round.
+        std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
+        seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
+        seed = mix64(seed ^ aimed[i].rays);
+        aims_.clear();
+        set.lights->aim(at.x - field.x + x, at.y - field.y + y, seed, count, aims_);
+        for (std::size_t n = 0; n < aims_.size(); ++n) {
+            SightLine line = aims_[n].line;
+            line.x = at.x + x;
+            line.y = at.y + y;
+            line.set = first.set;
+            line.view = static_cast<std::uint32_t>(n);
+            lines_.push_back(line);
+            scales_.push_back(aims_[n].scale);
+            aimed_of_line_.push_back(i);
+        }
+        if (lines_.size() >= lines_together) trace_lines(set, aimed);
+    }
+    trace_lines(set, aimed);
+}
+
+void CheckedHighlights::trace_lines(const PatchViews& set, std::vector<Aimed>& aimed) {
+    radiance_.resize(lines_.size());
+    set.rays->trace_elsewhere(lines_, set.less, radiance_);
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        Aimed& a = aimed[aimed_of_line_[i]];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double light = scales_[i] * static_cast<double>(radiance_[i][c]);
+            a.sum[c] += light;
+            a.least[c] = a.rays == 0 ? light : std::min(a.least[c], light);
+            a.most[c] = a.rays == 0 ? light : std::max(a.most[c], light);
+        }
+        ++a.rays;
+    }
+    lines_.clear();
+    scales_.clear();
+    aimed_of_line_.clear();
+}
+
+}  // namespace postlens

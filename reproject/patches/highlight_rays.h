@@ -1,0 +1,47 @@
+// Compares the light of highlights with rays that are aimed at them.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "reproject/patch_field.h"
+#include "reproject/patches/patch_raster.h"
+
+namespace postlens {
+
+/// Checks the highlights in the pixels of a tile. A view's ray rarely hits a small light, so its residual
+/// says nothing about highlights. Lines through the lens points at which the recorded highlights reach a
+/// pixel (Lights::aim) show whether they do: a surface that is not recorded may hide them, or a mirror may
+/// not show them where W predicts.
+class CheckedHighlights {
+  public:
+    /// Sets the members of `checks` that describe highlights, per pixel of the tile. `light`: the result of
+    /// Lights::add.
+    void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
+               const std::vector<double>& light, std::vector<PixelCheck>& checks);
+
+  private:
+    /// The light of a pixel's highlights along the rays that are aimed at them.
+    struct Aimed {
+        std::uint16_t pixel = 0;
+        std::uint32_t rays = 0;
+        std::array<double, 3> sum{}, least{}, most{};
+        [[nodiscard]] bool rays_differ() const;
+    };
+    /// Traces `count` rays for each element of `aimed`.
+    void trace(const PatchField& field, const PatchViews& set, const TilePlace& at, int count,
+               std::vector<Aimed>& aimed);
+    void trace_lines(const PatchViews& set, std::vector<Aimed>& aimed);
+
+    std::vector<Aimed> aimed_, differing_;
+    std::vector<Lights::Line> aims_;
+    // One element per ray.
+    std::vector<SightLine> lines_;
+    std::vector<double> scales_;
+    std::vector<std::size_t> aimed_of_line_;
+    std::vector<std::array<float, 3>> radiance_;  ///< of the highlights
+};
+
+}  // namespace postlens
