@@ -68,6 +68,7 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
                  "than 0)",
                  impulse.file.string(), sum);
         cell_light_ = p.light;
+        most_light_ = *std::max_element(p.light.begin(), p.light.end());
         const auto width = static_cast<std::ptrdiff_t>(p.width);
         for (std::ptrdiff_t y = 0; y < p.height; ++y) {
             double row = 0;
@@ -223,8 +224,9 @@ double Aperture::transmittance(const dvec2& q) const {
         const std::vector<double>& light = picture_->light;
         return light[static_cast<std::size_t>(cell.y) * static_cast<std::size_t>(picture_->width) +
                      static_cast<std::size_t>(cell.x)] /
-               *std::max_element(light.begin(), light.end());
+               most_light_;
     }
+    if (q.x * q.x + q.y * q.y > farthest_ * farthest_) return 0;
     if (is_plain_disc()) return p.x * p.x + p.y * p.y <= 1 ? 1 : 0;
     for (std::size_t i = 0; i < rim_.size(); ++i) {
         const dvec2 a = rim_[i], side = rim_[(i + 1) % rim_.size()] - a;

@@ -92,6 +92,7 @@ class Aperture {
     std::optional<AperturePicture> picture_;
     glm::dvec2 half_extent_{1};
     double farthest_ = 1;
+    double most_light_ = 1;          ///< largest value of picture_
     Outline rim_;                    ///< fine polygon from which sample() draws
     std::vector<double> rim_light_;  ///< running sums of the areas of the triangles (centre, side of rim_)
     std::vector<double> row_light_, cell_light_;  ///< running shares of rows, and of cells in each row

@@ -110,7 +110,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             std::vector<std::uint8_t> biased = biased_tiles(tiles);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (error.bias_mse > most_mse / 4) {
+            if (error.bias_mse - error.highlights_mse > most_mse / 4) {
                 const std::vector<std::uint8_t> more = most_biased(tiles, grid, most_mse);
                 for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];
             }

@@ -39,7 +39,6 @@ double noise_at(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
 /// Residuals of the two halves in a pixel, as encoded values per channel.
 struct Residuals {
     std::array<double, 3> a{}, b{};
-    [[nodiscard]] bool any() const { return a != std::array<double, 3>{} || b != std::array<double, 3>{}; }
 };
 /// Product of the residuals of two independent halves: an estimate of the squared error, as a mean over
 /// channels.
@@ -92,12 +91,13 @@ struct Mean {
     }
 };
 
-/// Sum over all pixels, estimated from pixels that are chosen with known probability.
+/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance is that of
+/// independent choices, and is never less than if all pixels are chosen with noisy values.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
         sum += value / probability;
-        variance += value * value * (1 - probability) / (probability * probability);
+        variance += value * value / (probability * probability);
     }
 };
 
@@ -124,7 +124,7 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // A half of this many views or more has rays in all pixels.
+    // A half of this many views or more has aimed rays in all pixels.
     constexpr int all_from_views = 128;
     const auto pixels = static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_),
                chosen = std::clamp<std::uint64_t>(pixels * static_cast<std::uint64_t>(views) / all_from_views,
@@ -181,15 +181,15 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
                     const PixelCheck &of_a = a.checks[k], &of_b = b.checks[k];
                     out.check_rays += of_a.rays + of_b.rays + of_a.aimed + of_b.aimed;
                     const bool is_stating = checked.use(x, y) == checks;
-                    if (!is_stating && of_a.aimed_share == 0) continue;
+                    const auto chosen = static_cast<double>(std::min(of_a.aimed_share, of_b.aimed_share));
+                    if (!is_stating && chosen == 0) continue;
                     const Residuals lights = highlight_residuals(a, b, k);
                     if (is_stating) {
                         const Residuals views = view_residuals(a, b, k);
                         bias.add(product(views.a, views.b) + product(views.a, lights.b) +
                                  product(lights.a, views.b));
                     }
-                    if (lights.any())
-                        highlights.add(product(lights.a, lights.b), static_cast<double>(of_a.aimed_share));
+                    if (chosen > 0) highlights.add(product(lights.a, lights.b), chosen);
                 }
             }
             noise_sum += sum;
@@ -198,6 +198,7 @@ StatedError stated_error(const FieldFocus& a, const FieldFocus& b, const std::op
     }
     pixels = std::max(pixels, 1.0);
     out.noise_mse = noise_sum / pixels;
+    out.highlights_mse = std::max(0.0, highlights.sum / pixels);
     out.bias_mse = std::max(0.0, bias.mean() + highlights.sum / pixels);
     const double mse = out.mse();
     if (!(mse > 0)) return out;

@@ -33,8 +33,8 @@ class CheckedPixels {
 
   private:
     struct Place {
-        std::uint64_t hash, place,
-            stating;  ///< of the block; of the pixel, and of the one that states the error
+        std::uint64_t hash;            ///< of the block
+        std::uint64_t place, stating;  ///< of the pixel in the block, and of the pixel that states the error
     };
     [[nodiscard]] Place place_of(int x, int y) const;
     int edge_;
@@ -42,8 +42,9 @@ class CheckedPixels {
 
 /// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
 struct StatedError {
-    double noise_mse = 0;  ///< noise of the views: a quarter of the squared difference of two halves
-    double bias_mse = 0;   ///< error of the records, measured by check rays
+    double noise_mse = 0;       ///< noise of the views: a quarter of the squared difference of two halves
+    double bias_mse = 0;        ///< error of the records, measured by check rays
+    double highlights_mse = 0;  ///< the part of `bias_mse` that is due to highlights
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return noise_mse + bias_mse; }

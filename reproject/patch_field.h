@@ -66,8 +66,8 @@ struct PatchViews {
     /// ray. The results are stored in PatchPicture::checks; the image does not change. If empty, no samples
     /// are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Only with `checked`: whether rays are aimed at the highlights of the pixel (x, y). Returns the share
-    /// of pixels that are chosen in the same way, or 0 if the pixel is not chosen. If empty, none is chosen.
+    /// Only with `checked`: whether rays are aimed at the highlights of the pixel (x, y). Returns the
+    /// probability with which the pixel was chosen, or 0 if it was not. If empty, none is chosen.
     std::function<double(int x, int y)> aimed;
     /// Number of the image that this set of views draws. Sets of one image must draw different square pieces
     /// of it.
@@ -129,14 +129,18 @@ class Lights {
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A line of sight along which a highlight reaches a pixel, unless something hides it. The mean over such
-    /// lines of `scale` times the highlights' radiance is the light of the highlights in the pixel.
+    /// lines of `scale` times the radiance of their highlights is the light of all highlights in the pixel.
     struct Line {
         SightLine line;
-        double scale = 0;  ///< 0: no lens point was found for this line
+        NodeIdentity highlight;
+        double scale = 0;
     };
-    /// Appends `count` random lines to the pixel (x, y) of the image, or none if no highlight reaches it.
-    /// `seed` determines the lines.
-    virtual void aim(int x, int y, std::uint64_t seed, int count, std::vector<Line>& lines) const = 0;
+    /// Returns numbers of the sources of light that may reach a rectangle of the image, px.
+    [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
+    /// Appends up to `count` random lines to the pixel (x, y) of the image, from those of `sources` that
+    /// reach it. `seed` determines the lines.
+    virtual void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
+                     std::vector<Line>& lines) const = 0;
 };
 
 /// Comparison of rays with records in one pixel. A residual is the radiance of a ray minus the radiance of

@@ -33,6 +33,16 @@ struct LightElsewhere {
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
 };
 
+/// Identifies the nodes of shading trees that show one surface on one path.
+struct NodeIdentity {
+    NodePath path;
+    std::uint32_t parent_id = 0;  ///< the object that reflects or transmits the node; 0 for direct nodes
+    std::uint32_t id = 0;
+    [[nodiscard]] bool operator==(const NodeIdentity& other) const {
+        return path.bits() == other.path.bits() && parent_id == other.parent_id && id == other.id;
+    }
+};
+
 /// A ray tracer that has the scene.
 class SightRays {
   public:
@@ -46,8 +56,10 @@ class SightRays {
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// As `trace`, but writes only the radiance that `less` excludes.
-    virtual void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+    /// As `trace`, but writes only the radiance that `less` excludes, of the nodes that `of` identifies for
+    /// each line.
+    virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
+                                 const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
     /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs

@@ -164,7 +164,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
     s.light = light_of(s.rgb);
-    s.area = m.share * static_cast<double>(h.area);
+    s.area = static_cast<double>(h.area);
+    s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
     // If the impulse response is about as small as a pixel, a pixel receives light through the whole lens.

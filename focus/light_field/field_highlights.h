@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "focus/light_field/lens_views.h"
@@ -40,7 +41,10 @@ class FieldHighlights {
 
     /// Lights::aim: lines from random points of the recorded highlights that reach the pixel, through the
     /// lens points at which each of them is seen there.
-    void aim(int x, int y, std::uint64_t seed, int count, std::vector<Lights::Line>& lines) const;
+    void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
+             std::vector<Lights::Line>& lines) const;
+    /// Numbers of the sources that reach a rectangle within a row of tiles.
+    [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
@@ -49,9 +53,10 @@ class FieldHighlights {
         std::uint32_t kernel = 0;
         glm::dvec2 at{0};  ///< position, image px
         std::array<float, 3> rgb{};
-        double light = 0;   ///< sum of rgb
-        double area = 0;    ///< px^2, times the share of the exposure that its instant stands for
-        double square = 0;  ///< rgb times radiance, of the brightest channel
+        double light = 0;     ///< sum of rgb
+        double area = 0;      ///< px^2
+        double exposure = 1;  ///< share of the exposure that its instant stands for
+        double square = 0;    ///< rgb times radiance, of the brightest channel
         glm::dmat2 lens_from_px{1}, px_from_lens{1};
         float inverse_z = 0;
         bool by_all = false;  ///< all views decide on visibility, instead of those near one lens point

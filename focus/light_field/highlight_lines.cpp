@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/sample_hash.h"
@@ -38,19 +39,27 @@ double FieldHighlights::response(const Source& s, int x, int y) const {
     return column >= row.x_begin && column < row.x_end ? kernel.at(row, column) : 0;
 }
 
-void FieldHighlights::aim(int x, int y, std::uint64_t seed, int count,
+std::vector<std::uint32_t> FieldHighlights::reaching(int x, int y, int width, int height) const {
+    std::vector<std::uint32_t> out;
+    for (const std::uint32_t i : rows_[static_cast<std::size_t>(y / band_px)]) {
+        if (reaches(sources_[i], x, y, width, height)) out.push_back(i);
+    }
+    return out;
+}
+
+void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
                           std::vector<Lights::Line>& lines) const {
     struct Reached {
         std::uint32_t source;
-        double share, light_until;
+        double light_until;
     };
     std::vector<Reached> reached;
     double light = 0;
-    for (const std::uint32_t i : rows_[static_cast<std::size_t>(y / band_px)]) {
+    for (const std::uint32_t i : sources) {
         const double share = response(sources_[i], x, y);
         if (!(share > 0)) continue;
         light += share * sources_[i].light;
-        reached.push_back({i, share, light});
+        reached.push_back({i, light});
     }
     if (!(light > 0)) return;
     Randoms random(seed);
@@ -63,8 +72,8 @@ void FieldHighlights::aim(int x, int y, std::uint64_t seed, int count,
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // If the response is smaller than a pixel, few lines between the highlight and the pixel pass the
-        // lens; if it is larger, few lines through the lens meet the pixel.
+        // If the response covers less than a pixel, few lines between the highlight and the pixel pass the
+        // lens; if it covers more, few lines through the lens meet the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const glm::dvec2 from = s.at + std::sqrt(s.area) * (random.next_two() - 0.5), pixel(x, y);
@@ -80,10 +89,11 @@ void FieldHighlights::aim(int x, int y, std::uint64_t seed, int count,
                 if (random.next() >= aperture_.transmittance(lens)) continue;
             }
             aimed.line = {.place = place, .lens = lens, .light_before = light_before};
-            aimed.scale = light / s.light * s.area;
+            aimed.highlight = {s.key.path, s.key.parent_id, s.key.id};
+            aimed.scale = light / s.light * s.area * s.exposure;
+            lines.push_back(aimed);
             break;
         }
-        lines.push_back(aimed);
     }
 }
 

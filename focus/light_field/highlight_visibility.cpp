@@ -56,8 +56,12 @@ class FieldHighlights::OverViews final : public Lights {
         return of_.reach(x, y, width, height);
     }
     void add(const TileViews& views, std::vector<double>& light) const override;
-    void aim(int x, int y, std::uint64_t seed, int count, std::vector<Line>& lines) const override {
-        of_.aim(x, y, seed, count, lines);
+    [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const override {
+        return of_.reaching(x, y, width, height);
+    }
+    void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
+             std::vector<Line>& lines) const override {
+        of_.aim(x, y, sources, seed, count, lines);
     }
 
   private:

@@ -27,7 +27,8 @@ class NoRays final : public SightRays {
                std::span<std::array<float, 3>> radiance) const override {
         std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
     }
-    void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
+    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
+                         const LightElsewhere& less,
                          std::span<std::array<float, 3>> radiance) const override {
         trace(lines, less, radiance);
     }

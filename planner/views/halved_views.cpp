@@ -119,6 +119,11 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
             if (to.checks.empty()) continue;
             PixelCheck& check = to.checks[k];
             const PixelCheck& more = drawn.checks[k];
+            if (before == 0) {  // drawn anew, with the same lines
+                check.rays += check.aimed;
+                check.aimed = 0;
+                check.aimed_sum = {};
+            }
             const std::uint32_t both = check.views + more.views;
             for (std::size_t c = 0; c < 3; ++c) {
                 check.sum[c] = both * (check.mean(c) + share * (more.mean(c) - check.mean(c)));

@@ -9,8 +9,9 @@ namespace postlens {
 namespace {
 
 /// Rays per pixel. Most pixels see either all light of a highlight or none, and few rays show which. Where
-/// these rays differ, more are traced.
-constexpr int few_rays = 4, more_rays = 28;
+/// these rays differ, more are traced. The rays that decide this do not count, since the mean of those that
+/// happen to agree is wrong.
+constexpr int few_rays = 4, many_rays = 28;
 /// Two rays differ if their light differs by more than this factor.
 constexpr double differing = 1e-3;
 
@@ -36,34 +37,38 @@ void CheckedHighlights::check(const PatchField& field, const PatchViews& set, co
             if (share > 0) aimed_.push_back({.pixel = k});
         }
     }
-    trace(field, set, at, few_rays, aimed_);
-    const auto store = [&](const Aimed& a) {
-        checks[a.pixel].aimed_sum = a.sum;
-        checks[a.pixel].aimed = a.rays;
-    };
+    if (aimed_.empty()) return;
+    sources_ = set.lights->reaching(at.x - field.x, at.y - field.y, at.width, at.height);
+    trace(field, set, at, Round::deciding, aimed_);
+    agreeing_.clear();
     differing_.clear();
     for (const Aimed& a : aimed_) {
-        if (a.rays_differ())
-            differing_.push_back(a);
-        else
-            store(a);
+        checks[a.pixel].rays += a.rays;
+        if (a.rays > 0) (a.rays_differ() ? differing_ : agreeing_).push_back({.pixel = a.pixel});
     }
-    trace(field, set, at, more_rays, differing_);
-    for (const Aimed& a : differing_) store(a);
+    trace(field, set, at, Round::few, agreeing_);
+    trace(field, set, at, Round::many, differing_);
+    for (const std::vector<Aimed>* some : {&agreeing_, &differing_}) {
+        for (const Aimed& a : *some) {
+            checks[a.pixel].aimed_sum = a.sum;
+            checks[a.pixel].aimed = a.rays;
+        }
+    }
 }
 
-void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, const TilePlace& at, int count,
-                              std::vector<Aimed>& aimed) {
+void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, const TilePlace& at,
+                              Round round, std::vector<Aimed>& aimed) {
+    const int count = round == Round::many ? many_rays : few_rays;
     const PatchView& first = set.views.front();
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // Independent lines in each pixel, set and range of views, and in the second round.
+        // Independent lines in each pixel, set, range of views and round.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
-        seed = mix64(seed ^ aimed[i].rays);
+        seed = mix64(seed ^ static_cast<std::uint64_t>(round));
         aims_.clear();
-        set.lights->aim(at.x - field.x + x, at.y - field.y + y, seed, count, aims_);
+        set.lights->aim(at.x - field.x + x, at.y - field.y + y, sources_, seed, count, aims_);
         for (std::size_t n = 0; n < aims_.size(); ++n) {
             SightLine line = aims_[n].line;
             line.x = at.x + x;
@@ -71,6 +76,7 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
             line.set = first.set;
             line.view = static_cast<std::uint32_t>(n);
             lines_.push_back(line);
+            highlights_.push_back(aims_[n].highlight);
             scales_.push_back(aims_[n].scale);
             aimed_of_line_.push_back(i);
         }
@@ -80,8 +86,9 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
 }
 
 void CheckedHighlights::trace_lines(const PatchViews& set, std::vector<Aimed>& aimed) {
+    if (lines_.empty()) return;
     radiance_.resize(lines_.size());
-    set.rays->trace_elsewhere(lines_, set.less, radiance_);
+    set.rays->trace_elsewhere(lines_, highlights_, set.less, radiance_);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         Aimed& a = aimed[aimed_of_line_[i]];
         for (std::size_t c = 0; c < 3; ++c) {
@@ -93,6 +100,7 @@ void CheckedHighlights::trace_lines(const PatchViews& set, std::vector<Aimed>& a
         ++a.rays;
     }
     lines_.clear();
+    highlights_.clear();
     scales_.clear();
     aimed_of_line_.clear();
 }

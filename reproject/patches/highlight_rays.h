@@ -30,15 +30,18 @@ class CheckedHighlights {
         std::array<double, 3> sum{}, least{}, most{};
         [[nodiscard]] bool rays_differ() const;
     };
-    /// Traces `count` rays for each element of `aimed`.
-    void trace(const PatchField& field, const PatchViews& set, const TilePlace& at, int count,
+    enum class Round : std::uint8_t { deciding, few, many };
+    /// Traces rays for each element of `aimed`.
+    void trace(const PatchField& field, const PatchViews& set, const TilePlace& at, Round round,
                std::vector<Aimed>& aimed);
     void trace_lines(const PatchViews& set, std::vector<Aimed>& aimed);
 
-    std::vector<Aimed> aimed_, differing_;
+    std::vector<Aimed> aimed_, agreeing_, differing_;
+    std::vector<std::uint32_t> sources_;
     std::vector<Lights::Line> aims_;
     // One element per ray.
     std::vector<SightLine> lines_;
+    std::vector<NodeIdentity> highlights_;
     std::vector<double> scales_;
     std::vector<std::size_t> aimed_of_line_;
     std::vector<std::array<float, 3>> radiance_;  ///< of the highlights

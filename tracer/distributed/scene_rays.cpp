@@ -49,11 +49,12 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
     store(eye, eye.radiance, radiance);
 }
 
-void SceneRays::trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
-                                std::span<std::array<float, 3>> radiance) const {
+void SceneRays::trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
+                                const LightElsewhere& less, std::span<std::array<float, 3>> radiance) const {
     std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
     if (!less.of) return;
     thread_local EyeRays eye;
+    eye.left_out_of.assign(of.begin(), of.end());
     trace(lines, less, eye);
     store(eye, eye.left_out, radiance);
 }

@@ -18,8 +18,8 @@ class SceneRays : public SightRays {
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                std::span<std::array<float, 3>> radiance) const override;
-    void trace_elsewhere(std::span<const SightLine> lines, const LightElsewhere& less,
-                         std::span<std::array<float, 3>> radiance) const override;
+    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
+                         const LightElsewhere& less, std::span<std::array<float, 3>> radiance) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
     /// Number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

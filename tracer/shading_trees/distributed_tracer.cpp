@@ -32,13 +32,15 @@ struct Shadow {
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
+    bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a node, except for the part that the rays must not include.
-void add_limited(const dvec3& radiance, std::size_t ray, EyeRays& eye) {
+/// Adds the radiance of a node, except for the part that the ray must not include. `counts`: whether that
+/// part is added to EyeRays::left_out.
+void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;
-    eye.left_out[ray] += radiance - kept;
+    if (counts) eye.left_out[ray] += radiance - kept;
 }
 
 }  // namespace
@@ -182,7 +184,7 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
     std::uint32_t limited = no_node;
     if (limits(ray, s.object, s.t, eye)) {
         limited = static_cast<std::uint32_t>(w.limited.size());
-        w.limited.push_back({ray.sample, own});
+        w.limited.push_back({ray.sample, own, counts_as_left_out(ray, s.object, eye)});
     } else {
         eye.radiance[ray.sample] += own;
     }
@@ -200,6 +202,13 @@ bool DistributedTracer::limits(const PathRay& ray, std::uint32_t object, double 
                         ray.path.bits() == 0 ? eye.recorded_at(ray.sample, t) : glm::dvec2(0));
 }
 
+bool DistributedTracer::counts_as_left_out(const PathRay& ray, std::uint32_t object,
+                                           const EyeRays& eye) const {
+    return !eye.left_out_of.empty() &&
+           eye.left_out_of[ray.sample] ==
+               NodeIdentity{ray.path, ray.parent_id, scene_.scene().objects[object].id};
+}
+
 void DistributedTracer::resolve_shadows(EyeRays& eye, Workspace& w) const {
     if (w.shadow_rays.count != 0) scene_.occlude(w.shadow_rays);
     for (std::size_t k = 0; k < w.shadows.size(); ++k) {
@@ -207,7 +216,7 @@ void DistributedTracer::resolve_shadows(EyeRays& eye, Workspace& w) const {
         (s.node == no_node ? eye.radiance[s.sample] : w.limited[s.node].radiance) +=
             s.radiance * w.shadow_rays.transmittance[k];
     }
-    for (const LimitedNode& n : w.limited) add_limited(n.radiance, n.sample, eye);
+    for (const LimitedNode& n : w.limited) add_limited(n.radiance, n.sample, n.counts, eye);
 }
 
 void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
@@ -242,7 +251,7 @@ void DistributedTracer::trace(EyeRays& eye, RayCounts& counts) const {
         const bool limited = limits(ray, object, static_cast<double>(b.t[i]), eye);
         const auto see = [&](const dvec3& radiance) {
             if (limited)
-                add_limited(radiance, i, eye);
+                add_limited(radiance, i, counts_as_left_out(ray, object, eye), eye);
             else
                 eye.radiance[i] = radiance;
         };

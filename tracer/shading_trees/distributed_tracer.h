@@ -38,7 +38,9 @@ struct EyeRays {
     /// distance t on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
-    std::vector<glm::dvec3> left_out;  ///< result: the radiance that `less` excludes; empty without `less`
+    /// Result: the radiance that `less` excludes; empty without `less`.
+    std::vector<glm::dvec3> left_out;
+    std::vector<NodeIdentity> left_out_of;  ///< per ray, the nodes that count in `left_out`; empty: none
 };
 
 class DistributedTracer {
@@ -74,6 +76,8 @@ class DistributedTracer {
                const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Whether a node's radiance is clamped.
+    /// Whether the radiance that a ray leaves out at a node is asked for (EyeRays::left_out_of).
+    [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
 
     const RayScene& scene_;
