@@ -91,8 +91,8 @@ struct Mean {
     }
 };
 
-/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance is that of
-/// independent choices, and is never less than if all pixels are chosen with noisy values.
+/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance counts
+/// each value's square, not only the choice of pixels, because the values themselves have noise.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -113,27 +113,25 @@ CheckedPixels::CheckedPixels(int width, int height) {
 CheckedPixels::Place CheckedPixels::place_of(int x, int y) const {
     const auto edge = static_cast<std::uint64_t>(edge_), column = static_cast<std::uint64_t>(x),
                row = static_cast<std::uint64_t>(y), h = hash_of(column / edge, row / edge, 1);
-    return {h, row % edge * edge + column % edge, h % (edge * edge)};
+    return {h, row % edge * edge + column % edge, h % pixels()};
 }
 
 CheckedPixels::Use CheckedPixels::use(int x, int y) const {
-    const auto pixels = static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
     const Place p = place_of(x, y);
-    const std::uint64_t deciding = (p.stating + 1 + (p.hash >> 32U) % (pixels - 1)) % pixels;
+    const std::uint64_t deciding = (p.stating + 1 + (p.hash >> 32U) % (pixels() - 1)) % pixels();
     return p.place == p.stating ? Use::stating : p.place == deciding ? Use::deciding : Use::none;
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
     // A half of this many views or more has aimed rays in all pixels.
     constexpr int all_from_views = 128;
-    const auto pixels = static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_),
-               chosen = std::clamp<std::uint64_t>(pixels * static_cast<std::uint64_t>(views) / all_from_views,
-                                                  1, pixels);
+    const std::uint64_t chosen =
+        std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
     // The odd factor visits all places of a block, and no neighbours one after the other.
     constexpr std::uint64_t step = 7;
-    const std::uint64_t rank = (p.place + pixels - p.stating) * step % pixels;
-    return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels) : 0;
+    const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
+    return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;
 }
 
 void CheckedPixels::views(int x, int y, int set, int first, int count,

@@ -37,6 +37,10 @@ class CheckedPixels {
         std::uint64_t place, stating;  ///< of the pixel in the block, and of the pixel that states the error
     };
     [[nodiscard]] Place place_of(int x, int y) const;
+    /// Number of pixels of a block.
+    [[nodiscard]] std::uint64_t pixels() const {
+        return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
+    }
     int edge_;
 };
 

@@ -146,7 +146,8 @@ class Lights {
 /// Comparison of rays with records in one pixel. A residual is the radiance of a ray minus the radiance of
 /// the records, for one view. If the image takes the sample from a ray anyway, its residual is 0.
 struct PixelCheck {
-    std::uint32_t views = 0, rays = 0;
+    std::uint32_t views = 0;
+    std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
     /// The highlights in the pixel: the light that was added to the image, and the sum of their light along

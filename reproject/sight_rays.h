@@ -38,9 +38,7 @@ struct NodeIdentity {
     NodePath path;
     std::uint32_t parent_id = 0;  ///< the object that reflects or transmits the node; 0 for direct nodes
     std::uint32_t id = 0;
-    [[nodiscard]] bool operator==(const NodeIdentity& other) const {
-        return path.bits() == other.path.bits() && parent_id == other.parent_id && id == other.id;
-    }
+    friend bool operator==(const NodeIdentity&, const NodeIdentity&) = default;
 };
 
 /// A ray tracer that has the scene.

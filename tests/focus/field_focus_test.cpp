@@ -272,9 +272,8 @@ TEST(FieldFocus, AWideLampsShadowsAreSoft) {
     EXPECT_GT(psnr(got, truth), 35);
 }
 
-// Each pixel sees only a part of a bright surface that is wider than its blur. If its
-// highlights were spread, all highlights within 1.5 px would share one shadow of a nearer surface, and shine
-// through its border.
+// Each pixel sees only a part of a bright surface that is wider than its blur. If its highlights were spread,
+// all highlights within 1.5 px would share one shadow of a nearer surface, and shine through its border.
 TEST(FieldFocus, AWideBrightSurfaceDoesNotShineThroughWhatHidesAPart) {
     SceneBuilder b;
     b.add(board(-0.1, 0.15, -0.15, 0.15, 1.5), glowing({3, 3, 3}));

@@ -25,7 +25,9 @@ class SceneRays : public SightRays {
     [[nodiscard]] RayCounts counts() const;
 
   private:
+    /// Traces the lines; the results are the members of `eye`.
     void trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const;
+
     const RenderSetup& setup_;
     Sampler sampler_;
     DistributedTracer tracer_;

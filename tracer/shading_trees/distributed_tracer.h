@@ -76,9 +76,9 @@ class DistributedTracer {
                const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Whether a node's radiance is clamped.
-    /// Whether the radiance that a ray leaves out at a node is asked for (EyeRays::left_out_of).
-    [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
+    /// Whether the radiance that a ray leaves out at a node is added to EyeRays::left_out.
+    [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;
     const Sampler& sampler_;
