@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/text.h"
+#include "pictures/crop.h"
 #include "planner/errors/records_bound.h"
 #include "planner/stated_error.h"
 #include "planner/views/halved_views.h"
@@ -17,16 +18,19 @@ namespace {
 
 /// Number of views of every tile at the beginning: 8 for each of the image's two independent halves.
 constexpr int first_views = 16;
+/// Largest width of the 95 % interval, dB, for which no views are added to know the error better.
+constexpr double wanted_interval_db = 2;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));
 }
 
 /// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
-/// mean noise is below `wanted_mse`. Tiles where an added view removes most noise come first. Doubling the
-/// views is assumed to halve the squared noise of a tile.
+/// mean error is below `wanted_mse`. Tiles where an added view removes most error come first. The precision
+/// of a tile, the reciprocal of its error, is assumed to increase by that of the added views, and the
+/// precision of views to be proportional to their number.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
-                         const TileGrid& grid, double wanted_mse) {
+                         const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
         double gain = 0;  ///< squared error that each added view removes, per pixel
         std::size_t tile = 0;
@@ -35,21 +39,28 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
         }
     };
     const double pixels = static_cast<double>(grid.width) * grid.height;
+    const auto expected = [&](std::size_t t, int of_views) {
+        const double mse = mix[t].mse(tiles[t]);
+        if (!(mse > 0 && tiles[t].noise_mse > 0)) return 0.0;
+        return 1 / (1 / mse + (of_views - views[t]) / (views[t] * tiles[t].noise_mse));
+    };
     std::vector<int> planned = views;
     std::priority_queue<Step> steps;
+    const auto gain = [&](std::size_t t) {
+        return (expected(t, planned[t]) - expected(t, 2 * planned[t])) / planned[t];
+    };
     double left = 0;
-    const auto noise = [&](std::size_t t) { return tiles[t].noise_mse * views[t] / planned[t]; };
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-        left += noise(t) * grid.pixels(t) / pixels;
-        steps.push({noise(t) / planned[t], t});
+    for (std::size_t t = 0; t < views.size(); ++t) {
+        left += expected(t, planned[t]) * grid.pixels(t) / pixels;
+        steps.push({gain(t), t});
     }
     while (left > wanted_mse && !steps.empty() && steps.top().gain > 0) {
         const std::size_t t = steps.top().tile;
         steps.pop();
         if (2 * planned[t] > most_lens_views) continue;
-        left -= noise(t) / 2 * grid.pixels(t) / pixels;
+        left -= (expected(t, planned[t]) - expected(t, 2 * planned[t])) * grid.pixels(t) / pixels;
         planned[t] *= 2;
-        steps.push({noise(t) / planned[t], t});
+        steps.push({gain(t), t});
     }
     for (std::size_t t = 0; t < planned.size(); ++t) planned[t] = std::min(planned[t], 2 * views[t]);
     return planned;
@@ -79,6 +90,37 @@ std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const
     return out;
 }
 
+/// Whether `layers` costs no more than the first views: its work is proportional to the number of records,
+/// and that of views to the number of their samples. A record takes about as long as a sample.
+bool is_worth_layers(const SampleFileReader& file, const TileGrid& grid) {
+    return file.record_count() <= static_cast<std::uint64_t>(first_views) *
+                                      static_cast<std::uint64_t>(grid.width) *
+                                      static_cast<std::uint64_t>(grid.height);
+}
+
+/// Error of the other image, if it were shown alone; estimated, may be negative.
+double alone_mse(const MeasuredError& measured, const TileGrid& grid) {
+    double sum = 0;
+    for (const TileError& tile : measured.tiles) sum += tile.other_mse * tile.pixels;
+    return measured.bias_mse + sum / (static_cast<double>(grid.width) * grid.height);
+}
+
+/// Mixes the other image into `image`. Returns the mean of its weights over the pixels of the image or crop.
+double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
+              const std::optional<Crop>& crop, Image& image) {
+    double sum = 0;
+    for (int y = 0; y < grid.height; ++y) {
+        for (int x = 0; x < grid.width; ++x) {
+            const double weight = tiles[grid.at(x, y)].weight;
+            const float *from = other.pixel(x, y), w = static_cast<float>(weight);
+            float* out = image.pixel(x, y);
+            for (int c = 0; c < 3; ++c) out[c] += w * (from[c] - out[c]);
+            if (!crop || crop->contains(x, y)) sum += weight;
+        }
+    }
+    return sum / static_cast<double>(wanted_pixels(crop, grid.width, grid.height));
+}
+
 }  // namespace
 
 double AutoResult::noise_db() const {
@@ -101,26 +143,47 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     const TileGrid& grid = views.grid();
     const double most_mse = std::pow(10.0, -target_db / 10);
     std::vector<int> wanted(grid.count(), first_views);
-    std::vector<TileError> tiles;
-    for (;;) {
+    MeasuredError measured;
+    std::optional<Image> layers;
+    std::vector<TileMix> mix(grid.count());
+    // `layers` shows a single instant. Its error is not known without rays.
+    if (views.has_rays() && !whole.shutter && is_worth_layers(frame.file(), grid)) {
+        FocusSettings by_layers = whole.focus;
+        by_layers.method = FocusMethod::layers;
+        layers = focus_picture(frame, by_layers).image;
+    }
+    const auto measure = [&](const std::optional<Crop>& where, CheckedPixels::Use use) {
+        return measured_error(views.half(0), views.half(1), where, use, layers ? &*layers : nullptr);
+    };
+    for (bool is_met = false;;) {
         views.draw(wanted);
-        tiles = tile_errors(views.half(0), views.half(1));
-        StatedError error = stated_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding);
+        measured = measure({}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
-            std::vector<std::uint8_t> biased = biased_tiles(tiles);
+            std::vector<std::uint8_t> biased = biased_tiles(measured.tiles);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (error.bias_mse - error.highlights_mse > most_mse / 4) {
-                const std::vector<std::uint8_t> more = most_biased(tiles, grid, most_mse);
+            if (measured.bias_mse - measured.highlights_mse > most_mse / 4) {
+                const std::vector<std::uint8_t> more = most_biased(measured.tiles, grid, most_mse);
                 for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];
             }
-            views.leave_to_rays(biased);
-            tiles = tile_errors(views.half(0), views.half(1));
-            error = stated_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding);
+            if (views.leave_to_rays(biased)) measured = measure({}, CheckedPixels::Use::deciding);
         }
-        if (error.high_mse <= most_mse) break;
-        const double others = error.high_mse - error.noise_mse;
-        std::vector<int> next = doubled(wanted, tiles, grid, std::max(most_mse - others, most_mse / 2));
+        if (layers) mix = mixed_tiles(measured);
+        const StatedError error = stated_error(measured, mix);
+        double goal = most_mse;
+        if (error.high_mse <= most_mse) {
+            // Views are added once more if this makes the error better known: if `layers` alone seems to have
+            // less than half the error, but not for certain, or if too few check rays make the interval wide.
+            const double alone = alone_mse(measured, grid);
+            const bool is_better_alone = layers && error.mse() > 2 * alone,
+                       has_few_checks = measured.bias_variance > error.variance / 2 &&
+                                        error.high_db() - error.low_db() > wanted_interval_db;
+            if (is_met || !(is_better_alone || has_few_checks)) break;
+            is_met = true;
+            goal = has_few_checks ? 0 : std::max(2 * alone, 0.0);
+        }
+        const double others = error.high_mse - error.views_mse;
+        std::vector<int> next = doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));
         if (next == wanted) break;
         wanted = std::move(next);
     }
@@ -128,16 +191,18 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     AutoResult out;
     out.grid = grid;
     double pixels = 0;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-        out.tiles.push_back({wanted[t], views.left_to_rays()[t] != 0, tiles[t].noise_mse});
+    for (std::size_t t = 0; t < grid.count(); ++t) {
+        out.tiles.push_back({wanted[t], views.left_to_rays()[t] != 0, mix[t].weight,
+                             std::max(0.0, mix[t].mse(measured.tiles[t]))});
         out.mean_views += static_cast<double>(wanted[t]) * grid.pixels(t);
         pixels += grid.pixels(t);
     }
     out.mean_views /= pixels;
     const auto [least, most] = std::minmax_element(wanted.begin(), wanted.end());
     const bool has_rays = views.has_rays();
-    const StatedError stated = stated_error(views.half(0), views.half(1), crop);
+    const StatedError stated = stated_error(measure(crop, CheckedPixels::Use::stating), mix);
     out.hybrid = finished(frame, std::move(views), crop);
+    if (layers) out.layers_share = mix_in(*layers, mix, grid, crop, out.hybrid.focus.image);
     out.hybrid.focus.views = *most;
     out.hybrid.focus.method = FocusMethod::hybrid;
     out.plan = fmt::format("{} to {} views a tile, {:.0f} on the mean: ", *least, *most, out.mean_views);
@@ -145,6 +210,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     if (has_rays) {
         out.hybrid.stated = stated;
         out.met = stated.mse() <= most_mse;
+        if (out.layers_share > 0) out.plan += fmt::format("layers by {} %, ", rough(100 * out.layers_share));
         out.plan +=
             fmt::format("{:.1f} dB ({:.1f} to {:.1f})", stated.db(), stated.low_db(), stated.high_db());
         reason = fmt::format("{:.1f} dB are stated", stated.db());
@@ -154,8 +220,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     } else {
         const RecordsBound bound = records_bound(frame, whole, out.hybrid.focus.image);
         out.unsure_share = bound.unsure_share(grid.width, crop);
-        out.noise_mse = stated.noise_mse;
-        out.bound_mse = together_mse(stated.noise_mse, bound.mean_mse(grid.width, crop));
+        out.noise_mse = stated.views_mse;
+        out.bound_mse = together_mse(stated.views_mse, bound.mean_mse(grid.width, crop));
         out.met = out.noise_mse <= most_mse;
         const std::string said = fmt::format(
             "{:.1f} dB beside what the records are not sure of, {} % of what the lens sees, and at "

@@ -22,7 +22,9 @@ struct AutoSettings {
 struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
-    double noise_mse = 0;       ///< measured; sRGB values, mean over pixels and channels
+    double layers_weight = 0;   ///< of the image made by `layers`, 0 to 1
+    /// Measured error of the views and of `layers`; sRGB values, mean over pixels and channels.
+    double noise_mse = 0;
 };
 
 struct AutoResult {
@@ -30,6 +32,7 @@ struct AutoResult {
     TileGrid grid;
     std::vector<AutoTile> tiles;
     double mean_views = 0;
+    double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
     /// Share of the samples of views that the records do not determine. Set only if no scene is given.
     double unsure_share = 0;
     /// noise_mse: measured noise of the views. bound_mse: upper bound of the error from this noise and from
@@ -51,6 +54,10 @@ struct AutoResult {
 /// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or
 /// prevents the image from reaching its target, rays replace all view samples of the tile. If no scene is
 /// given, unsure samples keep their recorded colours, and their error is not measured.
+///
+/// With a scene and a closed shutter, `layers` also makes the image, unless the file has so many records that
+/// this takes longer than the first views. The two halves of the views measure its error. It is mixed with
+/// the views, in each tile with the weight that gives the least error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

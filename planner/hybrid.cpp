@@ -95,8 +95,10 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));
     std::optional<StatedError> stated;
     if (settings.focus.views > 1 && !settings.checked) {
-        views.leave_to_rays(biased_tiles(tile_errors(views.half(0), views.half(1))));
-        stated = stated_error(views.half(0), views.half(1), settings.focus.crop);
+        views.leave_to_rays(biased_tiles(
+            measured_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding).tiles));
+        stated = stated_error(
+            measured_error(views.half(0), views.half(1), settings.focus.crop, CheckedPixels::Use::stating));
     }
     HybridResult out = finished(frame, std::move(views), settings.focus.crop);
     out.stated = stated;

@@ -63,7 +63,7 @@ nlohmann::ordered_json shares_json(const HybridResult& r) {
     out["stated_db"] = out["predicted_db"] = json_number(r.stated->db());
     out["stated_low_db"] = json_number(r.stated->low_db());
     out["stated_high_db"] = json_number(r.stated->high_db());
-    out["stated"] = {{"noise_mse", r.stated->noise_mse}, {"bias_mse", r.stated->bias_mse}};
+    out["stated"] = {{"noise_mse", r.stated->views_mse}, {"bias_mse", r.stated->bias_mse}};
     out["check_rays"] = r.stated->check_rays;
     return out;
 }
@@ -104,9 +104,13 @@ nlohmann::ordered_json auto_json(const AutoResult& r) {
     }
     nlohmann::ordered_json tiles = nlohmann::ordered_json::array();
     for (const AutoTile& t : r.tiles) {
-        tiles.push_back({{"views", t.views}, {"left_to_rays", t.left_to_rays}, {"noise_mse", t.noise_mse}});
+        tiles.push_back({{"views", t.views},
+                         {"left_to_rays", t.left_to_rays},
+                         {"layers_weight", t.layers_weight},
+                         {"noise_mse", t.noise_mse}});
     }
     out["plan"] = {{"mean_views", r.mean_views},
+                   {"layers_share", r.layers_share},
                    {"tile_px", TileGrid::edge},
                    {"columns", r.grid.columns()},
                    {"tiles", std::move(tiles)}};

@@ -7,7 +7,7 @@
 
 #include "focus/responses/depth_levels.h"
 #include "pictures/crop.h"
-#include "planner/stated_error.h"
+#include "planner/views/checked_pixels.h"
 #include "planner/views/picture_request.h"
 
 namespace postlens {
@@ -138,7 +138,7 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
     }
 }
 
-void HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles) {
+bool HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles) {
     const std::vector<int> wanted = views_;
     bool any = false;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
@@ -148,6 +148,7 @@ void HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles) {
         views_[t] = 0;
     }
     if (any) draw(wanted);
+    return any;
 }
 
 FieldFocus HalvedViews::whole() && {

@@ -29,8 +29,8 @@ class HalvedViews {
     /// has one more view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
     /// Redraws the tiles whose entry in `tiles` is not 0. In these tiles, rays replace all samples, including
-    /// those of views drawn later.
-    void leave_to_rays(const std::vector<std::uint8_t>& tiles);
+    /// those of views drawn later. Returns whether a tile was redrawn.
+    bool leave_to_rays(const std::vector<std::uint8_t>& tiles);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
     [[nodiscard]] const FocusGeometry& geometry() const { return by_field_.geometry; }

@@ -43,8 +43,9 @@ Images draw(const SampleFileReader& file, const Lens& lens) {
         out.stated.emplace_back();
         for (int y = 0; y < height; y += TileGrid::edge) {
             for (int x = 0; x < width; x += TileGrid::edge)
-                out.stated.back().push_back(
-                    stated_error(views.half(0), views.half(1), Crop{x, y, TileGrid::edge, TileGrid::edge}));
+                out.stated.back().push_back(stated_error(
+                    measured_error(views.half(0), views.half(1), Crop{x, y, TileGrid::edge, TileGrid::edge},
+                                   CheckedPixels::Use::stating)));
         }
         out.image.push_back(std::move(views).whole().image);
     }
@@ -105,7 +106,7 @@ TEST(StatedNoise, OfATileIsItsNoiseWithinTheStatedInterval) {
             if (noise < 1e-9) continue;  // 90 dB: rounding, not noise
             for (std::size_t i = 0; i < images; ++i) {
                 const StatedError& stated = drawn.stated[i][t];
-                const double off_db = std::abs(10 * std::log10(stated.noise_mse / noise));
+                const double off_db = std::abs(10 * std::log10(stated.views_mse / noise));
                 // The interval is 2 * 1.96 standard deviations wide. Its variance is the sum of two equal
                 // ones: of the estimate and of the image itself.
                 const double deviation_db =
@@ -114,7 +115,7 @@ TEST(StatedNoise, OfATileIsItsNoiseWithinTheStatedInterval) {
                 covered += errors[i][t] >= stated.low_mse && errors[i][t] <= stated.high_mse ? 1 : 0;
                 certain += deviation_db <= 0.5 ? 1 : 0;
                 within_1_db += deviation_db <= 0.5 && off_db <= 1 ? 1 : 0;
-                ratios += stated.noise_mse / noise;
+                ratios += stated.views_mse / noise;
             }
         }
     }

@@ -305,7 +305,7 @@ TEST(UnsureViews, StateTheErrorOfHighlights) {
     const double measured = db(got.focus.image, rendered(b.scene, c, 50, 16384, 9));
     ASSERT_TRUE(got.stated);
     EXPECT_NEAR(got.stated->db(), measured, 1);
-    EXPECT_GT(got.stated->bias_mse, got.stated->noise_mse);
+    EXPECT_GT(got.stated->bias_mse, got.stated->views_mse);
 }
 
 // Rays that are aimed at a highlight that nothing hides meet its light: in blur wider and narrower than a

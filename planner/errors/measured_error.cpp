@@ -1,0 +1,244 @@
+#include "planner/errors/measured_error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/threads.h"
+#include "pictures/crop.h"
+#include "pictures/srgb.h"
+
+namespace postlens {
+namespace {
+
+/// Derivative of the sRGB transfer curve; 0 where values are clamped to [0, 1].
+double slope(double linear) {
+    if (!(linear >= 0) || linear >= 1) return 0;
+    return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
+}
+
+double encoded(float linear) {
+    return static_cast<double>(srgb_from_linear(linear));
+}
+
+/// Squared noise of the mean of the images `a` and `b`, and the product of the differences of `other` from
+/// them, as sums over pixels and means over channels.
+struct Differences {
+    double noise = 0, products = 0;
+    void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
+        for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
+            const double of_a = encoded(a.image.rgb[c]), of_b = encoded(b.image.rgb[c]);
+            noise += (of_a - of_b) * (of_a - of_b) / 12;
+            if (other == nullptr) continue;
+            const double value = encoded(other->rgb[c]);
+            products += (value - of_a) * (value - of_b) / 3;
+        }
+    }
+};
+
+/// Residuals of the two halves in a pixel, as encoded values per channel.
+struct Residuals {
+    std::array<double, 3> a{}, b{};
+};
+/// Product of the residuals of two independent halves: an estimate of the squared error, as a mean over
+/// channels.
+double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
+    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
+}
+
+/// Mean residuals (ray minus record) of the views' samples. They have much noise, so they are converted by
+/// the slope of the sRGB curve.
+Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    Residuals out;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t k = 3 * pixel + c;
+        const double s =
+            slope((static_cast<double>(a.image.rgb[k]) + static_cast<double>(b.image.rgb[k])) / 2);
+        out.a[c] = s * a.checks[pixel].mean(c);
+        out.b[c] = s * b.checks[pixel].mean(c);
+    }
+    return out;
+}
+
+/// Residuals of the highlights. They have little noise and may exceed the range of the sRGB curve, so they
+/// are differences on the curve.
+Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
+    Residuals out;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const std::size_t k = 3 * pixel + c;
+        const float value = (a.image.rgb[k] + b.image.rgb[k]) / 2;
+        const auto residual = [&](const PixelCheck& check) {
+            const double off = check.highlight_residual(c);
+            return off == 0 ? 0 : encoded(value + static_cast<float>(off)) - encoded(value);
+        };
+        out.a[c] = residual(a.checks[pixel]);
+        out.b[c] = residual(b.checks[pixel]);
+    }
+    return out;
+}
+
+struct Mean {
+    double count = 0, sum = 0, squares = 0;
+    void add(double value) {
+        ++count;
+        sum += value;
+        squares += value * value;
+    }
+    void add(const Mean& more) {
+        count += more.count;
+        sum += more.sum;
+        squares += more.squares;
+    }
+    [[nodiscard]] double mean() const { return count > 0 ? sum / count : 0; }
+    /// Variance of the mean.
+    [[nodiscard]] double variance() const {
+        return count > 1 ? std::max(0.0, squares / count - mean() * mean()) / (count - 1) : 0;
+    }
+};
+
+/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance counts
+/// each value's square, not only the choice of pixels, because the values themselves have noise.
+struct ChosenSum {
+    double sum = 0, variance = 0;
+    void add(double value, double probability) {
+        sum += value / probability;
+        variance += value * value / (probability * probability);
+    }
+    void add(const ChosenSum& more) {
+        sum += more.sum;
+        variance += more.variance;
+    }
+};
+
+/// Adds the variances of the estimates in a piece to those of its tile.
+///
+/// d: half the difference of the halves. v: noise of their mean. e: difference of the other image from the
+/// expectation of the views. d and v are independent and have the same variance n. N = d^2 estimates the
+/// noise, and S = (e - v)^2 - d^2 the other image's difference. With the other image's weight w, the error is
+/// estimated as (1 - w)^2 N + w^2 S, and it is ((1 - w) v + w e)^2. The estimate exceeds the error by
+/// (1 - 2 w) (d^2 - v^2) - 2 w e v, which has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. 4 n^2 is
+/// estimated by 4/3 N^2, because E(N^2) = 3 n^2, and e^2 n by S N + 2/3 N^2, because E(S N) = e^2 n - 2 n^2.
+void add_variances(const Differences& of_piece, TileError& tile) {
+    const double squared = of_piece.noise * of_piece.noise;
+    tile.of_noise += 4.0 / 3 * squared;
+    tile.of_product += of_piece.products * of_piece.noise + 2.0 / 3 * squared;
+}
+
+struct TileSums {
+    TileError error;
+    Mean views, bias;  ///< errors of the records: in samples of views; also combined with highlights
+    ChosenSum highlights;
+    std::uint64_t check_rays = 0;
+};
+
+class TileMeasurement {
+  public:
+    TileMeasurement(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
+                    CheckedPixels::Use use, const Image* other)
+        : a_(a),
+          b_(b),
+          crop_(crop),
+          use_(use),
+          other_(other),
+          grid_{a.image.width, a.image.height},
+          checked_(grid_.width, grid_.height) {}
+
+    [[nodiscard]] TileSums operator()(std::size_t tile) const {
+        const int piece = piece_px(grid_.width, grid_.height),
+                  left = static_cast<int>(tile) % grid_.columns() * TileGrid::edge,
+                  top = static_cast<int>(tile) / grid_.columns() * TileGrid::edge,
+                  right = std::min(left + TileGrid::edge, grid_.width),
+                  bottom = std::min(top + TileGrid::edge, grid_.height);
+        TileSums out;
+        for (int y0 = top; y0 < bottom; y0 += piece) {
+            for (int x0 = left; x0 < right; x0 += piece) {
+                Differences of_piece;
+                for (int y = y0; y < std::min(y0 + piece, bottom); ++y) {
+                    for (int x = x0; x < std::min(x0 + piece, right); ++x) {
+                        if (crop_ && !crop_->contains(x, y)) continue;
+                        ++out.error.pixels;
+                        of_piece.add(a_, b_, other_, pixel_of(x, y));
+                        if (!a_.checks.empty()) add_checks(x, y, out);
+                    }
+                }
+                out.error.noise_mse += of_piece.noise;
+                out.error.other_mse += of_piece.products;
+                add_variances(of_piece, out.error);
+            }
+        }
+        const double pixels = std::max(out.error.pixels, 1);
+        out.error.noise_mse /= pixels;
+        out.error.other_mse /= pixels;
+        out.error.of_noise /= pixels * pixels;
+        out.error.of_product = std::max(0.0, out.error.of_product) / (pixels * pixels);
+        out.error.bias_mse = out.views.mean();
+        out.error.bias_deviation = std::sqrt(out.views.variance());
+        return out;
+    }
+
+  private:
+    [[nodiscard]] std::size_t pixel_of(int x, int y) const {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(grid_.width) +
+               static_cast<std::size_t>(x);
+    }
+
+    void add_checks(int x, int y, TileSums& out) const {
+        const std::size_t k = pixel_of(x, y);
+        const PixelCheck &of_a = a_.checks[k], &of_b = b_.checks[k];
+        out.check_rays += of_a.rays + of_b.rays + of_a.aimed + of_b.aimed;
+        const bool is_used = checked_.use(x, y) == use_;
+        const auto chosen = static_cast<double>(std::min(of_a.aimed_share, of_b.aimed_share));
+        if (!is_used && chosen == 0) return;
+        const Residuals lights = highlight_residuals(a_, b_, k);
+        if (is_used) {
+            const Residuals views = view_residuals(a_, b_, k);
+            const double of_views = product(views.a, views.b);
+            out.views.add(of_views);
+            out.bias.add(of_views + product(views.a, lights.b) + product(lights.a, views.b));
+        }
+        if (chosen > 0) out.highlights.add(product(lights.a, lights.b), chosen);
+    }
+
+    const FieldFocus &a_, &b_;
+    const std::optional<Crop>& crop_;
+    CheckedPixels::Use use_;
+    const Image* other_;
+    TileGrid grid_;
+    CheckedPixels checked_;
+};
+
+}  // namespace
+
+MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
+                             CheckedPixels::Use use, const Image* other) {
+    const TileGrid grid{a.image.width, a.image.height};
+    std::vector<TileSums> sums(grid.count());
+    const TileMeasurement measured(a, b, crop, use, other);
+    parallel_for(sums.size(), [&](std::size_t t) { sums[t] = measured(t); });
+    MeasuredError out;
+    Mean bias;
+    ChosenSum highlights;
+    double pixels = 0;
+    for (const TileSums& tile : sums) {
+        out.tiles.push_back(tile.error);
+        out.check_rays += tile.check_rays;
+        bias.add(tile.bias);
+        highlights.add(tile.highlights);
+        pixels += tile.error.pixels;
+    }
+    pixels = std::max(pixels, 1.0);
+    out.highlights_mse = highlights.sum / pixels;
+    out.bias_mse = bias.mean() + out.highlights_mse;
+    out.bias_variance = bias.variance() + highlights.variance / (pixels * pixels);
+    return out;
+}
+
+std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles) {
+    std::vector<std::uint8_t> out(tiles.size(), 0);
+    std::transform(tiles.begin(), tiles.end(), out.begin(), [](const TileError& t) {
+        return static_cast<std::uint8_t>(t.bias_mse > t.noise_mse && t.bias_mse > 2 * t.bias_deviation);
+    });
+    return out;
+}
+
+}  // namespace postlens

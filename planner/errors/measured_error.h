@@ -1,0 +1,65 @@
+// What two independent halves of the views, and check rays, say about the errors of an image.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "focus/light_field/field_focus.h"
+#include "planner/views/checked_pixels.h"
+#include "planner/views/tile_grid.h"
+
+namespace postlens {
+
+/// Squared errors of a tile: sRGB values clamped to [0, 1], means over pixels and channels.
+struct TileError {
+    int pixels = 0;        ///< number of measured pixels
+    double noise_mse = 0;  ///< noise of the mean of the halves: a quarter of their squared difference
+    /// Squared difference of another image from the expectation of the views; estimated, may be negative.
+    double other_mse = 0;
+    double of_noise = 0, of_product = 0;  ///< variances, as defined in `estimate_variance`
+    double bias_mse = 0;                  ///< error of the records, estimated by check rays; may be negative
+    double bias_deviation = 0;            ///< standard error of `bias_mse`
+
+    /// Variance of the estimated error (1 - w)^2 noise_mse + w^2 other_mse of an image in which the other
+    /// image has the weight w and the views have the weight 1 - w. The error of this particular image is a
+    /// random number, too, and the variance is that of the difference.
+    [[nodiscard]] double estimate_variance(double w) const {
+        return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
+    }
+};
+
+struct MeasuredError {
+    std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
+    /// Errors of the records in the image, measured by check rays; estimates, may be negative.
+    double bias_mse = 0;
+    double highlights_mse = 0;  ///< the part of `bias_mse` that is due to highlights
+    double bias_variance = 0;   ///< variance of `bias_mse`
+    std::uint64_t check_rays = 0;
+};
+
+/// Measures the errors of `a` and `b`. These are two images with equally many views, from independent sets of
+/// lens points, and with comparisons between view samples and rays. Only pixels within `crop` are measured.
+/// `use` selects the check rays. `other`: another image of the same scene, which does not depend on the
+/// views; null if there is none. The result is bit-identical for any number of threads.
+///
+/// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
+///
+/// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
+/// so the expectation of their product is the squared error of the records. Residuals are converted to sRGB
+/// values by the slope of the sRGB curve at the image's value.
+///
+/// Other image: the noise of `a` and `b` is independent, so the product of the other image's differences from
+/// them has its squared difference from the expectation of the views as its own expectation.
+///
+/// The variances assume that errors are normally distributed, equal within a square piece of the image
+/// (piece_px), and independent between pieces.
+[[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
+                                           const std::optional<Crop>& crop, CheckedPixels::Use use,
+                                           const Image* other = nullptr);
+
+/// Returns 1 for tiles in which samples that the records seem to determine have a significant error. An error
+/// is significant if it exceeds the noise of the views and twice its own standard error.
+[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
+
+}  // namespace postlens

@@ -1,0 +1,63 @@
+#include "planner/views/checked_pixels.h"
+
+#include <algorithm>
+
+#include "core/sample_hash.h"
+
+namespace postlens {
+namespace {
+
+std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
+    return mix64(mix64(mix64(x) ^ y) ^ purpose);
+}
+
+}  // namespace
+
+CheckedPixels::CheckedPixels(int width, int height) {
+    // Products of residuals (ray minus record) have a wide distribution. With 2000 of them, their mean is
+    // known well enough.
+    constexpr int enough_pixels = 2000, sparse = 8, dense = 4;
+    edge_ = std::int64_t{width} * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
+}
+
+CheckedPixels::Place CheckedPixels::place_of(int x, int y) const {
+    const auto edge = static_cast<std::uint64_t>(edge_), column = static_cast<std::uint64_t>(x),
+               row = static_cast<std::uint64_t>(y), h = hash_of(column / edge, row / edge, 1);
+    return {h, row % edge * edge + column % edge, h % pixels()};
+}
+
+CheckedPixels::Use CheckedPixels::use(int x, int y) const {
+    const Place p = place_of(x, y);
+    const std::uint64_t deciding = (p.stating + 1 + (p.hash >> 32U) % (pixels() - 1)) % pixels();
+    return p.place == p.stating ? Use::stating : p.place == deciding ? Use::deciding : Use::none;
+}
+
+double CheckedPixels::aimed(int x, int y, int views) const {
+    // A half of this many views or more has aimed rays in all pixels.
+    constexpr int all_from_views = 128;
+    const std::uint64_t chosen =
+        std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
+    const Place p = place_of(x, y);
+    // The odd factor visits all places of a block, and no neighbours one after the other.
+    constexpr std::uint64_t step = 7;
+    const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
+    return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;
+}
+
+void CheckedPixels::views(int x, int y, int set, int first, int count,
+                          std::vector<std::uint32_t>& out) const {
+    if (use(x, y) == Use::none) return;
+    const std::uint64_t h =
+        hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
+                2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
+    // Many views are checked in few pixels, because their residuals have much noise. Doubling the views
+    // divides the variance of the product of two noisy means by four. Doubling the pixels would only divide
+    // it by two.
+    constexpr std::uint64_t most_checked = 8;
+    const auto views = static_cast<std::uint64_t>(count);
+    const std::uint64_t checked = std::min(views, most_checked);
+    for (std::uint64_t i = 0; i < checked; ++i)
+        out.push_back(static_cast<std::uint32_t>((h % views + i * views / checked) % views));
+}
+
+}  // namespace postlens

@@ -1,0 +1,42 @@
+// Selects the samples of views that are compared with rays.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace postlens {
+
+/// Selects the samples of views that are compared with rays. In each block of 8 x 8 px (4 x 4 px in small
+/// images), one random pixel is checked to state the image's error. Another random pixel is checked to decide
+/// in which tiles rays replace all samples. In a checked pixel, up to eight views of each half are compared,
+/// and up to eight of those that are added later.
+///
+/// Rays are aimed at the highlights of the pixel that states the error, and of more pixels of the block the
+/// more views the image has. Errors of highlights are rare and large, and their rays cost little compared
+/// with many views.
+class CheckedPixels {
+  public:
+    enum class Use : std::uint8_t { none, deciding, stating };
+    /// `width`, `height`: size of the image, px.
+    CheckedPixels(int width, int height);
+    [[nodiscard]] Use use(int x, int y) const;
+    /// Appends the numbers of the checked views among views [first, first + count) of a set. The numbers are
+    /// relative to `first`: 0 to count - 1.
+    void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
+    /// PatchViews::aimed, for a half that has `views` views.
+    [[nodiscard]] double aimed(int x, int y, int views) const;
+
+  private:
+    struct Place {
+        std::uint64_t hash;            ///< of the block
+        std::uint64_t place, stating;  ///< of the pixel in the block, and of the pixel that states the error
+    };
+    [[nodiscard]] Place place_of(int x, int y) const;
+    /// Number of pixels of a block.
+    [[nodiscard]] std::uint64_t pixels() const {
+        return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
+    }
+    int edge_;
+};
+
+}  // namespace postlens

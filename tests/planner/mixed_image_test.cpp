@@ -1,0 +1,123 @@
+// The weights of another image that is mixed with the views, and the error that is stated for the mixed
+// image, compared with simulated images whose error is known.
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <random>
+#include <vector>
+
+#include "pictures/srgb.h"
+#include "planner/stated_error.h"
+
+namespace postlens::test::mixed_image_test {
+namespace {
+
+constexpr int width = 256, height = 192;
+constexpr TileGrid grid{width, height};
+
+/// Two halves of the views, and another image, of a gray scene. The errors are equal within a piece.
+struct Simulated {
+    FieldFocus a, b;
+    Image other;
+};
+
+/// `noise` and `off`: standard deviations, as sRGB values, of the noise of the halves' mean and of the other
+/// image's error, in the left half of the image; the other image is ten times as wrong in the right half.
+Simulated simulated(double noise, double off, std::mt19937& random) {
+    Simulated out{.a = {}, .b = {}, .other = Image(width, height)};
+    out.a.image = out.b.image = Image(width, height);
+    std::normal_distribution<double> normal(0, 1);
+    const int piece = piece_px(width, height);
+    const auto fill = [&](Image& image, int x0, int y0, double error) {
+        for (int y = y0; y < y0 + piece; ++y) {
+            for (int x = x0; x < x0 + piece; ++x)
+                std::fill_n(image.pixel(x, y), 3, linear_from_srgb(static_cast<float>(0.5 + error)));
+        }
+    };
+    for (int y = 0; y < height; y += piece) {
+        for (int x = 0; x < width; x += piece) {
+            fill(out.a.image, x, y, std::sqrt(2) * noise * normal(random));
+            fill(out.b.image, x, y, std::sqrt(2) * noise * normal(random));
+            fill(out.other, x, y, (x < width / 2 ? 1 : 10) * off * normal(random));
+        }
+    }
+    return out;
+}
+
+/// Squared error of the image in which the other image has its weights.
+double error_of(const Simulated& of, const std::vector<TileMix>& mix) {
+    double sum = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const double w = mix[grid.at(x, y)].weight;
+            const float views = (*of.a.image.pixel(x, y) + *of.b.image.pixel(x, y)) / 2;
+            const float value = views + static_cast<float>(w) * (*of.other.pixel(x, y) - views);
+            const double e = static_cast<double>(srgb_from_linear(value)) - 0.5;
+            sum += e * e / (width * height);
+        }
+    }
+    return sum;
+}
+
+TEST(MixedImage, HasTheErrorThatIsStated) {
+    std::mt19937 random(1);
+    for (const double ratio :
+         {0.1, 0.3, 1.0, 3.0}) {  // the other image's error in relation to the views' noise
+        constexpr int trials = 100;
+        constexpr double noise = 0.02;
+        int inside = 0;
+        double stated_sum = 0, sum = 0, views_sum = 0;
+        for (int i = 0; i < trials; ++i) {
+            const Simulated of = simulated(noise, ratio * noise, random);
+            const MeasuredError measured =
+                measured_error(of.a, of.b, {}, CheckedPixels::Use::stating, &of.other);
+            const std::vector<TileMix> mix = mixed_tiles(measured);
+            const StatedError stated = stated_error(measured, mix);
+            const double is = error_of(of, mix);
+            inside += stated.low_mse <= is && is <= stated.high_mse ? 1 : 0;
+            stated_sum += stated.mse();
+            sum += is;
+            views_sum += error_of(of, std::vector<TileMix>(grid.count()));
+            EXPECT_LT(stated.high_db() - stated.low_db(), 2.001);
+        }
+        // 95 of 100 intervals contain the error: less than 89 have a probability of 0.5 %.
+        EXPECT_GE(inside, 89) << ratio;
+        // The mean of 100 estimates, each with a standard deviation of at most 12 %, is known to 2 % at 1.7
+        // standard deviations; pieces are not linear on the sRGB curve, which adds less than 1 %.
+        EXPECT_NEAR(stated_sum / sum, 1, 0.04) << ratio;
+        // Without an uncertainty of the weights, the left half would have the error n s / (n + s).
+        const double n = noise * noise, s = ratio * ratio * n, left = n * s / (n + s),
+                     right = n * 100 * s / (n + 100 * s);
+        EXPECT_GT(sum / trials, 0.9 * (left + right) / 2) << ratio;
+        EXPECT_LT(sum, views_sum) << ratio;
+    }
+}
+
+TEST(MixedImage, HasNoShareWhereTheViewsHaveNoNoise) {
+    std::mt19937 random(2);
+    Simulated of = simulated(0, 0.01, random);
+    const MeasuredError measured = measured_error(of.a, of.b, {}, CheckedPixels::Use::stating, &of.other);
+    for (const TileMix& tile : mixed_tiles(measured)) EXPECT_EQ(tile.weight, 0);
+    EXPECT_EQ(stated_error(measured, mixed_tiles(measured)).mse(), 0);
+}
+
+TEST(MixedImage, IsKnownBestAsTheMeanOfBoth) {
+    // The error of the mean of two independent images is a quarter of their squared difference, whatever the
+    // noise of either. In a single piece per tile, no other weight is known well.
+    TileError tile{
+        .pixels = 4096, .noise_mse = 1e-4, .other_mse = 1e-6, .of_noise = 1e-8, .of_product = 1e-10};
+    EXPECT_LT(tile.estimate_variance(0.5), tile.estimate_variance(0.4));
+    EXPECT_LT(tile.estimate_variance(0.5), tile.estimate_variance(0.6));
+    MeasuredError measured;
+    measured.tiles = {tile};
+    EXPECT_NEAR(mixed_tiles(measured)[0].weight, 0.5, 0.1);
+    // The same figures from a hundred times as many pieces are known well: the other image has nearly all the
+    // weight.
+    tile.of_noise /= 1e6;
+    tile.of_product /= 1e6;
+    measured.tiles = {tile};
+    EXPECT_GT(mixed_tiles(measured)[0].weight, 0.95);
+}
+
+}  // namespace
+}  // namespace postlens::test::mixed_image_test
