@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/text.h"
 #include "pictures/crop.h"
+#include "pictures/srgb.h"
 #include "planner/errors/records_bound.h"
 #include "planner/stated_error.h"
 #include "planner/views/halved_views.h"
@@ -92,10 +93,19 @@ std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const
 
 /// Whether `layers` costs no more than the first views: its work is proportional to the number of records,
 /// and that of views to the number of their samples. A record takes about as long as a sample.
-bool is_worth_layers(const SampleFileReader& file, const TileGrid& grid) {
+bool is_worth_layers(const SampleFileReader& file) {
+    const SampleHeader& h = file.header();
     return file.record_count() <= static_cast<std::uint64_t>(first_views) *
-                                      static_cast<std::uint64_t>(grid.width) *
-                                      static_cast<std::uint64_t>(grid.height);
+                                      static_cast<std::uint64_t>(h.width) *
+                                      static_cast<std::uint64_t>(h.height);
+}
+
+Image layers_image(FocusFrame& frame, FocusSettings settings) {
+    settings.method = FocusMethod::layers;
+    settings.spacing = DepthSpacing::inverse;
+    settings.depths.reset();
+    settings.depth_model = DepthModel::ray_differentials;
+    return focus_picture(frame, settings).image;
 }
 
 /// Error of the other image, if it were shown alone; estimated, may be negative.
@@ -105,6 +115,14 @@ double alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     return measured.bias_mse + sum / (static_cast<double>(grid.width) * grid.height);
 }
 
+/// Radiance in which `other` has the weight `w`. Errors are stated for clamped sRGB values, so these are
+/// mixed. A radiance above white is mixed as it is, and keeps its light.
+float mixed(float views, float other, float w) {
+    if (views >= 1) return views + w * (other - views);
+    const float value = srgb_from_linear(views);
+    return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
+}
+
 /// Mixes the other image into `image`. Returns the mean of its weights over the pixels of the image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {
@@ -112,10 +130,12 @@ double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileG
     for (int y = 0; y < grid.height; ++y) {
         for (int x = 0; x < grid.width; ++x) {
             const double weight = tiles[grid.at(x, y)].weight;
-            const float *from = other.pixel(x, y), w = static_cast<float>(weight);
+            if (crop && !crop->contains(x, y)) continue;
+            sum += weight;
+            if (!(weight > 0)) continue;
+            const float* from = other.pixel(x, y);
             float* out = image.pixel(x, y);
-            for (int c = 0; c < 3; ++c) out[c] += w * (from[c] - out[c]);
-            if (!crop || crop->contains(x, y)) sum += weight;
+            for (int c = 0; c < 3; ++c) out[c] = mixed(out[c], from[c], static_cast<float>(weight));
         }
     }
     return sum / static_cast<double>(wanted_pixels(crop, grid.width, grid.height));
@@ -139,21 +159,21 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
+    // `layers` shows a single instant. Its error is not known without rays.
+    std::optional<Image> layers;
+    if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
+        (void)checked_camera(frame.file().header(), *whole.scene);
+        layers = layers_image(frame, whole.focus);
+    }
     HalvedViews views(frame, whole);
     const TileGrid& grid = views.grid();
     const double most_mse = std::pow(10.0, -target_db / 10);
     std::vector<int> wanted(grid.count(), first_views);
     MeasuredError measured;
-    std::optional<Image> layers;
     std::vector<TileMix> mix(grid.count());
-    // `layers` shows a single instant. Its error is not known without rays.
-    if (views.has_rays() && !whole.shutter && is_worth_layers(frame.file(), grid)) {
-        FocusSettings by_layers = whole.focus;
-        by_layers.method = FocusMethod::layers;
-        layers = focus_picture(frame, by_layers).image;
-    }
     const auto measure = [&](const std::optional<Crop>& where, CheckedPixels::Use use) {
-        return measured_error(views.half(0), views.half(1), where, use, layers ? &*layers : nullptr);
+        return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use,
+                              layers ? &*layers : nullptr);
     };
     for (bool is_met = false;;) {
         views.draw(wanted);

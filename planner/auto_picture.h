@@ -47,8 +47,8 @@ struct AutoResult {
 
 /// Makes a light field image with as many views in each tile as the target error needs. Starts with a few
 /// views per tile. Then repeatedly doubles the number of views in those tiles where this reduces the error
-/// most in relation to its cost. Stops when the upper end of the 95 % interval of the image's error is below
-/// the target.
+/// most in relation to its cost. The target is met when the upper end of the 95 % interval of the image's
+/// error is below it. Then views are added once more if this makes the error better known.
 ///
 /// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
 /// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or

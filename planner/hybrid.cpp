@@ -95,10 +95,11 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));
     std::optional<StatedError> stated;
     if (settings.focus.views > 1 && !settings.checked) {
-        views.leave_to_rays(biased_tiles(
-            measured_error(views.half(0), views.half(1), {}, CheckedPixels::Use::deciding).tiles));
-        stated = stated_error(
-            measured_error(views.half(0), views.half(1), settings.focus.crop, CheckedPixels::Use::stating));
+        const auto measured = [&](const std::optional<Crop>& crop, CheckedPixels::Use use) {
+            return measured_error(views.half(0), views.half(1), crop, views.checked_pixels(), use);
+        };
+        views.leave_to_rays(biased_tiles(measured({}, CheckedPixels::Use::deciding).tiles));
+        stated = stated_error(measured(settings.focus.crop, CheckedPixels::Use::stating));
     }
     HybridResult out = finished(frame, std::move(views), settings.focus.crop);
     out.stated = stated;

@@ -39,7 +39,6 @@ double StatedError::high_db() const {
 StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix) {
     StatedError out{.bias_mse = std::max(0.0, measured.bias_mse),
                     .highlights_mse = std::max(0.0, measured.highlights_mse),
-                    .variance = measured.bias_variance,
                     .check_rays = measured.check_rays};
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
@@ -51,7 +50,10 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    out.views_mse = std::max(0.0, out.views_mse);
+    // The estimate may be too small by chance, and even negative, so it is at least as large as its
+    // deviation.
+    out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
+    out.variance += measured.bias_variance;
     const double mse = out.mse();
     if (!(mse > 0)) return out;
     const double factor = std::exp(deviations * std::sqrt(out.variance) / mse);
@@ -61,25 +63,33 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    const StatedError views = stated_error(measured);
-    std::vector<TileMix> out(measured.tiles.size());
-    if (!(views.views_mse > 0)) return out;
-    // The least price of a variance that makes the error known well enough is found in steps by a factor
-    // of 2.
     constexpr double wanted_interval_db = 2;
-    constexpr int steps = 32;
+    // Weights do not change what is unknown about the records.
+    MeasuredError of_views = measured;
+    of_views.bias_variance = 0;
+    const StatedError views = stated_error(of_views);
+    std::vector<TileMix> best(measured.tiles.size());
+    if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
+    // The least price of a variance that makes the error known well enough is found in steps by a factor
+    // of 2.
+    constexpr int steps = 32;
+    double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {
-        const double price = step == 0 ? 0 : std::ldexp(views.views_mse / views.variance, step - steps / 2);
-        for (std::size_t t = 0; t < out.size(); ++t) {
-            const TileError& tile = measured.tiles[t];
-            out[t] = mix_of(tile, price * tile.pixels / pixels);
+        const double price = step == 0 ? 0 : std::ldexp(views.mse() / views.variance, step - steps / 2);
+        std::vector<TileMix> mix;
+        for (const TileError& tile : measured.tiles)
+            mix.push_back(mix_of(tile, price * tile.pixels / pixels));
+        const StatedError stated = stated_error(of_views, mix);
+        const bool is_known = stated.high_db() - stated.low_db() <= wanted_interval_db;
+        if (is_known || stated.high_mse < least_mse) {
+            least_mse = stated.high_mse;
+            best = std::move(mix);
         }
-        const StatedError stated = stated_error(measured, out);
-        if (stated.high_db() - stated.low_db() <= wanted_interval_db) break;
+        if (is_known) break;
     }
-    return out;
+    return best;
 }
 
 }  // namespace postlens

@@ -39,7 +39,7 @@ struct StatedError {
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Selects the weights of the other image, tile by tile. They minimize the error of the mixed image as far as
-/// it can be known: with an interval that is at most 2 dB wide.
+/// it can be known: with an interval that is at most 2 dB wide, or else the lowest upper end of the interval.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

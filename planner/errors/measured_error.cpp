@@ -134,14 +134,14 @@ struct TileSums {
 class TileMeasurement {
   public:
     TileMeasurement(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
-                    CheckedPixels::Use use, const Image* other)
+                    const CheckedPixels& checked, CheckedPixels::Use use, const Image* other)
         : a_(a),
           b_(b),
           crop_(crop),
+          checked_(checked),
           use_(use),
           other_(other),
-          grid_{a.image.width, a.image.height},
-          checked_(grid_.width, grid_.height) {}
+          grid_{a.image.width, a.image.height} {}
 
     [[nodiscard]] TileSums operator()(std::size_t tile) const {
         const int piece = piece_px(grid_.width, grid_.height),
@@ -201,19 +201,19 @@ class TileMeasurement {
 
     const FieldFocus &a_, &b_;
     const std::optional<Crop>& crop_;
+    const CheckedPixels& checked_;
     CheckedPixels::Use use_;
     const Image* other_;
     TileGrid grid_;
-    CheckedPixels checked_;
 };
 
 }  // namespace
 
 MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std::optional<Crop>& crop,
-                             CheckedPixels::Use use, const Image* other) {
+                             const CheckedPixels& checked, CheckedPixels::Use use, const Image* other) {
     const TileGrid grid{a.image.width, a.image.height};
     std::vector<TileSums> sums(grid.count());
-    const TileMeasurement measured(a, b, crop, use, other);
+    const TileMeasurement measured(a, b, crop, checked, use, other);
     parallel_for(sums.size(), [&](std::size_t t) { sums[t] = measured(t); });
     MeasuredError out;
     Mean bias;

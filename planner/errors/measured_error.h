@@ -40,8 +40,8 @@ struct MeasuredError {
 
 /// Measures the errors of `a` and `b`. These are two images with equally many views, from independent sets of
 /// lens points, and with comparisons between view samples and rays. Only pixels within `crop` are measured.
-/// `use` selects the check rays. `other`: another image of the same scene, which does not depend on the
-/// views; null if there is none. The result is bit-identical for any number of threads.
+/// `checked` and `use` select the check rays. `other`: another image of the same scene, which does not depend
+/// on the views; null if there is none. The result is bit-identical for any number of threads.
 ///
 /// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
 ///
@@ -55,8 +55,8 @@ struct MeasuredError {
 /// The variances assume that errors are normally distributed, equal within a square piece of the image
 /// (piece_px), and independent between pieces.
 [[nodiscard]] MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b,
-                                           const std::optional<Crop>& crop, CheckedPixels::Use use,
-                                           const Image* other = nullptr);
+                                           const std::optional<Crop>& crop, const CheckedPixels& checked,
+                                           CheckedPixels::Use use, const Image* other = nullptr);
 
 /// Returns 1 for tiles in which samples that the records seem to determine have a significant error. An error
 /// is significant if it exceeds the noise of the views and twice its own standard error.

@@ -13,11 +13,12 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 
 }  // namespace
 
-CheckedPixels::CheckedPixels(int width, int height) {
-    // Products of residuals (ray minus record) have a wide distribution. With 2000 of them, their mean is
+CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : checked_views_(random_rays ? 8 : 2) {
+    // Products of residuals (ray minus record) have a wide distribution. With 8000 of them, their mean is
     // known well enough.
-    constexpr int enough_pixels = 2000, sparse = 8, dense = 4;
-    edge_ = std::int64_t{width} * height / (sparse * sparse) >= enough_pixels ? sparse : dense;
+    constexpr int enough_pixels = 8000;
+    const bool is_small = std::int64_t{width} * height < enough_pixels * 16;
+    edge_ = (is_small ? 2 : 4) + (random_rays ? 1 : 0);
 }
 
 CheckedPixels::Place CheckedPixels::place_of(int x, int y) const {
@@ -39,7 +40,7 @@ double CheckedPixels::aimed(int x, int y, int views) const {
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
     // The odd factor visits all places of a block, and no neighbours one after the other.
-    constexpr std::uint64_t step = 7;
+    constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;
 }
@@ -50,14 +51,11 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
-    // Many views are checked in few pixels, because their residuals have much noise. Doubling the views
-    // divides the variance of the product of two noisy means by four. Doubling the pixels would only divide
-    // it by two.
-    constexpr std::uint64_t most_checked = 8;
-    const auto views = static_cast<std::uint64_t>(count);
-    const std::uint64_t checked = std::min(views, most_checked);
-    for (std::uint64_t i = 0; i < checked; ++i)
-        out.push_back(static_cast<std::uint32_t>((h % views + i * views / checked) % views));
+    // Consecutive points are well distributed over the lens.
+    for (int i = 0; i < std::min(count, checked_views_); ++i) {
+        out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
+                                                 static_cast<std::uint64_t>(count)));
+    }
 }
 
 }  // namespace postlens

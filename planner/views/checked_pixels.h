@@ -6,10 +6,15 @@
 
 namespace postlens {
 
-/// Selects the samples of views that are compared with rays. In each block of 8 x 8 px (4 x 4 px in small
-/// images), one random pixel is checked to state the image's error. Another random pixel is checked to decide
-/// in which tiles rays replace all samples. In a checked pixel, up to eight views of each half are compared,
-/// and up to eight of those that are added later.
+/// Selects the samples of views that are compared with rays. In each block of pixels, one random pixel is
+/// checked to state the image's error. Another random pixel is checked to decide in which tiles rays replace
+/// all samples.
+///
+/// If the radiances of rays are random, because a light has an extent or a material a lobe, eight views of
+/// each half are compared in one pixel of 5 x 5 px (3 x 3 px in small images). Otherwise two views are
+/// compared in one pixel of 4 x 4 px (2 x 2 px). Twice as many views divide the variance of the product of
+/// two noisy means by four. Twice as many pixels would only divide it by two, but find errors that are few
+/// and large.
 ///
 /// Rays are aimed at the highlights of the pixel that states the error, and of more pixels of the block the
 /// more views the image has. Errors of highlights are rare and large, and their rays cost little compared
@@ -17,8 +22,8 @@ namespace postlens {
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// `width`, `height`: size of the image, px.
-    CheckedPixels(int width, int height);
+    /// `width`, `height`: size of the image, px. `random_rays`: whether the radiances of rays are random.
+    CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
     /// Appends the numbers of the checked views among views [first, first + count) of a set. The numbers are
     /// relative to `first`: 0 to count - 1.
@@ -36,7 +41,7 @@ class CheckedPixels {
     [[nodiscard]] std::uint64_t pixels() const {
         return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
     }
-    int edge_;
+    int edge_, checked_views_;
 };
 
 }  // namespace postlens

@@ -7,7 +7,6 @@
 
 #include "focus/responses/depth_levels.h"
 #include "pictures/crop.h"
-#include "planner/views/checked_pixels.h"
 #include "planner/views/picture_request.h"
 
 namespace postlens {
@@ -34,13 +33,23 @@ void mix_pixel(const FieldFocus& from, std::size_t k, float share, FieldFocus& t
     mix(from.traced, to.traced, k, 1, share);
 }
 
+/// Whether the radiance of a ray depends on random points of a light or random directions of a lobe.
+bool has_random_rays(const Scene& scene) {
+    return std::any_of(scene.lights.begin(), scene.lights.end(),
+                       [](const Light& light) { return light.has_extent(); }) ||
+           std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& material) { return material.has_lobe(); });
+}
+
 }  // namespace
 
 HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set)
     : by_field_(field_settings(frame.file().header(), settings)),
       grid_{by_field_.window.width(), by_field_.window.height()},
       first_set_(first_set),
-      checked_(settings.checked) {
+      checked_(settings.checked),
+      checked_pixels_(grid_.width, grid_.height,
+                      settings.scene != nullptr && has_random_rays(*settings.scene)) {
     const SampleHeader& h = frame.file().header();
     if (settings.scene != nullptr) {
         setup_ =
@@ -83,13 +92,13 @@ void HalvedViews::draw(const std::vector<int>& views) {
                     set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)] != 0; };
                     set.checked = checked_;
                     if (!checked_) {
-                        set.checked = [half, first = first, count = end - first,
-                                       pixels = CheckedPixels(grid_.width, grid_.height)](
+                        set.checked = [half, first = first, count = end - first, pixels = checked_pixels_](
                                           int x, int y, std::vector<std::uint32_t>& some) {
                             pixels.views(x, y, static_cast<int>(half), first, count, some);
                         };
-                        set.aimed = [views = end, pixels = CheckedPixels(grid_.width, grid_.height)](
-                                        int x, int y) { return pixels.aimed(x, y, views); };
+                        set.aimed = [views = end, pixels = checked_pixels_](int x, int y) {
+                            return pixels.aimed(x, y, views);
+                        };
                     }
                 }
                 sets.push_back(std::move(set));

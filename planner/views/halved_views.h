@@ -10,6 +10,7 @@
 
 #include "focus/light_field/field_focus.h"
 #include "planner/hybrid.h"
+#include "planner/views/checked_pixels.h"
 #include "planner/views/tile_grid.h"
 #include "tracer/distributed/render_setup.h"
 #include "tracer/distributed/scene_rays.h"
@@ -39,6 +40,7 @@ class HalvedViews {
     [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< per tile
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
+    [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
     /// Mean of all views drawn so far. The sums of comparisons with check rays include both halves.
     [[nodiscard]] FieldFocus whole() &&;
@@ -53,6 +55,7 @@ class HalvedViews {
     TileGrid grid_;
     int first_set_;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked_;
+    CheckedPixels checked_pixels_;
     std::unique_ptr<RenderSetup> setup_;  ///< null without a scene
     std::unique_ptr<SceneRays> rays_;
     std::unique_ptr<FieldFocuser> focuser_;

@@ -6,14 +6,14 @@
 #include <random>
 #include <vector>
 
+#include "pictures/crop.h"
 #include "pictures/srgb.h"
 #include "planner/stated_error.h"
 
 namespace postlens::test::mixed_image_test {
 namespace {
 
-constexpr int width = 256, height = 192;
-constexpr TileGrid grid{width, height};
+constexpr TileGrid large{256, 192}, small{64, 64};
 
 /// Two halves of the views, and another image, of a gray scene. The errors are equal within a piece.
 struct Simulated {
@@ -21,9 +21,11 @@ struct Simulated {
     Image other;
 };
 
-/// `noise` and `off`: standard deviations, as sRGB values, of the noise of the halves' mean and of the other
-/// image's error, in the left half of the image; the other image is ten times as wrong in the right half.
-Simulated simulated(double noise, double off, std::mt19937& random) {
+/// `grid`: of the image. `noise` and `off`: standard deviations, as sRGB values, of the noise of the halves'
+/// mean and of the other image's error, in the left half of the image; the other image is ten times as wrong
+/// in the right half.
+Simulated simulated(const TileGrid& grid, double noise, double off, std::mt19937& random) {
+    const int width = grid.width, height = grid.height;
     Simulated out{.a = {}, .b = {}, .other = Image(width, height)};
     out.a.image = out.b.image = Image(width, height);
     std::normal_distribution<double> normal(0, 1);
@@ -44,8 +46,15 @@ Simulated simulated(double noise, double off, std::mt19937& random) {
     return out;
 }
 
+MeasuredError measured_by(const Simulated& of, const std::optional<Crop>& crop = {}) {
+    return measured_error(of.a, of.b, crop, CheckedPixels(of.other.width, of.other.height, false),
+                          CheckedPixels::Use::stating, &of.other);
+}
+
 /// Squared error of the image in which the other image has its weights.
 double error_of(const Simulated& of, const std::vector<TileMix>& mix) {
+    const int width = of.other.width, height = of.other.height;
+    const TileGrid grid{width, height};
     double sum = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
@@ -68,16 +77,15 @@ TEST(MixedImage, HasTheErrorThatIsStated) {
         int inside = 0;
         double stated_sum = 0, sum = 0, views_sum = 0;
         for (int i = 0; i < trials; ++i) {
-            const Simulated of = simulated(noise, ratio * noise, random);
-            const MeasuredError measured =
-                measured_error(of.a, of.b, {}, CheckedPixels::Use::stating, &of.other);
+            const Simulated of = simulated(large, noise, ratio * noise, random);
+            const MeasuredError measured = measured_by(of);
             const std::vector<TileMix> mix = mixed_tiles(measured);
             const StatedError stated = stated_error(measured, mix);
             const double is = error_of(of, mix);
             inside += stated.low_mse <= is && is <= stated.high_mse ? 1 : 0;
             stated_sum += stated.mse();
             sum += is;
-            views_sum += error_of(of, std::vector<TileMix>(grid.count()));
+            views_sum += error_of(of, std::vector<TileMix>(large.count()));
             EXPECT_LT(stated.high_db() - stated.low_db(), 2.001);
         }
         // 95 of 100 intervals contain the error: less than 89 have a probability of 0.5 %.
@@ -93,10 +101,36 @@ TEST(MixedImage, HasTheErrorThatIsStated) {
     }
 }
 
+TEST(MixedImage, IsNotStatedBetterThanIsKnown) {
+    // In a single tile, the estimated error of a good image is often negative. The variance is estimated from
+    // a few pieces, and the weight is chosen by it, so only nine in ten intervals need to contain the error:
+    // less than 82 of 100 have a probability of 0.5 %.
+    std::mt19937 random(3);
+    for (const double ratio : {0.0, 0.02, 0.1}) {
+        constexpr int trials = 100;
+        constexpr double noise = 0.02;
+        int inside = 0, inside_crop = 0;
+        for (int i = 0; i < trials; ++i) {
+            const Simulated of = simulated(small, noise, ratio * noise, random);
+            const MeasuredError measured = measured_by(of);
+            const std::vector<TileMix> mix = mixed_tiles(measured);
+            const StatedError stated = stated_error(measured, mix);
+            const double is = error_of(of, mix);
+            inside += stated.low_mse <= is && is <= stated.high_mse ? 1 : 0;
+            // A part of the tile, with the weight that the whole tile got.
+            const StatedError of_crop = stated_error(measured_by(of, Crop{8, 8, 32, 32}), mix);
+            EXPECT_GT(of_crop.high_mse, 1e-2 * noise * noise) << ratio;
+            inside_crop += of_crop.high_mse >= of_crop.mse() && of_crop.low_mse > 0 ? 1 : 0;
+        }
+        EXPECT_GE(inside, 82) << ratio;
+        EXPECT_EQ(inside_crop, trials) << ratio;
+    }
+}
+
 TEST(MixedImage, HasNoShareWhereTheViewsHaveNoNoise) {
     std::mt19937 random(2);
-    Simulated of = simulated(0, 0.01, random);
-    const MeasuredError measured = measured_error(of.a, of.b, {}, CheckedPixels::Use::stating, &of.other);
+    Simulated of = simulated(large, 0, 0.01, random);
+    const MeasuredError measured = measured_by(of);
     for (const TileMix& tile : mixed_tiles(measured)) EXPECT_EQ(tile.weight, 0);
     EXPECT_EQ(stated_error(measured, mixed_tiles(measured)).mse(), 0);
 }
@@ -111,7 +145,7 @@ TEST(MixedImage, IsKnownBestAsTheMeanOfBoth) {
     MeasuredError measured;
     measured.tiles = {tile};
     EXPECT_NEAR(mixed_tiles(measured)[0].weight, 0.5, 0.1);
-    // The same figures from a hundred times as many pieces are known well: the other image has nearly all the
+    // The same figures from a million times as many pieces are known well: the other image has nearly all the
     // weight.
     tile.of_noise /= 1e6;
     tile.of_product /= 1e6;

@@ -45,7 +45,7 @@ Images draw(const SampleFileReader& file, const Lens& lens) {
             for (int x = 0; x < width; x += TileGrid::edge)
                 out.stated.back().push_back(stated_error(
                     measured_error(views.half(0), views.half(1), Crop{x, y, TileGrid::edge, TileGrid::edge},
-                                   CheckedPixels::Use::stating)));
+                                   views.checked_pixels(), CheckedPixels::Use::stating)));
         }
         out.image.push_back(std::move(views).whole().image);
     }
