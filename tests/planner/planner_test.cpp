@@ -205,6 +205,37 @@ TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
     EXPECT_GT(views, 32);
 }
 
+TEST(AutoPicture, IsNotFarBelowLayers) {
+    SceneBuilder b = bar_and_wall();
+    b.scene.cameras[0].width = 128;
+    b.scene.cameras[0].height = 96;
+    const TracedFrame frame(b.scene, traced(true, 1));
+    ASSERT_LE(frame.file().record_count(), 16 * 128 * 96U);  // more records make `layers` too slow
+    FocusFrame of(frame.file());
+    AutoSettings s = settings(25);
+    s.hybrid.scene = &b.scene;
+    const Image truth = rays(b.scene, s, 1 << 13);
+    FocusSettings alone = s.hybrid.focus;
+    alone.method = FocusMethod::layers;
+    const double by_layers = psnr_db(focus_picture(of, alone).image, truth);
+    ASSERT_GT(by_layers, 30);  // far above the target
+    const AutoResult r = auto_picture(of, s);
+    EXPECT_GT(r.layers_share, 0.3) << r.plan;
+    EXPECT_GT(psnr_db(r.hybrid.focus.image, truth), by_layers - 3) << r.plan;
+    for (const AutoTile& tile : r.tiles) EXPECT_LE(tile.layers_weight, 1);
+    {
+        const ThreadLimit one(1);
+        EXPECT_EQ(auto_picture(of, s).hybrid.focus.image.rgb, r.hybrid.focus.image.rgb);
+    }
+    // Settings of other methods have no influence.
+    s.hybrid.focus.depths = 2;
+    s.hybrid.focus.depth_model = DepthModel::first_hit;
+    EXPECT_EQ(auto_picture(of, s).hybrid.focus.image.rgb, r.hybrid.focus.image.rgb);
+    // Without a scene the error of `layers` is not known.
+    s.hybrid.scene = nullptr;
+    EXPECT_EQ(auto_picture(of, s).layers_share, 0);
+}
+
 TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
     const SceneBuilder b = bar_and_wall();
     // The records are too coarse for 60 dB, and no surfaces behind the bar are recorded.
