@@ -108,11 +108,16 @@ Image layers_image(FocusFrame& frame, FocusSettings settings) {
     return focus_picture(frame, settings).image;
 }
 
-/// Error of the other image, if it were shown alone; estimated, may be negative.
-double alone_mse(const MeasuredError& measured, const TileGrid& grid) {
-    double sum = 0;
-    for (const TileError& tile : measured.tiles) sum += tile.other_mse * tile.pixels;
-    return measured.bias_mse + sum / (static_cast<double>(grid.width) * grid.height);
+/// Error of the other image, if it were shown alone, less the standard error of this estimate; may be
+/// negative.
+double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
+    double sum = 0, variance = 0;
+    for (const TileError& tile : measured.tiles) {
+        const double pixels = tile.pixels;
+        sum += pixels * tile.other_mse;
+        variance += pixels * pixels * tile.estimate_variance(1);
+    }
+    return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
 }
 
 /// Radiance in which `other` has the weight `w`. Errors are stated for clamped sRGB values, so these are
@@ -192,10 +197,10 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         const StatedError error = stated_error(measured, mix);
         double goal = most_mse;
         if (error.high_mse <= most_mse) {
-            // Views are added once more if this makes the error better known: if `layers` alone seems to have
-            // less than half the error, but not for certain, or if too few check rays make the interval wide.
-            const double alone = alone_mse(measured, grid);
-            const bool is_better_alone = layers && error.mse() > 2 * alone,
+            // Views are added once more if this makes the error better known: if `layers` alone may have less
+            // than half the error, or if too few check rays make the interval wide.
+            const double alone = layers ? least_alone_mse(measured, grid) : error.mse();
+            const bool is_better_alone = error.mse() > 2 * alone,
                        has_few_checks = measured.bias_variance > error.variance / 2 &&
                                         error.high_db() - error.low_db() > wanted_interval_db;
             if (is_met || !(is_better_alone || has_few_checks)) break;

@@ -10,14 +10,27 @@ namespace {
 constexpr double deviations = 1.96;
 
 /// Weight that minimizes the error plus `price` times the variance of its estimate. Zero without noise.
+double weight_of(const TileError& tile, double price) {
+    const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
+                         4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
+    return whole > 0 ? (tile.noise_mse + 2 * price * tile.of_noise) / whole : 0;
+}
+
+/// The weight of a tile depends on its estimates. Where the other image's error is too small by chance, the
+/// weight is too large, so the estimated error is too small on average. With a weight that is selected
+/// without a piece, the estimated error of this piece is right on average (leave-one-out cross-validation).
 TileMix mix_of(const TileError& tile, double price) {
-    const double whole =
-        tile.noise_mse + std::max(tile.other_mse, 0.0) + 4 * price * (tile.of_noise + tile.of_product);
-    if (!(whole > 0)) return {};
-    const double w = (tile.noise_mse + 2 * price * tile.of_noise) / whole;
-    // The weight depends on the estimates. Where the other image's error is too small by chance, its weight
-    // is too large. The expected amount is the covariance of weight and estimates, to first order.
-    return {w, (w * (2 * tile.of_noise + 4 * tile.of_product) + (1 - w) * tile.of_noise) / whole};
+    TileMix out{.weight = weight_of(tile, price)};
+    if (!(out.weight > 0)) return out;
+    out.optimism = -out.mse(tile);
+    for (const TileError& piece : tile.pieces) {
+        const TileError others{.noise_mse = tile.noise_mse - piece.noise_mse,
+                               .other_mse = tile.other_mse - piece.other_mse,
+                               .of_noise = tile.of_noise - piece.of_noise,
+                               .of_product = tile.of_product - piece.of_product};
+        out.optimism += TileMix{.weight = std::clamp(weight_of(others, price), 0.0, 1.0)}.mse(piece);
+    }
+    return out;
 }
 
 }  // namespace

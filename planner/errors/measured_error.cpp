@@ -110,7 +110,7 @@ struct ChosenSum {
     }
 };
 
-/// Adds the variances of the estimates in a piece to those of its tile.
+/// Errors in a piece of a tile, as parts of the tile's means over `pixels` pixels, and their variances.
 ///
 /// d: half the difference of the halves. v: noise of their mean. e: difference of the other image from the
 /// expectation of the views. d and v are independent and have the same variance n. N = d^2 estimates the
@@ -118,10 +118,12 @@ struct ChosenSum {
 /// estimated as (1 - w)^2 N + w^2 S, and it is ((1 - w) v + w e)^2. The estimate exceeds the error by
 /// (1 - 2 w) (d^2 - v^2) - 2 w e v, which has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. 4 n^2 is
 /// estimated by 4/3 N^2, because E(N^2) = 3 n^2, and e^2 n by S N + 2/3 N^2, because E(S N) = e^2 n - 2 n^2.
-void add_variances(const Differences& of_piece, TileError& tile) {
-    const double squared = of_piece.noise * of_piece.noise;
-    tile.of_noise += 4.0 / 3 * squared;
-    tile.of_product += of_piece.products * of_piece.noise + 2.0 / 3 * squared;
+TileError part_of_tile(const Differences& of_piece, double pixels) {
+    const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
+    return {.noise_mse = noise,
+            .other_mse = product,
+            .of_noise = 4.0 / 3 * noise * noise,
+            .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
 struct TileSums {
@@ -150,9 +152,10 @@ class TileMeasurement {
                   right = std::min(left + TileGrid::edge, grid_.width),
                   bottom = std::min(top + TileGrid::edge, grid_.height);
         TileSums out;
+        std::vector<Differences> pieces;
         for (int y0 = top; y0 < bottom; y0 += piece) {
             for (int x0 = left; x0 < right; x0 += piece) {
-                Differences of_piece;
+                Differences& of_piece = pieces.emplace_back();
                 for (int y = y0; y < std::min(y0 + piece, bottom); ++y) {
                     for (int x = x0; x < std::min(x0 + piece, right); ++x) {
                         if (crop_ && !crop_->contains(x, y)) continue;
@@ -161,16 +164,17 @@ class TileMeasurement {
                         if (!a_.checks.empty()) add_checks(x, y, out);
                     }
                 }
-                out.error.noise_mse += of_piece.noise;
-                out.error.other_mse += of_piece.products;
-                add_variances(of_piece, out.error);
             }
         }
-        const double pixels = std::max(out.error.pixels, 1);
-        out.error.noise_mse /= pixels;
-        out.error.other_mse /= pixels;
-        out.error.of_noise /= pixels * pixels;
-        out.error.of_product = std::max(0.0, out.error.of_product) / (pixels * pixels);
+        for (const Differences& of_piece : pieces) {
+            const TileError part = part_of_tile(of_piece, std::max(out.error.pixels, 1));
+            out.error.noise_mse += part.noise_mse;
+            out.error.other_mse += part.other_mse;
+            out.error.of_noise += part.of_noise;
+            out.error.of_product += part.of_product;
+            out.error.pieces.push_back(part);
+        }
+        out.error.of_product = std::max(0.0, out.error.of_product);
         out.error.bias_mse = out.views.mean();
         out.error.bias_deviation = std::sqrt(out.views.variance());
         return out;

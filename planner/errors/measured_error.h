@@ -18,6 +18,7 @@ struct TileError {
     /// Squared difference of another image from the expectation of the views; estimated, may be negative.
     double other_mse = 0;
     double of_noise = 0, of_product = 0;  ///< variances, as defined in `estimate_variance`
+    std::vector<TileError> pieces;        ///< the parts of this tile that have independent noise
     double bias_mse = 0;                  ///< error of the records, estimated by check rays; may be negative
     double bias_deviation = 0;            ///< standard error of `bias_mse`
 

@@ -24,12 +24,14 @@ struct Simulated {
 /// `grid`: of the image. `noise` and `off`: standard deviations, as sRGB values, of the noise of the halves'
 /// mean and of the other image's error, in the left half of the image; the other image is ten times as wrong
 /// in the right half.
-Simulated simulated(const TileGrid& grid, double noise, double off, std::mt19937& random) {
+/// With `by_pixel`, the errors of the pixels of a piece are independent.
+Simulated simulated(const TileGrid& grid, double noise, double off, std::mt19937& random,
+                    bool by_pixel = false) {
     const int width = grid.width, height = grid.height;
     Simulated out{.a = {}, .b = {}, .other = Image(width, height)};
     out.a.image = out.b.image = Image(width, height);
     std::normal_distribution<double> normal(0, 1);
-    const int piece = piece_px(width, height);
+    const int piece = by_pixel ? 1 : piece_px(width, height);
     const auto fill = [&](Image& image, int x0, int y0, double error) {
         for (int y = y0; y < y0 + piece; ++y) {
             for (int x = x0; x < x0 + piece; ++x)
@@ -101,6 +103,25 @@ TEST(MixedImage, HasTheErrorThatIsStated) {
     }
 }
 
+TEST(MixedImage, IsStatedRightIfThePixelsOfAPieceAreIndependent) {
+    // In large pieces the variance is estimated as too large, which must not change the stated error.
+    constexpr TileGrid larger{512, 384};
+    ASSERT_EQ(piece_px(larger.width, larger.height), 8);
+    std::mt19937 random(4);
+    constexpr double noise = 0.02;
+    constexpr int trials = 5;
+    double stated_sum = 0, sum = 0;
+    for (int i = 0; i < trials; ++i) {
+        const Simulated of = simulated(larger, noise, 0.3 * noise, random, true);
+        const MeasuredError measured = measured_by(of);
+        const std::vector<TileMix> mix = mixed_tiles(measured);
+        stated_sum += stated_error(measured, mix).mse();
+        sum += error_of(of, mix);
+    }
+    // Each of a million values of noise is known to a factor of sqrt(2), so their mean is known to 0.2 %.
+    EXPECT_NEAR(stated_sum / sum, 1, 0.02);
+}
+
 TEST(MixedImage, IsNotStatedBetterThanIsKnown) {
     // In a single tile, the estimated error of a good image is often negative. The variance is estimated from
     // a few pieces, and the weight is chosen by it, so only nine in ten intervals need to contain the error:
@@ -137,20 +158,25 @@ TEST(MixedImage, HasNoShareWhereTheViewsHaveNoNoise) {
 
 TEST(MixedImage, IsKnownBestAsTheMeanOfBoth) {
     // The error of the mean of two independent images is a quarter of their squared difference, whatever the
-    // noise of either. In a single piece per tile, no other weight is known well.
-    TileError tile{
-        .pixels = 4096, .noise_mse = 1e-4, .other_mse = 1e-6, .of_noise = 1e-8, .of_product = 1e-10};
-    EXPECT_LT(tile.estimate_variance(0.5), tile.estimate_variance(0.4));
-    EXPECT_LT(tile.estimate_variance(0.5), tile.estimate_variance(0.6));
-    MeasuredError measured;
-    measured.tiles = {tile};
-    EXPECT_NEAR(mixed_tiles(measured)[0].weight, 0.5, 0.1);
-    // The same figures from a million times as many pieces are known well: the other image has nearly all the
-    // weight.
-    tile.of_noise /= 1e6;
-    tile.of_product /= 1e6;
-    measured.tiles = {tile};
-    EXPECT_GT(mixed_tiles(measured)[0].weight, 0.95);
+    // noise of either. From few pieces, no other weight is known well.
+    const auto weight_with = [](int pieces) {
+        TileError tile{.pixels = 4096, .noise_mse = 1e-4, .other_mse = 1e-6};
+        const double noise = tile.noise_mse / pieces, product = tile.other_mse / pieces;
+        tile.pieces.assign(static_cast<std::size_t>(pieces), {.noise_mse = noise,
+                                                              .other_mse = product,
+                                                              .of_noise = 4 * noise * noise,
+                                                              .of_product = product * noise});
+        for (const TileError& piece : tile.pieces) {
+            tile.of_noise += piece.of_noise;
+            tile.of_product += piece.of_product;
+        }
+        MeasuredError measured;
+        measured.tiles = {tile};
+        return mixed_tiles(measured)[0].weight;
+    };
+    EXPECT_NEAR(weight_with(16), 0.5, 0.15);
+    EXPECT_GT(weight_with(10000), weight_with(16) + 0.05);
+    EXPECT_GT(weight_with(1000000), 0.85);
 }
 
 }  // namespace
