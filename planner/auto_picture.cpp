@@ -19,8 +19,6 @@ namespace {
 
 /// Number of views of every tile at the beginning: 8 for each of the image's two independent halves.
 constexpr int first_views = 16;
-/// Largest width of the 95 % interval, dB, for which no views are added to know the error better.
-constexpr double wanted_interval_db = 2;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));

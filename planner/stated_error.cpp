@@ -76,7 +76,6 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    constexpr double wanted_interval_db = 2;
     // Weights do not change what is unknown about the records.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;

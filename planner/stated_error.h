@@ -8,6 +8,9 @@
 
 namespace postlens {
 
+/// Wanted width of the 95 % interval of an image's error, dB.
+inline constexpr double wanted_interval_db = 2;
+
 /// Another image of the same scene has this weight in a tile, and the views have the remaining weight.
 struct TileMix {
     double weight = 0;    ///< 0 to 1
@@ -39,7 +42,8 @@ struct StatedError {
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
 /// Selects the weights of the other image, tile by tile. They minimize the error of the mixed image as far as
-/// it can be known: with an interval that is at most 2 dB wide, or else the lowest upper end of the interval.
+/// it can be known: with an interval no wider than wanted_interval_db, or else the lowest upper end of the
+/// interval.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -8,6 +8,7 @@
 #include "focus/responses/depth_levels.h"
 #include "pictures/crop.h"
 #include "planner/views/picture_request.h"
+#include "tracer/shading/averaged_shading.h"
 
 namespace postlens {
 namespace {
@@ -33,14 +34,6 @@ void mix_pixel(const FieldFocus& from, std::size_t k, float share, FieldFocus& t
     mix(from.traced, to.traced, k, 1, share);
 }
 
-/// Whether the radiance of a ray depends on random points of a light or random directions of a lobe.
-bool has_random_rays(const Scene& scene) {
-    return std::any_of(scene.lights.begin(), scene.lights.end(),
-                       [](const Light& light) { return light.has_extent(); }) ||
-           std::any_of(scene.materials.begin(), scene.materials.end(),
-                       [](const Material& material) { return material.has_lobe(); });
-}
-
 }  // namespace
 
 HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set)
@@ -49,7 +42,7 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
       first_set_(first_set),
       checked_(settings.checked),
       checked_pixels_(grid_.width, grid_.height,
-                      settings.scene != nullptr && has_random_rays(*settings.scene)) {
+                      settings.scene != nullptr && averaged_shading(*settings.scene).any()) {
     const SampleHeader& h = frame.file().header();
     if (settings.scene != nullptr) {
         setup_ =

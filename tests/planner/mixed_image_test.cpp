@@ -70,6 +70,20 @@ double error_of(const Simulated& of, const std::vector<TileMix>& mix) {
     return sum;
 }
 
+/// A simulated image with its weights, its stated error and its true one.
+struct Mixed {
+    std::vector<TileMix> mix;
+    StatedError stated;
+    double is = 0;
+};
+Mixed mixed_of(const Simulated& of) {
+    const MeasuredError measured = measured_by(of);
+    Mixed out{.mix = mixed_tiles(measured), .stated = {}};
+    out.stated = stated_error(measured, out.mix);
+    out.is = error_of(of, out.mix);
+    return out;
+}
+
 TEST(MixedImage, HasTheErrorThatIsStated) {
     std::mt19937 random(1);
     for (const double ratio :
@@ -80,10 +94,7 @@ TEST(MixedImage, HasTheErrorThatIsStated) {
         double stated_sum = 0, sum = 0, views_sum = 0;
         for (int i = 0; i < trials; ++i) {
             const Simulated of = simulated(large, noise, ratio * noise, random);
-            const MeasuredError measured = measured_by(of);
-            const std::vector<TileMix> mix = mixed_tiles(measured);
-            const StatedError stated = stated_error(measured, mix);
-            const double is = error_of(of, mix);
+            const auto [mix, stated, is] = mixed_of(of);
             inside += stated.low_mse <= is && is <= stated.high_mse ? 1 : 0;
             stated_sum += stated.mse();
             sum += is;
@@ -113,10 +124,9 @@ TEST(MixedImage, IsStatedRightIfThePixelsOfAPieceAreIndependent) {
     double stated_sum = 0, sum = 0;
     for (int i = 0; i < trials; ++i) {
         const Simulated of = simulated(larger, noise, 0.3 * noise, random, true);
-        const MeasuredError measured = measured_by(of);
-        const std::vector<TileMix> mix = mixed_tiles(measured);
-        stated_sum += stated_error(measured, mix).mse();
-        sum += error_of(of, mix);
+        const auto [mix, stated, is] = mixed_of(of);
+        stated_sum += stated.mse();
+        sum += is;
     }
     // Each of a million values of noise is known to a factor of sqrt(2), so their mean is known to 0.2 %.
     EXPECT_NEAR(stated_sum / sum, 1, 0.02);
@@ -133,10 +143,7 @@ TEST(MixedImage, IsNotStatedBetterThanIsKnown) {
         int inside = 0, inside_crop = 0;
         for (int i = 0; i < trials; ++i) {
             const Simulated of = simulated(small, noise, ratio * noise, random);
-            const MeasuredError measured = measured_by(of);
-            const std::vector<TileMix> mix = mixed_tiles(measured);
-            const StatedError stated = stated_error(measured, mix);
-            const double is = error_of(of, mix);
+            const auto [mix, stated, is] = mixed_of(of);
             inside += stated.low_mse <= is && is <= stated.high_mse ? 1 : 0;
             // A part of the tile, with the weight that the whole tile got.
             const StatedError of_crop = stated_error(measured_by(of, Crop{8, 8, 32, 32}), mix);
