@@ -35,7 +35,8 @@ function lensOptions(of = lens) {
 function stages() {
   if (!frame.records_kept) return [{}];
   const views = (n) => ({ method: "lightfield", views: String(n) });
-  return [views(4), views(64), frame.scene ? { method: "auto", "target-db": "40" } : views(256)];
+  const first = lens.shutter ? views(4) : { method: "scatter" };
+  return [first, views(16), views(64), frame.scene ? { method: "auto", "target-db": "40" } : views(256)];
 }
 
 let shown = null;    // the displayed image: {width, height, halves, report, options}
@@ -96,7 +97,7 @@ async function refocus(input = performance.now()) {
       if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
       if (mine !== generation) return;
       try {
-        picture = await askPicture("picture", asked);
+        picture = await askPicture(isFirst && stage.method ? "coarse" : "picture", asked);
       } catch (error) {
         failure = error;
       }

@@ -86,6 +86,8 @@ struct ViewServer::Impl {
             send(session.frame(), response);
         } else if (*name == "picture") {
             send(session.picture(parameters_of(request)), response);
+        } else if (*name == "coarse") {
+            send(session.coarse_picture(parameters_of(request)), response);
         } else if (*name == "rays") {
             send(session.rays(parameters_of(request)), response);
         } else if (*name == "pixel") {

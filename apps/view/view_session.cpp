@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <opencv2/imgproc.hpp>
 #include <set>
 #include <string_view>
 
@@ -84,6 +85,31 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     append_halves(out.body, image.rgb);
     append_halves(out.body, result.ray_share);
     return out;
+}
+
+/// Enlarges an image `by` times, with linear interpolation. The last pixels are repeated at the right and at
+/// the bottom where the size is not divisible.
+Image enlarged(Image image, double by, int width, int height) {
+    if (by == 1) return image;
+    Image out(width, height);
+    out.exposure_stops = image.exposure_stops;
+    const cv::Mat from(image.height, image.width, CV_32FC3, image.rgb.data());
+    cv::Mat to(height, width, CV_32FC3, out.rgb.data());
+    const cv::Matx23d from_of_to{1 / by, 0, 0.5 / by - 0.5, 0, 1 / by, 0.5 / by - 0.5};
+    cv::warpAffine(from, to, from_of_to, to.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                   cv::BORDER_REPLICATE);
+    return out;
+}
+
+/// Runs `focus` or `shoot` on an open sample file. Returns the time that it takes, s.
+double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
+                CommandResult& result) {
+    const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
+    const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
+    throw_if_interrupted();
+    const auto start = std::chrono::steady_clock::now();
+    result = command.run();
+    return seconds_since(start);
 }
 
 /// The options of `focus` and `shoot` that the page may set. None of them names a file, so the page cannot
@@ -192,9 +218,10 @@ ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) 
     }
 }
 
-std::vector<std::string> ViewSession::words_of(const ViewParameters& parameters) const {
+std::vector<std::string> ViewSession::words_of(const ViewParameters& parameters,
+                                               const std::string& input) const {
     const bool shoots = parameters.contains("shutter");
-    std::vector<std::string> words{shoots ? "shoot" : "focus", options_.input};
+    std::vector<std::string> words{shoots ? "shoot" : "focus", input};
     bool with_scene = false;
     check_names(parameters, picture_options());
     for (const auto& [name, value] : parameters) {
@@ -236,19 +263,30 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
 
 ViewReply ViewSession::picture(const ViewParameters& parameters) {
     return made(pictures_, [&] {
-        const std::vector<std::string> words = words_of(parameters);
-        const std::shared_ptr<KeptFrame> kept = frame_->kept();
-        const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
-        const auto lock = kept ? kept->lock() : std::unique_lock<std::mutex>();
-        throw_if_interrupted();
-        const auto start = std::chrono::steady_clock::now();
-        CommandResult result = command.run();
-        ViewReply reply = picture_reply(result, seconds_since(start));
+        const std::vector<std::string> words = words_of(parameters, options_.input);
+        CommandResult result;
+        const double seconds = run_kept(words, frame_->kept(), result);
+        ViewReply reply = picture_reply(result, seconds);
         const auto last = std::make_shared<const MadeImage>(
             MadeImage{words, std::move(result.pictures.front()), result.json.value("method", "")});
         const std::lock_guard guard(last_mutex_);
         last_ = last;
         return reply;
+    });
+}
+
+ViewReply ViewSession::coarse_picture(const ViewParameters& parameters) {
+    return made(pictures_, [&] {
+        for (const char* name : {"crop", "focus-at"}) {
+            if (parameters.contains(name))
+                fail(ExitCode::wrong_arguments, "{}: not for a coarse picture", name);
+        }
+        const auto [input, kept, by] = frame_->coarse();
+        CommandResult result;
+        const double seconds = run_kept(words_of(parameters, input), kept, result);
+        Image& image = result.pictures.front();
+        image = enlarged(std::move(image), by, facts_["width"].get<int>(), facts_["height"].get<int>());
+        return picture_reply(result, seconds);
     });
 }
 
@@ -289,7 +327,7 @@ ViewReply ViewSession::depths() {
 /// The image of `picture`: that which was made last, or made now. It is made from the file instead of the
 /// kept frame, so that requests for images need not wait meanwhile.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
-    const std::vector<std::string> words = words_of(parameters);
+    const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});
     {
         const std::lock_guard guard(last_mutex_);
@@ -384,7 +422,7 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
         if (format != "png" && format != "exr")
             fail(ExitCode::wrong_arguments, "format: unknown (got {:.20}; expected png or exr)", format);
         const ScratchFile file("picture." + format);
-        std::vector<std::string> words = words_of(asked);
+        std::vector<std::string> words = words_of(asked, options_.input);
         words.push_back("--output=" + file.path().string());
         const std::shared_ptr<KeptFrame> kept = frame_->kept();
         const ParsedCommand command = parse_command_line(words, {.kept = kept});

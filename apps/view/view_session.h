@@ -48,6 +48,9 @@ class ViewSession {
     /// bytes, and RGB as half floats, row by row. If has_ray_share is true in the JSON, one half float per
     /// pixel follows: the fraction of the pixel that was computed by rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
+    /// Returns a quick image: as `picture`, but made of fewer records (ViewedFrame::coarse) and enlarged.
+    /// There is none of other programs' pictures.
+    [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image by `render` of the scene, in the format of `picture`. Cancels only older requests for
     /// rays.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
@@ -81,7 +84,8 @@ class ViewSession {
         std::string method;
     };
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
-    [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters) const;
+    [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
+                                                    const std::string& input) const;
     /// The command for rays through the same lens. Ignores parameters of `focus` and `shoot` alone.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);

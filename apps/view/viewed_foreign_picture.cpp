@@ -48,6 +48,10 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
     [[nodiscard]] Json facts() const override { return facts_; }
+    [[nodiscard]] Records coarse() const override {
+        fail(ExitCode::wrong_arguments, "coarse: another program's picture has no records");
+    }
+
     [[nodiscard]] ImageDepths depths() const override { return image_depths(picture_); }
 
     [[nodiscard]] Json pixel(double at_x, double at_y, const LensOptions& lens) const override {

@@ -32,6 +32,15 @@ class ViewedFrame {
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
     /// The open sample file, for parse_command_line; null for another program's image.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
+    /// A sample file, also opened. Its pixels are `by` times as wide and as high as the frame's.
+    struct Records {
+        std::string input;
+        std::shared_ptr<KeptFrame> kept;
+        int by = 1;
+    };
+    /// Fewer records of the frame, for quick images (write_coarser_file). Small frames give themselves.
+    /// Throws Error(wrong_arguments) if the frame is another program's image.
+    [[nodiscard]] virtual Records coarse() const = 0;
 };
 
 /// Opens a frame. Another program's image is read completely. Throws Error(invalid_input) for other files,

@@ -1,10 +1,14 @@
 // A sample file in the viewer.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <mutex>
 
 #include "apps/open_frame.h"
 #include "apps/view/viewed_frame.h"
+#include "core/files/scratch_file.h"
+#include "records/coarser_file.h"
 
 namespace postlens {
 namespace {
@@ -26,6 +30,25 @@ class ViewedRecords : public ViewedFrame {
 
     [[nodiscard]] Json facts() const override { return facts_; }
     [[nodiscard]] std::shared_ptr<KeptFrame> kept() const override { return kept_; }
+
+    [[nodiscard]] Records coarse() const override {
+        // Of this much, two cores make an image in some 50 ms.
+        constexpr double most_pixels = 150000, most_records = 250000;
+        const std::lock_guard lock(coarse_mutex_);
+        const std::string path = coarse_file_.path().string();
+        if (!coarse_) {
+            const double pixels = facts_["width"].get<double>() * facts_["height"].get<double>();
+            by_ = wider(1, pixels / most_pixels);
+            if (by_ == 1) return {input_, kept_, 1};
+            const std::uint64_t records = write_coarser_file(input_, Damage::refuse, by_, path);
+            if (const int more = wider(by_, static_cast<double>(records) / most_records); more > by_) {
+                by_ = more;
+                write_coarser_file(input_, Damage::refuse, by_, path);
+            }
+            coarse_ = std::make_shared<KeptFrame>(path, Damage::refuse);
+        }
+        return {path, coarse_, by_};
+    }
 
     [[nodiscard]] ImageDepths depths() const override {
         return image_depths(SampleFileReader(input_, Damage::refuse, 0.0));
@@ -75,9 +98,20 @@ class ViewedRecords : public ViewedFrame {
     }
 
   private:
+    /// The width, px, of pixels of which there are `less` times fewer than of those `by` px wide.
+    [[nodiscard]] int wider(int by, double less) const {
+        if (less <= 1) return by;
+        const int widest = std::min(facts_["width"].get<int>(), facts_["height"].get<int>());
+        return std::min(widest, static_cast<int>(std::ceil(by * std::sqrt(less))));
+    }
+
     std::string input_;
     Json facts_;
     std::shared_ptr<KeptFrame> kept_;
+    ScratchFile coarse_file_{"coarse.exr"};
+    mutable std::mutex coarse_mutex_;
+    mutable int by_ = 1;
+    mutable std::shared_ptr<KeptFrame> coarse_;  ///< of `coarse_file_`; null: not yet written
 };
 
 }  // namespace

@@ -92,6 +92,40 @@ def test_a_picture_has_the_values_of_the_command(viewer, frame, tmp_path):
     assert saved.status == 200 and file == out.read_bytes()
 
 
+def test_a_coarse_picture_is_that_of_the_frame_with_less_detail(tmp_path):
+    large = tmp_path / "large.exr"
+    subprocess.run([PROGRAM, "trace", SCENE, "-o", large, "--size", "561x271", "--quiet"], check=True)
+    made = Viewer(str(large))
+    lens = "?method=scatter&f-number=1.4&focus=2"
+    blurred = []
+    for what in ("coarse", "picture"):
+        answer, body = get(made, made.path + what + lens)
+        assert answer.status == 200
+        length = struct.unpack_from("<I", body)[0]
+        report = json.loads(body[4 : 4 + length])
+        assert (report["width"], report["height"]) == (561, 271)
+        blurred.append(struct.unpack_from(f"<{561 * 271 * 3}e", body, (4 + length + 3) // 4 * 4))
+    for wrong in ("&crop=0,0,9,9", "&focus-at=3,4", "&f-number=0"):
+        assert get(made, made.path + "coarse" + lens + wrong)[0].status == 400
+    assert made.close() == 0
+    coarse, fine = blurred
+
+    def difference(dx, dy):
+        """Of the coarse picture from the fine one, shifted by whole pixels, inside a border of 2 px."""
+        rows = [3 * (561 * y + 2) for y in range(2, 269)]
+        shift, length = 3 * (561 * dy + dx), 3 * 557
+        return sum(abs(a - b) for at in rows for a, b in zip(coarse[at : at + length], fine[at + shift : at + shift + length]))
+
+    assert coarse != fine
+    assert all(difference(0, 0) < difference(dx, dy) for dx, dy in ((-1, 0), (1, 0), (0, -1), (0, 1)))
+
+
+def test_a_coarse_picture_of_a_small_frame_has_all_its_records(viewer):
+    query = "?method=lightfield&views=4&f-number=2&focus=3"
+    coarse, fine = (get(viewer, viewer.path + what + query)[1] for what in ("coarse", "picture"))
+    assert coarse[-240 * 135 * 6 :] == fine[-240 * 135 * 6 :]
+
+
 @pytest.mark.parametrize("query", [
     "f-number=-1", "f-number=nan", "f-number=1e999", "f-number=2&focus=0", "views=99999999999999999999&f-number=2",
     "views=1e9", f"output={UNWRITTEN}.exr", f"explain={UNWRITTEN}.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=file:/etc/passwd",
