@@ -39,7 +39,7 @@ function stages() {
   return [first, views(16), views(64), frame.scene ? { method: "auto", "target-db": "40" } : views(256)];
 }
 
-let shown = null;    // the displayed image: {width, height, halves, report, options}
+let shown = null;    // the displayed image: {width, height, by (width of its pixels, px of the frame), halves, report, options}
 let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
@@ -60,7 +60,7 @@ function parsePicture(buffer) {
   const halves = new Uint16Array(buffer, begin, report.width * report.height * 3);
   const end = begin + 2 * halves.length;
   const rayShare = report.has_ray_share ? new Uint16Array(buffer, end, report.width * report.height) : null;
-  return { width: report.width, height: report.height, halves, rayShare, report };
+  return { width: report.width, height: report.height, by: report.by ?? 1, halves, rayShare, report };
 }
 
 async function ask(what, options) {
@@ -257,8 +257,14 @@ for (let bits = 0; bits < 65536; ++bits) {
     : exponent === 31 ? (fraction ? NaN : Infinity) : (1 + fraction / 1024) * 2 ** (exponent - 15));
 }
 const floatOf = (bits) => halfTable[bits];
-const valuesOf = (p, k) => p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.floats[3 * k + 2]]
-  : [floatOf(p.halves[3 * k]), floatOf(p.halves[3 * k + 1]), floatOf(p.halves[3 * k + 2])];
+/** R, G and B of an image at pixel k of the frame. */
+function valuesOf(p, k) {
+  if (p.by > 1) {
+    const x = Math.floor((k % frame.width) / p.by), y = Math.floor(Math.floor(k / frame.width) / p.by);
+    k = Math.min(y, p.height - 1) * p.width + Math.min(x, p.width - 1);
+  }
+  return [0, 1, 2].map((i) => p.floats ? p.floats[3 * k + i] : floatOf(p.halves[3 * k + i]));
+}
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
@@ -274,7 +280,7 @@ const needsDepths = (mode) => ["in_focus", "coc", "depth", "id"].includes(mode);
     pixel that was computed by rays. "noise" is the noise of the light field, from 60 dB (0) to 30 dB (1). Both exist
     only for images that the method auto has made with the scene. */
 function shares(mode) {
-  const { width, height, rayShare, report } = shown, out = new Float32Array(width * height);
+  const { width, height } = frame, { rayShare, report } = shown, out = new Float32Array(width * height);
   if (mode === "unsure" && rayShare) for (let k = 0; k < out.length; ++k) out[k] = Math.sqrt(floatOf(rayShare[k]));
   if (mode === "noise" && report.tiles) {
     const { edge_px: edge, columns, noise_mse: noise } = report.tiles;
@@ -311,18 +317,20 @@ void main() { gl_Position = vec4(corners[gl_VertexID], 0, 1); }`;
 const fragmentShader = `#version 300 es
 precision highp float; precision highp int; precision highp usampler2D;
 uniform sampler2D now, before, inverse, shares, causes; uniform usampler2D ids;
-uniform vec2 window, origin; uniform float scale, gain, wipe, coc_scale, focus, nearest; uniform int mode; uniform bool has_before;
+uniform vec2 window, origin, size; uniform float now_by, before_by, scale, gain, wipe, coc_scale, focus, nearest; uniform int mode; uniform bool has_before;
 out vec4 colour;
 vec3 heat(float t) { t = clamp(t, 0.0, 1.0);
   return clamp(vec3(1.5 - abs(4.0 * t - 3.0), 1.5 - abs(4.0 * t - 2.0), 1.5 - abs(4.0 * t - 1.0)), 0.0, 1.0); }
 vec3 srgb(vec3 c) { c = clamp(c, 0.0, 1.0);
   return mix(12.92 * c, 1.055 * pow(max(c, vec3(1e-6)), vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c)); }
+vec3 seen(sampler2D picture, float by, ivec2 p) {
+  return (by == 1.0 ? texelFetch(picture, p, 0) : texture(picture, (vec2(p) + 0.5) / (by * vec2(textureSize(picture, 0))))).rgb; }
 void main() {
   vec2 at = (vec2(gl_FragCoord.x, window.y - gl_FragCoord.y) - origin) / scale;
-  ivec2 size = textureSize(now, 0), p = ivec2(floor(at));
-  if (p.x < 0 || p.y < 0 || p.x >= size.x || p.y >= size.y) { colour = vec4(vec3(0.25), 1); return; }
+  ivec2 p = ivec2(floor(at));
+  if (p.x < 0 || p.y < 0 || p.x >= int(size.x) || p.y >= int(size.y)) { colour = vec4(vec3(0.25), 1); return; }
   bool old = has_before && gl_FragCoord.x < wipe * window.x;
-  vec3 c = (old ? texelFetch(before, p, 0) : texelFetch(now, p, 0)).rgb * gain;
+  vec3 c = (old ? seen(before, before_by, p) : seen(now, now_by, p)) * gain;
   float z = texelFetch(inverse, p, 0).r, coc = coc_scale * abs(z - focus);
   if (mode == 1) { float grey = dot(srgb(c), vec3(0.2126, 0.7152, 0.0722)); c = coc <= ${sharpPx.toFixed(1)} ? mix(srgb(c), vec3(0.1, 1, 0.3), 0.45) : vec3(grey * 0.6); }
   else if (mode == 2) c = heat(log2(1.0 + coc) / 6.0);
@@ -356,6 +364,7 @@ class GlPainter {
       gl.activeTexture(gl.TEXTURE0 + unit);
       gl.bindTexture(gl.TEXTURE_2D, texture);
       for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
+      for (const wrap of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, wrap, gl.CLAMP_TO_EDGE);
       gl.uniform1i(this.at(name), unit);
       return { name, held: undefined };
     });
@@ -371,14 +380,18 @@ class GlPainter {
   }
   picture(unit, p) {
     const gl = this.gl;
-    this.hold(unit, p, () => p.floats
-      ? gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB32F, p.width, p.height, 0, gl.RGB, gl.FLOAT, p.floats)
-      : gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, p.width, p.height, 0, gl.RGB, gl.HALF_FLOAT, p.halves));
+    this.hold(unit, p, () => {
+      if (p.floats) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB32F, p.width, p.height, 0, gl.RGB, gl.FLOAT, p.floats);
+      else gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, p.width, p.height, 0, gl.RGB, gl.HALF_FLOAT, p.halves);
+      for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+        gl.texParameteri(gl.TEXTURE_2D, filter, p.by > 1 ? gl.LINEAR : gl.NEAREST);
+    });
+    gl.uniform1f(this.at(unit === 0 ? "now_by" : "before_by"), p.by);
   }
   paint(s) {
     const gl = this.gl;
     this.picture(0, shown);
-    this.picture(1, other ?? shown);
+    if (other) this.picture(1, other);
     if (depths) {
       const { width, height } = frame;
       this.hold(2, depths, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, width, height, 0, gl.RED, gl.HALF_FLOAT, depths.inverse));
@@ -389,11 +402,12 @@ class GlPainter {
                                            gl.UNSIGNED_BYTE, rgba ?? new Uint8Array(4)));
     if (needsShares(modes[s.mode])) {
       const now = sharesNow(modes[s.mode]);
-      this.hold(4, now, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, shown.width, shown.height, 0, gl.RED, gl.FLOAT, now.values));
+      this.hold(4, now, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, frame.width, frame.height, 0, gl.RED, gl.FLOAT, now.values));
     }
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.uniform2f(this.at("window"), canvas.width, canvas.height);
     gl.uniform2f(this.at("origin"), view.x, view.y);
+    gl.uniform2f(this.at("size"), frame.width, frame.height);
     for (const name of ["scale", "gain", "wipe", "coc_scale", "focus", "nearest"]) gl.uniform1f(this.at(name), s[name]);
     gl.uniform1i(this.at("mode"), s.mode);
     gl.uniform1i(this.at("has_before"), other ? 1 : 0);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <opencv2/imgproc.hpp>
 #include <set>
 #include <string_view>
 
@@ -84,20 +83,6 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     ViewReply out = reply_with(json, 2 * image.rgb.size());
     append_halves(out.body, image.rgb);
     append_halves(out.body, result.ray_share);
-    return out;
-}
-
-/// Enlarges an image `by` times, with linear interpolation. The last pixels are repeated at the right and at
-/// the bottom where the size is not divisible.
-Image enlarged(Image image, double by, int width, int height) {
-    if (by == 1) return image;
-    Image out(width, height);
-    out.exposure_stops = image.exposure_stops;
-    const cv::Mat from(image.height, image.width, CV_32FC3, image.rgb.data());
-    cv::Mat to(height, width, CV_32FC3, out.rgb.data());
-    const cv::Matx23d from_of_to{1 / by, 0, 0.5 / by - 0.5, 0, 1 / by, 0.5 / by - 0.5};
-    cv::warpAffine(from, to, from_of_to, to.size(), cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
-                   cv::BORDER_REPLICATE);
     return out;
 }
 
@@ -284,8 +269,7 @@ ViewReply ViewSession::coarse_picture(const ViewParameters& parameters) {
         const auto [input, kept, by] = frame_->coarse();
         CommandResult result;
         const double seconds = run_kept(words_of(parameters, input), kept, result);
-        Image& image = result.pictures.front();
-        image = enlarged(std::move(image), by, facts_["width"].get<int>(), facts_["height"].get<int>());
+        result.json["by"] = by;
         return picture_reply(result, seconds);
     });
 }

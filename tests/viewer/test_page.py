@@ -198,6 +198,34 @@ def test_dragging_shows_pictures_on_the_way(page):
     assert lens(page)["fNumber"] == f_number
 
 
+@pytest.mark.parametrize("painter", ["", "?plain"])
+def test_the_first_picture_lies_where_the_best_one_does(painter, tmp_path):
+    large = str(tmp_path / "large.exr")
+    subprocess.run([PROGRAM, "trace", str(ROOT / "samples" / "scenes" / "bars.toml"), "-o", large, "--size", "561x271",
+                    "--quiet"], check=True)  # fmt: skip
+    made = Viewer(large)
+    driver = browser_at(made.url + painter)
+    try:
+        wait(driver)
+        best = pixels(driver)
+        # Without an answer to its further requests, the page keeps showing the first picture.
+        driver.execute_script("""
+          const fetched = window.fetch;
+          window.fetch = (what, ...more) => String(what).startsWith("picture") ? new Promise(() => {}) : fetched(what, ...more);
+          document.getElementById("f_number").dispatchEvent(new Event("input"));""")
+        until(lambda: driver.execute_script("return postlens.state().shown.by") == 2)
+        first, row = pixels(driver), 3 * driver.execute_script("return document.getElementById('picture').width")
+    finally:
+        driver.quit()
+    assert made.close() == 0
+
+    def difference(shift):
+        return sum(abs(a - b) for a, b in zip(first[4 * row : -4 * row], best[4 * row + shift : len(best) - 4 * row + shift]))
+
+    # Shifts by two pixels of the screen, about one of the frame.
+    assert all(difference(0) < difference(shift) for shift in (-6, 6, -2 * row, 2 * row))
+
+
 def test_two_pages_both_end_with_the_best_picture(viewer):
     # A request of one page cancels the refinement of the other, which asks again.
     drivers = [browser_at(viewer.url), browser_at(viewer.url)]
