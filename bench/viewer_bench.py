@@ -38,7 +38,7 @@ for views in dict.fromkeys(t["views"] for t in timings):
     painted = statistics.median(t["painted"] - t["input"] for t in of)
     server = statistics.median(1000 * t["server"] for t in of)
     answered = statistics.median(t["answered"] - t["input"] for t in of)
-    print(f"{views:>5} views: answered {answered:.0f}, painted {painted:.0f} ms after the change, the server's work {server:.0f} ms")
+    print(f"{views:>7}: answered {answered:.0f}, painted {painted:.0f} ms after the change, the server's work {server:.0f} ms")
 driver.execute_script("postlens.timings.length = 0")
 driver.set_script_timeout(60)
 driver.execute_async_script("""

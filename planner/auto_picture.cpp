@@ -195,15 +195,14 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         const StatedError error = stated_error(measured, mix);
         double goal = most_mse;
         if (error.high_mse <= most_mse) {
-            // Views are added once more if this makes the error better known: if `layers` alone may have less
-            // than half the error, or if too few check rays make the interval wide.
+            // Views are added once more if `layers` alone may have less than half the error, or if the error
+            // is not well enough known.
             const double alone = layers ? least_alone_mse(measured, grid) : error.mse();
             const bool is_better_alone = error.mse() > 2 * alone,
-                       has_few_checks = measured.bias_variance > error.variance / 2 &&
-                                        error.high_db() - error.low_db() > wanted_interval_db;
-            if (is_met || !(is_better_alone || has_few_checks)) break;
+                       is_wide = error.high_db() - error.low_db() > wanted_interval_db;
+            if (is_met || !(is_better_alone || is_wide)) break;
             is_met = true;
-            goal = has_few_checks ? 0 : std::max(2 * alone, 0.0);
+            goal = is_wide ? 0 : std::max(2 * alone, 0.0);
         }
         const double others = error.high_mse - error.views_mse;
         std::vector<int> next = doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));

@@ -1,4 +1,4 @@
-// A sample file of the same frame with fewer pixels, for quick previews.
+// A sample file of the same frame with fewer records, for quick previews.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,15 @@
 
 namespace postlens {
 
-/// Writes a sample file whose pixels are `by` times as wide and as high as those of the file `fine`. It has
-/// the samples of all layers and instants at every by-th pixel corner in both directions, and no subdivision.
-/// Rows and columns that do not fill a wider pixel are left out at the right, at the bottom, and in the
-/// overscan. Returns the number of records. Throws Error(wrong_arguments) if no pixel is left, and the errors
-/// of reader and writer.
-std::uint64_t write_coarser_file(const std::filesystem::path& fine, Damage damage, int by,
-                                 const std::filesystem::path& coarse);
+/// Number of records at the pixel corners of the frame's own instant, of all layers. Counted in some of the
+/// rows.
+[[nodiscard]] double corner_records(const SampleFileReader& file);
+
+/// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. It has the
+/// samples of all layers at every by-th pixel corner in both directions, of the frame's own instant; no
+/// subdivision, and no key instants. Rows and columns that do not fill a wider pixel are left out at the
+/// right, at the bottom, and in the overscan. `file` must be read at an exposure of 0 stops. Throws
+/// Error(wrong_arguments) if no pixel is left, and the errors of reader and writer.
+void write_coarser_file(const SampleFileReader& file, int by, const std::filesystem::path& path);
 
 }  // namespace postlens

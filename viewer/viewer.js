@@ -40,6 +40,7 @@ function stages() {
 }
 
 let shown = null;    // the displayed image: {width, height, by (width of its pixels, px of the frame), halves, report, options}
+let settled = null;  // the last displayed image that was not a first, quick one
 let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
@@ -85,8 +86,9 @@ async function refocus(input = performance.now()) {
   const mine = ++generation;
   dropCauses();
   const options = lensOptions();
-  for (const [i, stage] of stages().entries()) {
-    const asked = { ...options, ...stage }, isFirst = i === 0;
+  const all = stages();
+  for (const [i, stage] of all.entries()) {
+    const asked = { ...options, ...stage }, isFirst = i === 0, isQuick = isFirst && all.length > 1;
     firstUnderWay = isFirst;
     refining = !isFirst;
     say(isFirst ? "" : "finer…");
@@ -97,7 +99,7 @@ async function refocus(input = performance.now()) {
       if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
       if (mine !== generation) return;
       try {
-        picture = await askPicture(isFirst && stage.method ? "coarse" : "picture", asked);
+        picture = await askPicture(isQuick ? "coarse" : "picture", asked);
       } catch (error) {
         failure = error;
       }
@@ -105,7 +107,9 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      shown = { ...picture, options: asked };
+      // What is copied or saved while the quick picture is shown is the last one.
+      shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
+      if (!isQuick) settled = shown;
       const answered = performance.now();
       drawSoon(() => timings.push({ views: stage.views ?? stage.method ?? "", input, answered, painted: performance.now(),
                                     server: picture.report.seconds }));
@@ -117,7 +121,7 @@ async function refocus(input = performance.now()) {
       return;
     }
     if (failure) say(failure.message, true);
-    if (!picture) return;
+    if (!picture && !isQuick) return;
   }
   describe();
   findCauses();
@@ -154,7 +158,7 @@ function undo() {
 let raysGeneration = 0;
 
 function keepBefore() {
-  if ($("compare").value === "before" && shown) other = shown;
+  if ($("compare").value === "before" && settled) other = settled;
   if ($("compare").value === "rays") traceRays();
 }
 
@@ -162,7 +166,7 @@ async function compareWith(what) {
   ++raysGeneration;
   $("wipe").hidden = what === "nothing";
   if (what === "nothing") other = null;
-  if (what === "before") other = shown;
+  if (what === "before") other = settled ?? shown;
   try {
     if (what === "pinhole") other = await askPicture("picture", { method: "pinhole" });
     if (what === "rays") await traceRays();
@@ -197,7 +201,7 @@ let causesFailure = "";
 
 /** Requests the causes of the error of the displayed image, if they are to be shown. */
 async function findCauses() {
-  if ($("show").value !== "causes" || !shown || firstUnderWay || refining || causes?.picture === shown || causesOf === shown) return;
+  if ($("show").value !== "causes" || !shown || shown !== settled || firstUnderWay || refining || causes?.picture === shown || causesOf === shown) return;
   const picture = causesOf = shown;
   causesFailure = "";
   showLegend();
@@ -260,10 +264,11 @@ const floatOf = (bits) => halfTable[bits];
 /** R, G and B of an image at pixel k of the frame. */
 function valuesOf(p, k) {
   if (p.by > 1) {
-    const x = Math.floor((k % frame.width) / p.by), y = Math.floor(Math.floor(k / frame.width) / p.by);
+    const x = Math.floor((k % frame.width) / p.by), y = Math.floor(k / (frame.width * p.by));
     k = Math.min(y, p.height - 1) * p.width + Math.min(x, p.width - 1);
   }
-  return [0, 1, 2].map((i) => p.floats ? p.floats[3 * k + i] : floatOf(p.halves[3 * k + i]));
+  return p.floats ? [p.floats[3 * k], p.floats[3 * k + 1], p.floats[3 * k + 2]]
+    : [floatOf(p.halves[3 * k]), floatOf(p.halves[3 * k + 1]), floatOf(p.halves[3 * k + 2])];
 }
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
@@ -368,6 +373,7 @@ class GlPainter {
       gl.uniform1i(this.at(name), unit);
       return { name, held: undefined };
     });
+    this.hold(1, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGB16F, 1, 1, 0, gl.RGB, gl.HALF_FLOAT, new Uint16Array(3)));
     this.hold(2, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16F, 1, 1, 0, gl.RED, gl.HALF_FLOAT, new Uint16Array(1)));
     this.hold(4, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32F, 1, 1, 0, gl.RED, gl.FLOAT, new Float32Array(1)));
     this.hold(3, null, () => gl.texImage2D(gl.TEXTURE_2D, 0, gl.R32UI, 1, 1, 0, gl.RED_INTEGER, gl.UNSIGNED_INT, new Uint32Array(1)));
@@ -415,7 +421,8 @@ class GlPainter {
   }
 }
 
-/** Draws the same as the WebGL painter, but pixel by pixel on the CPU, for browsers without WebGL2. */
+/** Draws the same as the WebGL painter, but pixel by pixel on the CPU, for browsers without WebGL2. Wider pixels are not
+    interpolated. */
 class PlainPainter {
   constructor(context) { this.context = context; }
   paint(s) {

@@ -49,7 +49,8 @@ class ViewSession {
     /// pixel follows: the fraction of the pixel that was computed by rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// Returns a quick image: as `picture`, but made of fewer records (ViewedFrame::coarse). "by" in the JSON
-    /// is the width of its pixels in pixels of the frame. There is none of other programs' pictures.
+    /// is the width of its pixels in pixels of the frame. Refuses the parameters crop and focus-at, and other
+    /// programs' pictures.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image by `render` of the scene, in the format of `picture`. Cancels only older requests for
     /// rays.

@@ -38,8 +38,8 @@ class ViewedFrame {
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Fewer records of the frame, for quick images (write_coarser_file). Small frames give themselves.
-    /// Throws Error(wrong_arguments) if the frame is another program's image.
+    /// Fewer records of the frame, for quick images, in a temporary file (write_coarser_file). Frames with
+    /// few records give themselves. Throws Error(wrong_arguments) if the frame is another program's image.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 
 #include "apps/open_frame.h"
 #include "apps/view/viewed_frame.h"
@@ -32,22 +33,9 @@ class ViewedRecords : public ViewedFrame {
     [[nodiscard]] std::shared_ptr<KeptFrame> kept() const override { return kept_; }
 
     [[nodiscard]] Records coarse() const override {
-        // Of this much, two cores make an image in some 50 ms.
-        constexpr double most_pixels = 150000, most_records = 250000;
         const std::lock_guard lock(coarse_mutex_);
-        const std::string path = coarse_file_.path().string();
-        if (!coarse_) {
-            const double pixels = facts_["width"].get<double>() * facts_["height"].get<double>();
-            by_ = wider(1, pixels / most_pixels);
-            if (by_ == 1) return {input_, kept_, 1};
-            const std::uint64_t records = write_coarser_file(input_, Damage::refuse, by_, path);
-            if (const int more = wider(by_, static_cast<double>(records) / most_records); more > by_) {
-                by_ = more;
-                write_coarser_file(input_, Damage::refuse, by_, path);
-            }
-            coarse_ = std::make_shared<KeptFrame>(path, Damage::refuse);
-        }
-        return {path, coarse_, by_};
+        if (!coarse_) coarse_ = made_coarse();
+        return *coarse_;
     }
 
     [[nodiscard]] ImageDepths depths() const override {
@@ -98,20 +86,29 @@ class ViewedRecords : public ViewedFrame {
     }
 
   private:
-    /// The width, px, of pixels of which there are `less` times fewer than of those `by` px wide.
-    [[nodiscard]] int wider(int by, double less) const {
-        if (less <= 1) return by;
-        const int widest = std::min(facts_["width"].get<int>(), facts_["height"].get<int>());
-        return std::min(widest, static_cast<int>(std::ceil(by * std::sqrt(less))));
+    [[nodiscard]] Records made_coarse() const {
+        // Of this much, two cores make an image in some 50 ms.
+        constexpr double most_pixels = 150000, most_records = 250000;
+        const SampleFileReader file(input_, Damage::refuse, 0.0);
+        const int width = file.header().width, height = file.header().height;
+        double records = 0;
+        for (const ScanlineFacts& row : file.scanlines()) records += row.records;
+        const double pixels = static_cast<double>(width) * height,
+                     less = std::max(pixels / most_pixels, corner_records(file) / most_records);
+        if (less <= 1 && records <= most_records) return {input_, kept_, 1};
+        const int by = std::clamp(static_cast<int>(std::ceil(std::sqrt(less))), 1, std::min(width, height));
+        coarse_file_.emplace("coarse.exr");
+        const std::string path = coarse_file_->path().string();
+        write_coarser_file(file, by, path);
+        return {path, std::make_shared<KeptFrame>(path, Damage::refuse), by};
     }
 
     std::string input_;
     Json facts_;
     std::shared_ptr<KeptFrame> kept_;
-    ScratchFile coarse_file_{"coarse.exr"};
     mutable std::mutex coarse_mutex_;
-    mutable int by_ = 1;
-    mutable std::shared_ptr<KeptFrame> coarse_;  ///< of `coarse_file_`; null: not yet written
+    mutable std::optional<ScratchFile> coarse_file_;
+    mutable std::optional<Records> coarse_;
 };
 
 }  // namespace

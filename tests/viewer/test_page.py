@@ -215,6 +215,7 @@ def test_the_first_picture_lies_where_the_best_one_does(painter, tmp_path):
           document.getElementById("f_number").dispatchEvent(new Event("input"));""")
         until(lambda: driver.execute_script("return postlens.state().shown.by") == 2)
         first, row = pixels(driver), 3 * driver.execute_script("return document.getElementById('picture').width")
+        assert first != best and not errors(driver)
     finally:
         driver.quit()
     assert made.close() == 0

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from conftest import DEEP, PROGRAM, SCENE, Viewer
+from conftest import DEEP, PROGRAM, ROOT, SCENE, Viewer
 
 
 UNWRITTEN = f"/tmp/postlens-viewer-test-{os.getpid()}"  # a file that no request may write
@@ -124,10 +124,31 @@ def test_a_coarse_picture_is_that_of_the_frame_with_wider_pixels(tmp_path):
     assert all(difference(0, 0) < difference(dx, dy) for dx, dy in ((-1, 0), (1, 0), (0, -1), (0, 1)))
 
 
-def test_a_coarse_picture_of_a_small_frame_has_all_its_records(viewer):
-    query = "?method=lightfield&views=4&f-number=2&focus=3"
-    coarse, fine = (get(viewer, viewer.path + what + query)[1] for what in ("coarse", "picture"))
-    assert coarse[-240 * 135 * 6 :] == fine[-240 * 135 * 6 :]
+def coarse_width(frame, query):
+    """Of a coarse picture and of its pixels, px."""
+    made = Viewer(str(frame))
+    answer, body = get(made, made.path + "coarse?" + query)
+    assert made.close() == 0
+    assert answer.status == 200, body[:200]
+    report = json.loads(body[4 : 4 + struct.unpack_from("<I", body)[0]])
+    return report["width"], report["by"]
+
+
+def test_a_frame_of_few_pixels_and_many_records_has_a_coarse_picture_too(tmp_path):
+    deep = tmp_path / "deep.exr"
+    subprocess.run([PROGRAM, "trace", SCENE, "-o", deep, "--size", "480x300", "--hidden-layers", "4", "--quiet"], check=True)
+    assert coarse_width(deep, "method=scatter&f-number=2&focus=3") == (240, 2)
+
+
+def test_a_coarse_picture_has_a_shutter(tmp_path):
+    keys = tmp_path / "keys.exr"
+    subprocess.run([PROGRAM, "trace", str(ROOT / "samples" / "scenes" / "motion.toml"), "-o", keys, "--size", "561x271",
+                    "--for-shutter", "0:1", "--quiet"], check=True)  # fmt: skip
+    assert coarse_width(keys, "method=lightfield&views=4&f-number=8&focus=5&shutter=0:1") == (280, 2)
+
+
+def test_a_coarse_picture_of_a_small_frame_has_its_pixels(frame):
+    assert coarse_width(frame, "method=lightfield&views=4&f-number=2&focus=3") == (240, 1)
 
 
 @pytest.mark.parametrize("query", [
