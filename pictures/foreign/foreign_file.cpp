@@ -19,6 +19,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "pictures/exr/library_threads.h"
 #include "pictures/foreign/foreign_file_impl.h"
 
 namespace postlens {
@@ -183,7 +184,7 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
         }
     }
     guarded(name, [&] {
-        opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), 0, false);
+        opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), exr_library_threads(), false);
         if (static_cast<std::size_t>(opened.file->parts()) != parts_.size() - first)
             fail(ExitCode::invalid_input, "{}: header is damaged (parts that are not counted)", name);
         for (std::size_t i = first; i < parts_.size(); ++i) {

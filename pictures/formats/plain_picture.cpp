@@ -8,19 +8,17 @@
 #include <OpenEXR/ImfMultiPartInputFile.h>
 #include <OpenEXR/ImfPartType.h>
 #include <OpenEXR/ImfStringAttribute.h>
-#include <OpenEXR/ImfThreading.h>
 #include <array>
 #include <cstdint>
 #include <exception>
 #include <fmt/format.h>
-#include <mutex>
 #include <new>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 #include "pictures/exr/exr_input.h"
+#include "pictures/exr/library_threads.h"
 
 namespace postlens {
 namespace {
@@ -123,17 +121,9 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     return out;
 }
 
-/// Lets the OpenEXR library decompress with several threads; by default it uses only the calling thread.
-void use_exr_threads() {
-    static std::once_flag once;
-    std::call_once(once,
-                   [] { Imf::setGlobalThreadCount(static_cast<int>(std::thread::hardware_concurrency())); });
-}
-
 std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path) {
-    use_exr_threads();
     try {
-        auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str());
+        auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), exr_library_threads());
         if (!file->partComplete(0)) return nullptr;
         if (auto layout = plain_layout(file->header(0)))
             return std::make_unique<ExrReader>(std::move(file), std::move(*layout));
