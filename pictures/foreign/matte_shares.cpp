@@ -16,53 +16,6 @@ namespace {
 /// Smallest share of a pixel at which a surface is kept; smaller shares are omitted.
 constexpr float least_share = 0.01F;
 
-struct MatteEntry {
-    std::size_t pixel;
-    SurfaceShare share;
-};
-
-/// Returns the shares of all pixels, with the values of the file, sorted by pixel.
-std::vector<MatteEntry> matte_entries(const ForeignFile& file, const ForeignPart& onto,
-                                      const Cryptomatte& matte) {
-    const std::size_t pixels =
-        static_cast<std::size_t>(onto.width()) * static_cast<std::size_t>(onto.height());
-    std::vector<MatteEntry> out;
-    std::vector<std::size_t> parts;
-    for (const MatteRank& rank : matte.ranks) {
-        if (std::find(parts.begin(), parts.end(), rank.part) == parts.end()) parts.push_back(rank.part);
-    }
-    for (const std::size_t other : parts) {
-        std::vector<std::string> names;
-        for (const MatteRank& rank : matte.ranks) {
-            if (rank.part == other) names.insert(names.end(), {rank.id, rank.coverage});
-        }
-        each_row_onto(file, other, names, onto,
-                      [&](std::size_t first, std::size_t count, std::size_t from,
-                          std::span<const float* const> values) {
-                          for (std::size_t i = 0; i < count; ++i) {
-                              for (std::size_t c = 0; c < names.size(); c += 2) {
-                                  const float share = values[c + 1][from + i];
-                                  if (!(share >= least_share)) continue;  // also skips NaN
-                                  if (out.size() == out.capacity()) {
-                                      const std::size_t more = std::max(out.size() * 3 / 2, pixels);
-                                      require_memory(more * sizeof(MatteEntry), "the Cryptomatte");
-                                      out.reserve(more);
-                                  }
-                                  out.push_back({first + i,
-                                                 {.id = surface_id(values[c][from + i], false),
-                                                  .share = std::min(share, 1.0F),
-                                                  .inverse_z = {}}});
-                              }
-                          }
-                      });
-    }
-    if (parts.size() > 1) {
-        std::stable_sort(out.begin(), out.end(),
-                         [](const MatteEntry& a, const MatteEntry& b) { return a.pixel < b.pixel; });
-    }
-    return out;
-}
-
 void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum, ForeignPicture& out) {
     if (1 - sum >= least_share) {
         const auto none =
@@ -86,17 +39,67 @@ void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum, F
 
 }  // namespace
 
-void take_matte(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte,
-                ForeignPicture& picture) {
-    const std::vector<MatteEntry> entries = matte_entries(file, onto, matte);
-    require_memory(entries.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
+std::vector<std::string> MatteShares::channels(std::size_t part) const {
+    std::vector<std::string> names;
+    for (const MatteRank& rank : matte_.ranks) {
+        if (rank.part == part) names.insert(names.end(), {rank.id, rank.coverage});
+    }
+    return names;
+}
+
+std::vector<std::string> MatteShares::channels_beside(std::size_t part) {
+    if (matte_.ranks.empty() || matte_.ranks.front().part != part) return {};
+    taken_ = part;
+    return channels(part);
+}
+
+void MatteShares::take(std::size_t pixel, std::size_t count, std::span<const float* const> values) {
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t c = 0; c < values.size(); c += 2) {
+            const float share = values[c + 1][i];
+            if (!(share >= least_share)) continue;  // also skips NaN
+            if (entries_.size() == entries_.capacity()) {
+                const std::size_t pixels =
+                    static_cast<std::size_t>(onto_.width()) * static_cast<std::size_t>(onto_.height());
+                const std::size_t more = std::max(entries_.size() * 3 / 2, pixels);
+                require_memory(more * sizeof(Entry), "the Cryptomatte");
+                entries_.reserve(more);
+            }
+            entries_.push_back(
+                {pixel + i,
+                 {.id = surface_id(values[c][i], false), .share = std::min(share, 1.0F), .inverse_z = {}}});
+        }
+    }
+}
+
+void MatteShares::finish(ForeignPicture& picture) {
+    std::vector<std::size_t> parts;
+    for (const MatteRank& rank : matte_.ranks) {
+        if (std::find(parts.begin(), parts.end(), rank.part) == parts.end()) parts.push_back(rank.part);
+    }
+    for (const std::size_t part : parts) {
+        if (part == taken_) continue;
+        const std::vector<std::string> names = channels(part);
+        std::vector<const float*> row(names.size());
+        each_row_onto(file_, part, names, onto_,
+                      [&](std::size_t first, std::size_t count, std::size_t from,
+                          std::span<const float* const> values) {
+                          for (std::size_t c = 0; c < row.size(); ++c) row[c] = values[c] + from;
+                          take(first, count, row);
+                      });
+    }
+    if (parts.size() > 1) {
+        std::stable_sort(entries_.begin(), entries_.end(),
+                         [](const Entry& a, const Entry& b) { return a.pixel < b.pixel; });
+    }
+    require_memory(entries_.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
     std::vector<SurfaceShare> here;
-    for (std::size_t i = 0; i < entries.size();) {
-        const std::size_t pixel = entries[i].pixel;
+    for (std::size_t i = 0; i < entries_.size();) {
+        const std::size_t pixel = entries_[i].pixel;
         here.clear();
         float sum = 0;
-        for (; i < entries.size() && entries[i].pixel == pixel; ++i) {
-            const SurfaceShare& s = entries[i].share;
+        for (; i < entries_.size() && entries_[i].pixel == pixel; ++i) {
+            const SurfaceShare& s = entries_[i].share;
             const auto same =
                 std::find_if(here.begin(), here.end(), [&](const SurfaceShare& h) { return h.id == s.id; });
             if (same != here.end()) {

@@ -1,16 +1,49 @@
 // Determines which surfaces the pixels of a flat image show, from its Cryptomatte.
 #pragma once
 
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
 #include "pictures/foreign/cryptomatte.h"
 #include "pictures/foreign/foreign_file.h"
 #include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
 
-/// Gives each sample of `picture` the Cryptomatte id that covers most of its pixel. Adds pixels that show
-/// several surfaces to ForeignPicture::mixed. `onto` is the part of the file from which the colours of
-/// `picture` were read. Throws Error(invalid_input) and Error(out_of_memory).
-void take_matte(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte,
-                ForeignPicture& picture);
+/// Reads the shares of a Cryptomatte's surfaces in each pixel. All functions throw Error(invalid_input) and
+/// Error(out_of_memory).
+class MatteShares {
+  public:
+    /// `onto`: the part of the file with the colours, for whose pixels the shares are wanted.
+    MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte)
+        : file_(file), onto_(onto), matte_(matte) {}
+
+    /// Returns the channels that a reader of the colours' part, `part`, may read together with its own, which
+    /// saves a second decompression. The reader calls `take` for each row, from top to bottom. Empty if the
+    /// shares of other parts come first.
+    [[nodiscard]] std::vector<std::string> channels_beside(std::size_t part);
+    /// Takes the values of `count` pixels, the first of which has index `pixel`. `values` has a row for each
+    /// of the channels, which begins with the values of that pixel.
+    void take(std::size_t pixel, std::size_t count, std::span<const float* const> values);
+    /// Reads the parts that were not taken. Gives each sample of `picture` the id that covers most of its
+    /// pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
+    void finish(ForeignPicture& picture);
+
+  private:
+    struct Entry {
+        std::size_t pixel = 0;
+        SurfaceShare share;
+    };
+    [[nodiscard]] std::vector<std::string> channels(std::size_t part) const;
+
+    const ForeignFile& file_;
+    const ForeignPart& onto_;
+    const Cryptomatte& matte_;
+    std::optional<std::size_t> taken_;  ///< the part whose values came by `take`
+    std::vector<Entry> entries_;
+};
 
 }  // namespace postlens

@@ -139,6 +139,14 @@ class Reader {
                    b = channels.add(c.part, c.b, 0), a = channels.add(c.alpha_part, c.a, 0),
                    z = channels.add(c.depth_part, c.z, infinite), id = channels.add(c.id_part, c.id, 0),
                    ry = channels.add(c.part, c.ry, 0, true), by = channels.add(c.part, c.by, 0, true);
+        std::optional<MatteShares> matte;
+        std::vector<std::size_t> of_matte;
+        if (c.matte) {
+            matte.emplace(file_, *part_, *c.matte);
+            for (const std::string& name : matte->channels_beside(c.part))
+                of_matte.push_back(*channels.add(c.part, name, 0));
+        }
+        std::vector<const float*> matte_row(of_matte.size());
         if (ry) luminance_ = file_.luminance_weights(c.part);
         const auto width = static_cast<std::size_t>(part_->width());
         require_memory(pixels() * 2 * sizeof(float), "depths and alphas of the picture");
@@ -147,6 +155,8 @@ class Reader {
         covered.reserve(pixels());
         channels.read([&](int, std::span<const float* const> values) {
             make_room(width);
+            for (std::size_t i = 0; i < of_matte.size(); ++i) matte_row[i] = values[of_matte[i]];
+            if (!of_matte.empty()) matte->take(depths.size(), width, matte_row);
             for (std::size_t x = 0; x < width; ++x) {
                 const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
                     return channel ? values[*channel][x] : otherwise;
@@ -171,7 +181,7 @@ class Reader {
         } else {
             depths_.take(*part_, depths, covered, out_);
         }
-        if (c.matte) take_matte(file_, *part_, *c.matte, out_);
+        if (matte) matte->finish(out_);
     }
 
     void add_chroma(StackSample& s, float ry, float by) const {
