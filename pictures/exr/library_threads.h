@@ -3,8 +3,9 @@
 
 namespace postlens {
 
-/// Number of threads with which the OpenEXR library decompresses a file. The first call starts them; by
-/// default, the library uses the calling thread only.
+/// Starts the threads that the OpenEXR library shares among all files, unless they run already, and returns
+/// their number. By default, the library uses the calling thread only. A process that is forked afterwards,
+/// without exec, must not read files with them.
 int exr_library_threads();
 
 }  // namespace postlens

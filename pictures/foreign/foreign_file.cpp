@@ -19,6 +19,7 @@
 #include <fstream>
 
 #include "core/error.h"
+#include "core/job.h"
 #include "pictures/exr/library_threads.h"
 #include "pictures/foreign/foreign_file_impl.h"
 
@@ -64,8 +65,9 @@ std::uint64_t bytes_of_pixel(const Imf::Header& h) {
     return bytes;
 }
 
-void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t file_bytes,
-                  const std::string& name) {
+/// Returns the bytes of a chunk.
+std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::uint64_t file_bytes,
+                            const std::string& name) {
     const auto width = static_cast<std::uint64_t>(part.width());
     std::uint64_t chunk_pixels = width * static_cast<std::uint64_t>(std::min(chunk_rows(h), part.height()));
     if (part.tiled) {
@@ -99,6 +101,16 @@ void check_chunks(const ForeignPart& part, const Imf::Header& h, std::uint64_t f
              "{}: header is damaged (got {}x{} pixels of {} bytes in a file of {} bytes)", name, part.width(),
              part.height(), pixel_bytes, file_bytes);
     }
+    return chunk_pixels * pixel_bytes;
+}
+
+/// Number of threads for which the library shall allocate buffers for a file with chunks of this size; 0 for
+/// the calling thread alone. For n threads, it keeps 2 n chunks of each part, three times over.
+int threads_of_file(std::uint64_t greatest_chunk) {
+    // A band of rows (ForeignFile::read_flat) has four chunks of ZIP, the most common compression.
+    constexpr int most = 2;
+    constexpr std::uint64_t most_bytes = 8U << 20U;
+    return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
 }
 
 }  // namespace
@@ -183,8 +195,9 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
             part.display = checked_window(p, "displayWindow", name);
         }
     }
+    std::uint64_t greatest_chunk = 0;
     guarded(name, [&] {
-        opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), exr_library_threads(), false);
+        opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), 0, false);
         if (static_cast<std::size_t>(opened.file->parts()) != parts_.size() - first)
             fail(ExitCode::invalid_input, "{}: header is damaged (parts that are not counted)", name);
         for (std::size_t i = first; i < parts_.size(); ++i) {
@@ -204,9 +217,16 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
                 }
                 part.channels.emplace_back(c.name());
             }
-            check_chunks(part, h, opened.bytes, name);
+            const std::uint64_t chunk = checked_chunk(part, h, opened.bytes, name);
+            // Deep chunks vary in size.
+            greatest_chunk = std::max(greatest_chunk, part.deep ? most_chunk_bytes : chunk);
         }
     });
+    if (const int threads = threads_of_file(greatest_chunk); threads > 0) {
+        guarded(name, [&] {
+            opened.file = std::make_unique<Imf::MultiPartInputFile>(name.c_str(), threads, false);
+        });
+    }
     const auto note_view = [&](const std::string& view) {
         if (!view.empty() && std::find(views_.begin(), views_.end(), view) == views_.end())
             views_.push_back(view);

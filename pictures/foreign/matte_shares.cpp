@@ -47,7 +47,7 @@ std::vector<std::string> MatteShares::channels(std::size_t part) const {
     return names;
 }
 
-std::vector<std::string> MatteShares::channels_beside(std::size_t part) {
+std::vector<std::string> MatteShares::begin_beside(std::size_t part) {
     if (matte_.ranks.empty() || matte_.ranks.front().part != part) return {};
     taken_ = part;
     return channels(part);

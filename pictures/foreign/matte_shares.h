@@ -13,18 +13,18 @@
 
 namespace postlens {
 
-/// Reads the shares of a Cryptomatte's surfaces in each pixel. All functions throw Error(invalid_input) and
-/// Error(out_of_memory).
+/// Reads the shares of a Cryptomatte's surfaces in each pixel. `take` and `finish` throw Error(invalid_input)
+/// and Error(out_of_memory).
 class MatteShares {
   public:
     /// `onto`: the part of the file with the colours, for whose pixels the shares are wanted.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte)
         : file_(file), onto_(onto), matte_(matte) {}
 
-    /// Returns the channels that a reader of the colours' part, `part`, may read together with its own, which
-    /// saves a second decompression. The reader calls `take` for each row, from top to bottom. Empty if the
-    /// shares of other parts come first.
-    [[nodiscard]] std::vector<std::string> channels_beside(std::size_t part);
+    /// Returns the channels that a reader of the colours' part, `part`, must read together with its own and
+    /// hand to `take`, row by row from top to bottom; that saves a second decompression. Empty if the first
+    /// rank is in another part, because the shares of a pixel are wanted in the order of ranks.
+    [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Takes the values of `count` pixels, the first of which has index `pixel`. `values` has a row for each
     /// of the channels, which begins with the values of that pixel.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values);

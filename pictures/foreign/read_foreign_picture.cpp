@@ -143,7 +143,7 @@ class Reader {
         std::vector<std::size_t> of_matte;
         if (c.matte) {
             matte.emplace(file_, *part_, *c.matte);
-            for (const std::string& name : matte->channels_beside(c.part))
+            for (const std::string& name : matte->begin_beside(c.part))
                 of_matte.push_back(*channels.add(c.part, name, 0));
         }
         std::vector<const float*> matte_row(of_matte.size());

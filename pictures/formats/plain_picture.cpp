@@ -122,8 +122,9 @@ std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
 }
 
 std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path) {
+    const int threads = exr_library_threads();
     try {
-        auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), exr_library_threads());
+        auto file = std::make_unique<Imf::MultiPartInputFile>(path.c_str(), threads);
         if (!file->partComplete(0)) return nullptr;
         if (auto layout = plain_layout(file->header(0)))
             return std::make_unique<ExrReader>(std::move(file), std::move(*layout));
