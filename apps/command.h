@@ -77,7 +77,8 @@ struct TraceOptions {
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
-    bool plan = false;  ///< choose levels, hidden layers, overscan and keys for `target_db`
+    bool for_rays = false;  ///< images will be made with rays, so that TraceSettings::ray_levels suffice
+    bool plan = false;      ///< choose levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
     bool force = false;  ///< trace even if the file will probably not fit on its disk
 };

@@ -19,7 +19,7 @@ std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView
     TraceSettings visible = best, coarse = best;
     visible.hidden_layers = 0;
     coarse.subdivide_for_lens = false;
-    coarse.subdivision.levels = 1;
+    coarse.subdivision.levels = TraceSettings::ray_levels;
     return {{best_records, best}, {visible_records, visible}, {coarse_records, coarse}};
 }
 
@@ -50,8 +50,9 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
+    // Rays replace what coarse records do not determine.
     for (const int m : request.views)
-        out.add(Kind::focus, "hybrid", "M", m, best_records, FocusMethod::hybrid);
+        out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
 void add_motion(const ChartRequest& request, Points& out) {
@@ -72,7 +73,7 @@ void add_shoot(const ChartRequest& request, Points& out) {
             out.add(Kind::shoot, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
     for (const int m : request.views)
-        out.add(Kind::shoot, "hybrid", "M", m, best_records, FocusMethod::hybrid);
+        out.add(Kind::shoot, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
 // Checks the lens before the trace does, so that error messages name the options of `chart` instead of those

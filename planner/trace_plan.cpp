@@ -123,7 +123,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
 
 }  // namespace
 
-TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db) {
+TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db, bool for_rays) {
     if (!(target_db >= 10 && target_db <= 80))
         fail(ExitCode::wrong_arguments, "--target-db: out of range (got {}; expected 10 to 80)", target_db);
     const bool lens = asked.for_f_number && asked.for_focus_m;
@@ -167,6 +167,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
         if (out.levels < 0 && mse <= most_mse && met >= tiles_met * static_cast<double>(look.tiles.size()))
             out.levels = static_cast<int>(level);
     }
+    if (for_rays) out.levels = TraceSettings::ray_levels;
     out.met = out.levels >= 0;
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
@@ -201,11 +202,10 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.seconds = took_s * out.records / std::max<double>(1, static_cast<double>(traced.records));
     out.text = fmt::format(
         "planned: {} levels of subdivision, overscan {} px or less, hidden surfaces {}, {} instants: records "
-        "good for "
-        "{:.1f} dB; about {} million records, {} MB, {} s",
+        "good for {:.1f} dB{}; about {} million records, {} MB, {} s",
         out.levels, traced.overscan_px * coarser,
         out.settings.hidden_layers == 0 ? "none" : "where they come to light", traced.instants_s.size(),
-        out.floor_db, rough(out.records / 1e6), rough(out.bytes / 1e6), rough(out.seconds));
+        out.floor_db, for_rays ? " without rays" : "", rough(out.records / 1e6), rough(out.bytes / 1e6), rough(out.seconds));
     return out;
 }
 

@@ -13,7 +13,7 @@ struct TracePlan {
     TraceSettings settings;  ///< given settings, with subdivision, hidden layers, overscan and keys chosen
     int levels = 0;          ///< chosen levels of subdivision
     double floor_db = 0;     ///< expected record floor with these levels, as PSNR
-    bool met = true;         ///< false: the record floor exceeds the target at every level
+    bool met = true;         ///< false: the record floor exceeds the target at every level, and no rays will help
     double records = 0;      ///< expected number of records
     double bytes = 0;        ///< expected size of the file
     double seconds = 0;      ///< expected time of the trace, on this machine at its present load
@@ -25,13 +25,16 @@ struct TracePlan {
 /// of the preview's edges determine the record floor of each level of subdivision. The record floor is the
 /// error that arises because edges are known only to within a quadtree cell (planner/errors/record_floor.h).
 /// It may be at most half of the squared error that `target_db` allows, in the mean of the image and in nine
-/// of ten tiles. The coarsest level that satisfies this is chosen.
+/// of ten tiles. The coarsest level that satisfies this is chosen. With `for_rays`, images will be made with
+/// rays in the scene, which replace what the records do not determine: TraceSettings::ray_levels are chosen for
+/// every target.
 ///
 /// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
 /// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
 ///
 /// Throws Error(wrong_arguments) if `asked` has neither for_shutter nor both for_f_number and for_focus_m.
 /// Also throws the errors of trace_to_file. Writes a file to the system's temporary folder.
-[[nodiscard]] TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db);
+[[nodiscard]] TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double target_db,
+                                   bool for_rays = false);
 
 }  // namespace postlens

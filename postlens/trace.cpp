@@ -18,6 +18,7 @@ TraceResult trace(const std::filesystem::path& scene, const std::filesystem::pat
         words.add("--for-f-number", settings.for_f_number);
         words.add("--for-focus", settings.for_focus_distance_m);
         words.add("--for-shutter", settings.for_shutter);
+        words.add_flag("--for-rays", settings.for_rays);
         words.add("--subdivide", settings.subdivide);
         words.add("--threshold", settings.threshold);
         words.add_count("--hidden-layers", settings.hidden_layers);

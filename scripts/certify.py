@@ -69,7 +69,7 @@ class Bench:
 
     def pictures(self, name, scene, kind, made, size, spp, targets):
         traced, picture = self.path("traced.exr"), self.path("picture.exr")
-        self.run("trace", scene, "-o", traced, "--size", size, "--subdivide", "2", *made.traced_for())
+        self.run("trace", scene, "-o", traced, "--size", size, "--for-rays", *made.traced_for())
         self.run("render", scene, "-o", self.path("truth.exr"), "--size", size, "--spp", spp, "--halves", *made.rendered_for())
         command = "shoot" if made.shutter else "focus"
         for target in targets:

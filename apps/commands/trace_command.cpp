@@ -65,6 +65,11 @@ CommandResult run_trace(const TraceOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
+    const bool levels_are_given = !settings.subdivide_for_lens;
+    if (options.for_rays && !levels_are_given) {
+        settings.subdivide_for_lens = false;
+        settings.subdivision.levels = TraceSettings::ray_levels;
+    }
     settings.made_by = options.made_by;
     if (const auto& shared = options.shared) {
         settings.share = shared->share;
@@ -77,7 +82,7 @@ CommandResult run_trace(const TraceOptions& options) {
     nlohmann::ordered_json plan = nullptr;
     if (options.plan) {
         require_trace_memory(scene, settings, options.output);  // the preview pass needs much memory as well
-        const TracePlan p = plan_trace(scene, settings, options.target_db);
+        const TracePlan p = plan_trace(scene, settings, options.target_db, options.for_rays);
         settings = p.settings;
         plan = {{"subdivide", p.levels}, {"floor_db", p.floor_db}, {"floors_db", p.floors_db},
                 {"records", p.records},  {"bytes", p.bytes},       {"seconds", p.seconds}};

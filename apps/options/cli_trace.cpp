@@ -68,7 +68,8 @@ void add_trace(CLI::App& root, CommandOptions& s) {
                t.subdivision.levels = parse_whole("--subdivide", text);
            },
            "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8 [default: 2; with "
-           "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is]")
+           "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is; with "
+           "--for-rays 1]")
         ->type_name("LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
            "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T", from_0);
@@ -89,6 +90,9 @@ void add_trace(CLI::App& root, CommandOptions& s) {
            "--overscan",
            "N", above_0);
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", above_0, true);
+    app.add_flag("--for-rays", o.for_rays,
+                 "Size the file for images that are made with --scene: one level of subdivision, as rays replace "
+                 "what coarse records do not determine; a finer --subdivide takes longer");
     app.add_flag(
         "--plan", o.plan,
         "Choose subdivision, hidden layers, overscan and keys for the lens and shutter named and for "

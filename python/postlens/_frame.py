@@ -300,6 +300,7 @@ def trace(
     for_f_number: Optional[float] = None,
     for_focus_m: Optional[float] = None,
     for_shutter: Optional[Span] = None,
+    for_rays: bool = False,
     subdivide: Optional[int] = None,
     threshold: Optional[float] = None,
     hidden_layers: Union[int, str, None] = None,
@@ -325,6 +326,7 @@ def trace(
     output: the sample file to write. Without it, a temporary file is written, which is removed with the Frame.
     size: (width, height), px; default: that of the camera.
     for_f_number, for_focus_m, for_shutter: the lens and shutter for which the records must suffice.
+    for_rays: pictures will be made with rays (the argument scene of Frame.focus), for which coarse records suffice.
     plan: choose subdivision, hidden layers, overscan and recorded instants for target_db.
     `postlens trace --help` describes the other arguments.
 

@@ -248,6 +248,27 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
 }
 
+TEST_F(TraceCommand, CoarseRecordsSufficeForRays) {
+    const auto records = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"--for-f-number", "1.4", "--for-focus", "4"};
+        words.insert(words.end(), more.begin(), more.end());
+        const json t = traced(words);
+        return std::pair(t["records"].get<std::uint64_t>(), bytes_of(in("a.exr")).size());
+    };
+    const auto one_level = records({"--subdivide", "1"});
+    EXPECT_EQ(records({"--for-rays"}), one_level);
+    EXPECT_LT(one_level.first, records({}).first);
+    // Levels that are asked for remain.
+    EXPECT_EQ(records({"--for-rays", "--subdivide", "2"}), records({"--subdivide", "2"}));
+    // A plan for rays has one level for every target, and is not short of a target that no records reach.
+    const Outcome plan =
+        trace({"--for-f-number", "1.4", "--for-focus", "4", "--plan", "--target-db", "80", "--for-rays"});
+    EXPECT_EQ(plan.exit_code, 0) << plan.err;
+    EXPECT_EQ(json::parse(plan.out)["plan"]["subdivide"], 1);
+    EXPECT_EQ(trace({"--for-f-number", "1.4", "--for-focus", "4", "--plan", "--target-db", "80"}).exit_code,
+              static_cast<int>(ExitCode::shortfall));
+}
+
 TEST_F(TraceCommand, WritesOpenExrAlone) {
     for (const char* name : {"a.png", "a", "a.exr.gz", "a.toml"}) {
         refused({"trace", scene(), "-o", in(name), "--size", "16x9"}, ExitCode::wrong_arguments,

@@ -80,10 +80,10 @@ TEST(ChartPlan, AsksForWhatBlurs) {
     };
     ChartRequest r;
     EXPECT_THAT(names(r, still(1.4)),
-                ElementsAre("hybrid", "layers", "layers, coarse", "layers, visible only", "lightfield",
+                ElementsAre("hybrid, coarse", "layers", "layers, coarse", "layers, visible only", "lightfield",
                             "lightfield, coarse", "lightfield, visible only", "pinhole", "rays", "scatter"));
     r.shutter = TimeSpan{0, 1};
-    EXPECT_THAT(names(r, still(1.4)), ElementsAre("hybrid", "lightfield", "lightfield, coarse",
+    EXPECT_THAT(names(r, still(1.4)), ElementsAre("hybrid, coarse", "lightfield", "lightfield, coarse",
                                                   "lightfield, visible only", "pinhole", "rays"));
     EXPECT_THAT(names(r, still(std::nullopt)),
                 ElementsAre("auto", "convolve", "convolve, coarse", "convolve, visible only", "lightfield",

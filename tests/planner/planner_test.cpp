@@ -372,6 +372,11 @@ TEST(TracePlan, LeavesOutWhatIsNotNeeded) {
     const TracePlan p = plan_trace(b.scene, asked, 80);
     EXPECT_FALSE(p.met);
     EXPECT_EQ(p.floors_db.size(), 7);
+    const TracePlan for_rays = plan_trace(b.scene, asked, 80, true);
+    EXPECT_TRUE(for_rays.met);
+    EXPECT_EQ(for_rays.levels, TraceSettings::ray_levels);
+    EXPECT_EQ(for_rays.floor_db, p.floors_db[TraceSettings::ray_levels]);
+    EXPECT_LT(for_rays.records, p.records);
 }
 
 }  // namespace

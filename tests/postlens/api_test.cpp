@@ -42,6 +42,7 @@ class Api : public CommandTest {
                           .for_f_number = 1.4,
                           .for_focus_distance_m = 2,
                           .for_shutter = api::Shutter{0, 0.5},
+                          .for_rays = true,
                           .subdivide = 0,
                           .overscan_px = api::automatic});
         return path;
@@ -75,7 +76,7 @@ void expect_equal(const api::Picture& a, const api::Picture& b) {
 TEST_F(Api, TraceAndFocusMakeTheCommandsFiles) {
     const std::string path = traced();
     command({"trace", bars, "-o", in("expected.exr"), "--size=48x27", "--for-f-number=1.4", "--for-focus=2",
-             "--for-shutter=0:0.5", "--subdivide=0", "--overscan=auto"});
+             "--for-shutter=0:0.5", "--for-rays", "--subdivide=0", "--overscan=auto"});
     EXPECT_EQ(bytes_of(path), bytes_of(in("expected.exr")));
 
     const api::Frame frame(path);
