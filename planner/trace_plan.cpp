@@ -205,7 +205,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
         "good for {:.1f} dB{}; about {} million records, {} MB, {} s",
         out.levels, traced.overscan_px * coarser,
         out.settings.hidden_layers == 0 ? "none" : "where they come to light", traced.instants_s.size(),
-        out.floor_db, for_rays ? " without rays" : "", rough(out.records / 1e6), rough(out.bytes / 1e6), rough(out.seconds));
+        out.floor_db, for_rays ? " without rays" : "", rough(out.records / 1e6), rough(out.bytes / 1e6),
+        rough(out.seconds));
     return out;
 }
 

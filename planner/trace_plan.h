@@ -13,10 +13,11 @@ struct TracePlan {
     TraceSettings settings;  ///< given settings, with subdivision, hidden layers, overscan and keys chosen
     int levels = 0;          ///< chosen levels of subdivision
     double floor_db = 0;     ///< expected record floor with these levels, as PSNR
-    bool met = true;         ///< false: the record floor exceeds the target at every level, and no rays will help
-    double records = 0;      ///< expected number of records
-    double bytes = 0;        ///< expected size of the file
-    double seconds = 0;      ///< expected time of the trace, on this machine at its present load
+    bool met =
+        true;  ///< false: the record floor exceeds the target at every level. Always true with `for_rays`.
+    double records = 0;             ///< expected number of records
+    double bytes = 0;               ///< expected size of the file
+    double seconds = 0;             ///< expected time of the trace, on this machine at its present load
     std::vector<double> floors_db;  ///< record floor per level, from 0 on
     std::string text;               ///< the plan in one sentence, for the log
 };
@@ -26,8 +27,8 @@ struct TracePlan {
 /// error that arises because edges are known only to within a quadtree cell (planner/errors/record_floor.h).
 /// It may be at most half of the squared error that `target_db` allows, in the mean of the image and in nine
 /// of ten tiles. The coarsest level that satisfies this is chosen. With `for_rays`, images will be made with
-/// rays in the scene, which replace what the records do not determine: TraceSettings::ray_levels are chosen for
-/// every target.
+/// rays in the scene, which replace what the records do not determine: TraceSettings::ray_levels are chosen
+/// for every target.
 ///
 /// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
 /// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.

@@ -1,4 +1,4 @@
-#!/usr/bin/python3
+#!/usr/bin/env python3
 """Measures how far a trace must subdivide pixels if images are made with rays: a table of docs/planner.md.
 
     levels_table.py BUILD OUT [--seeds 301-316] [--size 480x270] [--targets 40,48]
@@ -66,7 +66,7 @@ def main():
                                        "--scene", scene, *made.rendered_for())  # fmt: skip
                 cell = (name, target, level)
                 seconds[cell] = seconds.get(cell, 0) + of_trace + of_image
-                met[cell] = met.get(cell, 0) + (report["stated_db"] >= float(target))
+                met[cell] = met.get(cell, 0) + (report["stated_db"] is None or report["stated_db"] >= float(target))
                 pictures[cell] = pictures.get(cell, 0) + 1
     lines = ["| s, trace and image | target, dB | " + " | ".join(f"`--subdivide {level}`" for level in LEVELS) + " |",
              "|---|---|" + "---|" * len(LEVELS)]  # fmt: skip

@@ -25,8 +25,8 @@ struct TraceSettings {
     /// `subdivision.levels` then limits only subdivision by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Levels of subdivision that suffice if images are made with rays in the scene, which replace what coarse
-    /// records do not determine (docs/planner.md has the times of other levels).
+    /// Levels of subdivision that suffice if images are made with rays in the scene, which replace what
+    /// coarse records do not determine (docs/planner.md has the times of other levels).
     static constexpr int ray_levels = 1;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file replaces two radii. With `for_f_number`, both become the radius of that lens. Otherwise

@@ -65,8 +65,8 @@ CommandResult run_trace(const TraceOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
-    const bool levels_are_given = !settings.subdivide_for_lens;
-    if (options.for_rays && !levels_are_given) {
+    // `--subdivide` has cleared this flag, and overrides `--for-rays`.
+    if (options.for_rays && settings.subdivide_for_lens) {
         settings.subdivide_for_lens = false;
         settings.subdivision.levels = TraceSettings::ray_levels;
     }

@@ -68,7 +68,8 @@ void add_trace(CLI::App& root, CommandOptions& s) {
                t.subdivision.levels = parse_whole("--subdivide", text);
            },
            "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8 [default: 2; with "
-           "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is; with "
+           "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is; "
+           "with "
            "--for-rays 1]")
         ->type_name("LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
@@ -90,15 +91,18 @@ void add_trace(CLI::App& root, CommandOptions& s) {
            "--overscan",
            "N", above_0);
     number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", above_0, true);
-    app.add_flag("--for-rays", o.for_rays,
-                 "Size the file for images that are made with --scene: one level of subdivision, as rays replace "
-                 "what coarse records do not determine; a finer --subdivide takes longer");
+    app.add_flag(
+        "--for-rays", o.for_rays,
+        "Size the file for images that are made with --scene: one level of subdivision, as rays replace "
+        "what coarse records do not determine; --subdivide overrides this, except with --plan");
     app.add_flag(
         "--plan", o.plan,
         "Choose subdivision, hidden layers, overscan and keys for the lens and shutter named and for "
         "--target-db, from a look at a quarter of the size; says what size and time to expect");
-    number(app, "--target-db", o.target_db, "With --plan: PSNR that pictures from the file are to reach",
-           "DB", target_decibels);
+    number(
+        app, "--target-db", o.target_db,
+        "With --plan: PSNR that pictures from the file are to reach; no effect on the levels with --for-rays",
+        "DB", target_decibels);
     app.add_flag("--force", o.force,
                  "Trace even where the file will not fit on its disk, as a look at a few rows tells");
     choice(app, "--compression", t.compression, "Compression of the records",

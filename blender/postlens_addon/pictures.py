@@ -201,7 +201,7 @@ def trace_frames(job):
             view += ["--film-distance", f"{film.distance_mm:.9g}", "--camera", job.scene.camera.name]
             options = lens.options()
             words = ["trace", scene, "-o", records, *view, "--overscan", "auto"]
-            words += ["--for-f-number", f"{lens.f_number:.9g}", "--for-focus", f"{lens.focus_m:.9g}"]
+            words += ["--for-f-number", f"{lens.f_number:.9g}", "--for-focus", f"{lens.focus_m:.9g}", "--for-rays"]
             yield from job.run(frame, words)
             job.tell(frame, 0.5, "applying the lens")
             output = job.path("traced", frame)

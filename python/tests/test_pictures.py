@@ -96,6 +96,15 @@ def test_render_keeps_its_halves(bars):
         bars, size=(48, 27), spp=8, seed=3, halves=True, f_number=2, focus_m=2, threads=1).array)  # fmt: skip
 
 
+def test_trace_for_rays_is_coarser():
+    from conftest import SCENES
+
+    lens = {"size": (96, 54), "for_f_number": 1.4, "for_focus_m": 2}
+    records = [postlens.trace(SCENES / "bars.toml", for_rays=for_rays, **lens).trace_report["records"]
+               for for_rays in (True, False)]  # fmt: skip
+    assert records[0] < records[1]
+
+
 def test_motion_blur_and_shoot(tmp_path):
     from conftest import SCENES
 

@@ -79,9 +79,9 @@ TEST(ChartPlan, AsksForWhatBlurs) {
         return out;
     };
     ChartRequest r;
-    EXPECT_THAT(names(r, still(1.4)),
-                ElementsAre("hybrid, coarse", "layers", "layers, coarse", "layers, visible only", "lightfield",
-                            "lightfield, coarse", "lightfield, visible only", "pinhole", "rays", "scatter"));
+    EXPECT_THAT(names(r, still(1.4)), ElementsAre("hybrid, coarse", "layers", "layers, coarse",
+                                                  "layers, visible only", "lightfield", "lightfield, coarse",
+                                                  "lightfield, visible only", "pinhole", "rays", "scatter"));
     r.shutter = TimeSpan{0, 1};
     EXPECT_THAT(names(r, still(1.4)), ElementsAre("hybrid, coarse", "lightfield", "lightfield, coarse",
                                                   "lightfield, visible only", "pinhole", "rays"));

@@ -42,7 +42,6 @@ class Api : public CommandTest {
                           .for_f_number = 1.4,
                           .for_focus_distance_m = 2,
                           .for_shutter = api::Shutter{0, 0.5},
-                          .for_rays = true,
                           .subdivide = 0,
                           .overscan_px = api::automatic});
         return path;
@@ -73,10 +72,20 @@ void expect_equal(const api::Picture& a, const api::Picture& b) {
     EXPECT_TRUE(a.rgb == b.rgb);
 }
 
+TEST_F(Api, ATraceForRaysIsThatOfTheCommand) {
+    const api::Size size{48, 27};
+    const api::TraceResult fine = api::trace(bars, in("fine.exr"), {.size = size, .for_f_number = 1.4});
+    const api::TraceResult coarse =
+        api::trace(bars, in("coarse.exr"), {.size = size, .for_f_number = 1.4, .for_rays = true});
+    EXPECT_LT(coarse.records, fine.records);
+    command({"trace", bars, "-o", in("expected.exr"), "--size=48x27", "--for-f-number=1.4", "--for-rays"});
+    EXPECT_EQ(bytes_of(in("coarse.exr")), bytes_of(in("expected.exr")));
+}
+
 TEST_F(Api, TraceAndFocusMakeTheCommandsFiles) {
     const std::string path = traced();
     command({"trace", bars, "-o", in("expected.exr"), "--size=48x27", "--for-f-number=1.4", "--for-focus=2",
-             "--for-shutter=0:0.5", "--for-rays", "--subdivide=0", "--overscan=auto"});
+             "--for-shutter=0:0.5", "--subdivide=0", "--overscan=auto"});
     EXPECT_EQ(bytes_of(path), bytes_of(in("expected.exr")));
 
     const api::Frame frame(path);
