@@ -80,9 +80,9 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
     };
     RasterTangent out{at, by(q_x, slope.x), by(q_y, slope.y)};
     out.by_depth = {(depth.x - at.x * depth.z) * w, (depth.y - at.y * depth.z) * w};
-    out.bend_px =
-        change * w *
-        (std::hypot(out.by_x.x, out.by_x.y) * reach.x + std::hypot(out.by_y.x, out.by_y.y) * reach.y);
+    out.bend_px = change * w *
+                  (glm::length(glm::dvec2(out.by_x.x, out.by_x.y)) * reach.x +
+                   glm::length(glm::dvec2(out.by_y.x, out.by_y.y)) * reach.y);
     return out;
 }
 

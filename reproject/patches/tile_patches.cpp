@@ -72,6 +72,11 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
         return static_cast<int>(
             std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
     };
+    // Pixel of a tile, or the tile's first or last pixel if `px` is outside.
+    const auto pixel_of = [](double px, int first, int tile) {
+        return static_cast<std::uint8_t>(
+            std::clamp(std::floor(px - first - tile * SeenTile::edge), 0.0, SeenTile::edge - 1.0));
+    };
     for (std::uint32_t i = 0; i < swept.size(); ++i) {
         const RasterRect& r = swept[i];
         if (!(r.x_min <= r.x_max && r.y_min <= r.y_max)) continue;
@@ -80,45 +85,68 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
                   y0 = std::max(0, tile_of(r.y_min - 1, field_.y, rows_)),
                   y1 = std::min(rows_ - 1, tile_of(r.y_max + 1, field_.y, rows_));
         for (int y = y0; y <= y1; ++y) {
-            for (int x = x0; x <= x1; ++x)
-                bins[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
-                     static_cast<std::size_t>(x)]
-                    .push_back(i);
+            for (int x = x0; x <= x1; ++x) {
+                Bin& bin = bins[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                                static_cast<std::size_t>(x)];
+                bin.patches.push_back(i);
+                bin.pixels.push_back({pixel_of(r.x_min - 1, field_.x, x), pixel_of(r.x_max + 1, field_.x, x),
+                                      pixel_of(r.y_min - 1, field_.y, y),
+                                      pixel_of(r.y_max + 1, field_.y, y)});
+            }
         }
     }
     parallel_for(bins.size(), [&](std::size_t t) {
-        std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
-        order.reserve(bins[t].size());
-        for (const std::uint32_t i : bins[t]) order.emplace_back(order_key(mesh, mesh.patches[i]), i);
+        const Bin before = std::move(bins[t]);
+        std::vector<std::pair<std::uint64_t, std::uint32_t>>
+            order;  // the index in the bin ascends with the patch
+        order.reserve(before.patches.size());
+        for (std::uint32_t i = 0; i < before.patches.size(); ++i)
+            order.emplace_back(order_key(mesh, mesh.patches[before.patches[i]]), i);
         std::sort(order.begin(), order.end());
-        for (std::size_t i = 0; i < order.size(); ++i) bins[t][i] = order[i].second;
+        bins[t] = {};
+        bins[t].patches.reserve(order.size());
+        bins[t].pixels.reserve(order.size());
+        for (const auto& [key, i] : order) {
+            bins[t].patches.push_back(before.patches[i]);
+            bins[t].pixels.push_back(before.pixels[i]);
+        }
     });
     return bins;
 }
 
-void PatchBins::gather(std::size_t tile, GatheredTile& out) const {
+void PatchBins::gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const {
     out.primary.resize(field_.instants.size());
     out.deeper.resize(field_.instants.size());
     out.chains.assign(field_.instants.size(), {});
     out.paths.clear();
-    for (std::size_t i = 0; i < field_.instants.size(); ++i)
-        gather(*field_.instants[i].primary, primary_[i][tile], out.primary[i]);
-    if (trees_) gather_chains(tile, out);
+    for (std::size_t i = 0; i < field_.instants.size(); ++i) {
+        const PatchMesh& mesh = *field_.instants[i].primary;
+        const Bin& bin = primary_[i][tile];
+        begin(mesh, out.primary[i]);
+        for (std::size_t p = 0; p < bin.patches.size(); ++p) {
+            if (bin.pixels[p].meet(rect)) add(mesh, bin.patches[p], out.primary[i]);
+        }
+    }
+    if (trees_) gather_chains(tile, rect, out);
 }
 
-void PatchBins::gather_chains(std::size_t tile, GatheredTile& out) const {
+void PatchBins::gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const {
     for (std::size_t i = 0; i < field_.instants.size(); ++i) {
         if (field_.instants[i].deeper == nullptr) continue;
-        gather(*field_.instants[i].deeper, deeper_[i][tile], out.deeper[i]);
-        const PatchMesh& mesh = out.deeper[i].mesh;
+        const PatchMesh& mesh = *field_.instants[i].deeper;
+        const Bin& bin = deeper_[i][tile];
+        TilePatches& patches = out.deeper[i];
+        begin(mesh, patches);
         std::vector<PatchChain>& chains = out.chains[i];
-        for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
-            const NodePath path = mesh.sheet(mesh.patches[p]).key.path;
+        for (std::size_t p = 0; p < bin.patches.size(); ++p) {
+            const NodePath path = mesh.sheet(mesh.patches[bin.patches[p]]).key.path;
             if (chains.empty() || chains.back().path != path) {
                 out.paths.push_back(path);
-                chains.push_back({path, p, p});
+                chains.push_back({path, patches.reach.size(), patches.reach.size()});
             }
-            chains.back().end = p + 1;
+            if (!bin.pixels[p].meet(rect)) continue;
+            add(mesh, bin.patches[p], patches);
+            chains.back().end = patches.reach.size();
         }
     }
     if (!out.paths.empty()) {
@@ -127,24 +155,25 @@ void PatchBins::gather_chains(std::size_t tile, GatheredTile& out) const {
     }
 }
 
-void PatchBins::gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const {
+void PatchBins::begin(const PatchMesh& mesh, TilePatches& out) {
     out.mesh.sheets = mesh.sheets;
     out.mesh.overlap_px = mesh.overlap_px;
     out.mesh.patches.clear();
     out.mesh.planes.clear();
     out.reach.clear();
     out.motion_class.clear();
-    for (const std::uint32_t i : bin) {
-        Patch p = mesh.patches[i];
-        if (field_.motion_class)
-            out.motion_class.push_back(static_cast<std::uint32_t>(motion_class_of(field_, mesh, p)));
-        out.reach.push_back(patch_reach(mesh, p, farthest_px_, farthest_shift_px_));
-        const auto planes = mesh.planes.begin() + p.first_plane;
-        p.first_plane = static_cast<std::uint32_t>(out.mesh.planes.size());
-        out.mesh.planes.insert(out.mesh.planes.end(), planes,
-                               planes + static_cast<std::ptrdiff_t>(mesh.sheets->values));
-        out.mesh.patches.push_back(p);
-    }
+}
+
+void PatchBins::add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const {
+    Patch p = mesh.patches[patch];
+    if (field_.motion_class)
+        out.motion_class.push_back(static_cast<std::uint32_t>(motion_class_of(field_, mesh, p)));
+    out.reach.push_back(patch_reach(mesh, p, farthest_px_, farthest_shift_px_));
+    const auto planes = mesh.planes.begin() + p.first_plane;
+    p.first_plane = static_cast<std::uint32_t>(out.mesh.planes.size());
+    out.mesh.planes.insert(out.mesh.planes.end(), planes,
+                           planes + static_cast<std::ptrdiff_t>(mesh.sheets->values));
+    out.mesh.patches.push_back(p);
 }
 
 }  // namespace postlens

@@ -7,6 +7,7 @@
 
 #include "reproject/patch_field.h"
 #include "reproject/patches/motion_marks.h"
+#include "reproject/patches/patch_raster.h"
 #include "reproject/patches/patch_reach.h"
 #include "reproject/patches/patches.h"
 
@@ -25,11 +26,16 @@ struct PatchChain {
     std::size_t begin = 0, end = 0;
 };
 
-/// All patches that any view of any set may show in a tile.
+/// All patches that any view of any set may show in a rectangle of a tile.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
     std::vector<std::vector<PatchChain>> chains;  ///< per instant, the chains of `deeper`
     std::vector<NodePath> paths;                  ///< paths of all chains
+};
+
+/// A rectangle of pixels of a tile, without its last column and row.
+struct TileRect {
+    int x_begin = 0, x_end = SeenTile::edge, y_begin = 0, y_end = SeenTile::edge;
 };
 
 class PatchBins {
@@ -44,21 +50,35 @@ class PatchBins {
     /// Indices of those patches of an instant that are directly visible, not reflected or transmitted, and
     /// that may appear in a tile in at least one view.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
-        return primary_[instant][tile];
+        return primary_[instant][tile].patches;
     }
-    /// Copies the patches of a tile.
-    void gather(std::size_t tile, GatheredTile& out) const;
+    /// Copies those patches of a tile that may appear in a rectangle of it. The chains and paths are those of
+    /// the whole tile, although they may have no patches in the rectangle.
+    void gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
 
   private:
-    using Bins =
-        std::vector<std::vector<std::uint32_t>>;  ///< per tile, patches that some view may show there
+    /// The patches that some view may show in a tile, and the pixels of the tile in which it may show each of
+    /// them.
+    struct Bin {
+        struct Pixels {
+            std::uint8_t x_first, x_last, y_first, y_last;
+            [[nodiscard]] bool meet(const TileRect& r) const {
+                return x_first < r.x_end && x_last >= r.x_begin && y_first < r.y_end && y_last >= r.y_begin;
+            }
+        };
+        std::vector<std::uint32_t> patches;
+        std::vector<Pixels> pixels;
+    };
+    using Bins = std::vector<Bin>;  ///< per tile
     /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
     /// first. Within a path the nearest come first, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks) const;
     /// Collects all paths that may occur in the tile. Views that lack a path then count as unknown.
-    void gather_chains(std::size_t tile, GatheredTile& out) const;
-    /// Copies a tile's patches to contiguous memory, because every view reads all patches of the tile.
-    void gather(const PatchMesh& mesh, const std::vector<std::uint32_t>& bin, TilePatches& out) const;
+    void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
+    /// Removes all patches from `out`.
+    static void begin(const PatchMesh& mesh, TilePatches& out);
+    /// Appends a patch to contiguous memory, because every view reads all patches of the rectangle.
+    void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;
 
     const PatchField& field_;
     int columns_, rows_;
