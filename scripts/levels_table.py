@@ -33,7 +33,7 @@ def scenes(out, seeds):
         yield f"random scenes {seeds}", path, made
     for name, f_number, focus_m in SAMPLES:
         path = os.path.join(HERE, "..", "samples", "scenes", name)
-        yield name, path, random_scene.RandomScene("sample", f_number, focus_m, "", False)
+        yield name.partition(".")[0], path, random_scene.RandomScene("sample", f_number, focus_m, "", False)
 
 
 def main():
@@ -68,14 +68,14 @@ def main():
                 seconds[cell] = seconds.get(cell, 0) + of_trace + of_image
                 met[cell] = met.get(cell, 0) + (report["stated_db"] is None or report["stated_db"] >= float(target))
                 pictures[cell] = pictures.get(cell, 0) + 1
-    lines = ["| s, trace and image | target, dB | " + " | ".join(f"`--subdivide {level}`" for level in LEVELS) + " |",
+    lines = ["| seconds, trace and image | target, dB | " + " | ".join(f"`--subdivide {level}`" for level in LEVELS) + " |",
              "|---|---|" + "---|" * len(LEVELS)]  # fmt: skip
     for name, target in dict.fromkeys((name, target) for name, target, _ in seconds):
         cells = []
         for level in LEVELS:
             cell = (name, target, level)
             missed = pictures[cell] - met[cell]
-            cells.append(f"{seconds[cell]:.1f}" + (f" ({missed} of {pictures[cell]} missed)" if missed else ""))
+            cells.append(f"{seconds[cell]:.1f}" + (f" ({missed} of {pictures[cell]} missed the target)" if missed else ""))
         lines.append(f"| {name} | {target} | {' | '.join(cells)} |")
     with open(os.path.join(o.out, "levels.md"), "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")

@@ -82,7 +82,7 @@ void BorderReach::Side::widen(const TimeSpanViews& span, const LensReach& lens) 
             deepest_px = sideways_px = far;
             continue;
         }
-        const glm::dvec2 between(std::abs(begin->x - end->x), std::abs(begin->y - end->y));
+        const glm::dvec2 between(glm::distance(glm::dvec2(begin->x, begin->y), glm::dvec2(end->x, end->y)));
         for (const RasterPoint& p : {*begin, *end})
             widen({p.x - from.x, p.y - from.y}, between + lens.px(p.inverse_z));
     }

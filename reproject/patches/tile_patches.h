@@ -33,7 +33,7 @@ struct GatheredTile {
     std::vector<NodePath> paths;                  ///< paths of all chains
 };
 
-/// A rectangle of pixels of a tile, without its last column and row.
+/// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, counted from its corner.
 struct TileRect {
     int x_begin = 0, x_end = SeenTile::edge, y_begin = 0, y_end = SeenTile::edge;
 };

@@ -9,6 +9,7 @@
 #include "reproject/patch_field.h"
 #include "reproject/patches/motion_strain.h"
 #include "reproject/patches/patch_raster.h"
+#include "reproject/patches/patch_sweep.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
@@ -74,10 +75,10 @@ double area(const SheetMesh& mesh) {
     return sum;
 }
 
-dmat4 raster_turn(double angle) {
+dmat4 raster_turn(double angle, const glm::dvec2& about = {width / 2.0, height / 2.0}) {
     dmat4 centre(1), back(1), turn(1);
-    centre[2] = {width / 2.0, height / 2.0, 1, 0};
-    back[2] = {-width / 2.0, -height / 2.0, 1, 0};
+    centre[2] = {about.x, about.y, 1, 0};
+    back[2] = {-about.x, -about.y, 1, 0};
     turn[0] = {std::cos(angle), std::sin(angle), 0, 0};
     turn[1] = {-std::sin(angle), std::cos(angle), 0, 0};
     return centre * turn * back;
@@ -307,6 +308,59 @@ TEST(MovingPatches, TurnedOverOrBehindTheCameraTheyAreNotDrawn) {
     for (const dmat4& m : {mirrored, behind}) {
         const SeenTile tile = drawn(cut_patches(f.sheets, lens_for({map_of(m)})), map_of(m), {0.5, 0.5});
         for (const std::uint32_t t : tile.texel) EXPECT_EQ(t, SeenTile::no_texel);
+    }
+}
+
+// Sweeps --------------------------------------------------------------------------------------------------
+
+class NoRays : public SightRays {
+  public:
+    void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
+               std::span<std::array<float, 3>> radiance) const override {
+        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+    }
+    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
+                         const LightElsewhere& less,
+                         std::span<std::array<float, 3>> radiance) const override {
+        trace(lines, less, radiance);
+    }
+    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
+};
+
+// With rays, the views of a time span are bounded by its first and last view. Between these, a patch that
+// turns about a distant point leaves the line between its two positions by up to 3 px here.
+TEST(PatchSweep, ContainsAFastTurnInAllViewsOfATimeSpan) {
+    const MovingSheets f = plane(0, 0);
+    constexpr int views = 16;  // all in the first time span
+    std::vector<RasterMap> maps;
+    // The path of the patches is vertical in the middle, so that only its curvature moves them to the left.
+    for (int i = 0; i < views; ++i)
+        maps.push_back(map_of(raster_turn(0.1 * ((i + 0.5) / views - 0.5), {3000, height / 2.0})));
+    const PatchMesh mesh = cut_patches(f.sheets, lens_for(maps));
+    const NoRays rays;
+    PatchField field;
+    field.instants = {{&mesh, nullptr}};
+    field.motion_class = [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : std::size_t{0}; };
+    PatchViews set;
+    set.rays = &rays;
+    for (int i = 0; i < views; ++i) {
+        PatchView v;
+        v.light_before = (i + 0.5) / views / 64;
+        v.uses = {{0, 1, {RasterMap(), maps[static_cast<std::size_t>(i)]}}};
+        set.views.push_back(std::move(v));
+    }
+    field.sets.push_back(std::move(set));
+    const PatchSweep sweep(field);
+    for (const Patch& patch : mesh.patches) {
+        const RasterRect all = sweep.of(mesh, patch, 0);
+        for (int i = 0; i < views; ++i) {
+            PatchPlace place;
+            ASSERT_TRUE(place_patch(mesh, patch, maps[static_cast<std::size_t>(i)], {}, place));
+            const RasterRect one = covered(patch, place);
+            ASSERT_TRUE(one.x_min >= all.x_min && one.x_max <= all.x_max && one.y_min >= all.y_min &&
+                        one.y_max <= all.y_max)
+                << "view " << i;
+        }
     }
 }
 
