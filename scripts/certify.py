@@ -56,7 +56,7 @@ class Bench:
     def run(self, *arguments):
         result = subprocess.run([self.postlens, *arguments, "--quiet", "--json"], capture_output=True, check=False, text=True)
         if result.returncode not in (0, 6):
-            sys.exit(f"certify.py: failed with {result.returncode}: {' '.join(arguments)}\n{result.stderr}")
+            sys.exit(f"{os.path.basename(sys.argv[0])}: failed with {result.returncode}: {' '.join(arguments)}\n{result.stderr}")
         return json.loads(result.stdout)
 
     def above_noise_db(self, image):

@@ -10,13 +10,11 @@ hybrid.md.
 """
 
 import argparse
-import json
 import os
-import subprocess
-import sys
 import time
 
-SCENES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "samples", "scenes")
+import certify
+
 ROWS = [  # file, f-number, focus distance in m, with a shutter open from 0 to 1 s
     ("bars.toml", "1.4", "5", False),
     ("bars.toml", "5.6", "5", False),
@@ -38,26 +36,22 @@ def main():
     parser.add_argument("--reference-spp", default="512")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
-    program = os.path.join(o.build, "apps", "postlens")
-
-    def at(name):
-        return os.path.join(o.out, name)
+    bench = certify.Bench(o.build, o.out)
+    at = bench.path
 
     def run(*words):
         """Seconds of a command and its report."""
         start = time.monotonic()
-        process = subprocess.run([program, *words, "--json", "--quiet"], capture_output=True, check=False, text=True)
-        if process.returncode:
-            sys.exit(f"hybrid_table.py: {' '.join(words)} failed\n{process.stderr}")
-        return time.monotonic() - start, json.loads(process.stdout)
+        report = bench.run(*words)
+        return time.monotonic() - start, report
 
     def error_db(image):
-        return run("compare", at(image), at("truth.a.exr"), "--noise", at("truth.b.exr"))[1]["psnr_above_noise_db"]
+        return bench.run("compare", at(image), at("truth.a.exr"), "--noise", at("truth.b.exr"))["psnr_above_noise_db"]
 
     lines = [f"| {o.size} | trace, s | `hybrid`, s | dB | stated | rays, of all view samples | {o.views} rays: s | dB |",
              "|---|---|---|---|---|---|---|---|"]  # fmt: skip
     for name, f_number, focus_m, shutter in ROWS:
-        scene, lens = os.path.join(SCENES, name), ["--f-number", f_number, "--focus", focus_m]
+        scene, lens = os.path.join(certify.SCENES, name), ["--f-number", f_number, "--focus", focus_m]
         open_s = ["--shutter", "0:1"] if shutter else []
         traced_for = ["--for-f-number", f_number, "--for-focus", focus_m] + (["--for-shutter", "0:1"] if shutter else [])
         run("render", scene, "-o", at("truth.exr"), "--size", o.size, "--spp", str(2 * int(o.reference_spp)), "--halves",

@@ -9,30 +9,22 @@ whole processes, trace and image together. Nothing else should run on the machin
 """
 
 import argparse
-import json
 import os
-import subprocess
-import sys
 import time
 
+import certify
 import random_scene
 
-HERE = os.path.dirname(os.path.abspath(__file__))
 LEVELS = ["0", "1", "2", "3"]
 SAMPLES = [("bars_lit.toml", 1.4, 5), ("still_life.toml", 1.8, 0.8)]
 
 
-def scenes(out, seeds):
+def scenes(bench, seeds):
     """Name, file and lens of each scene; the name of all random scenes is the same."""
-    first, _, last = seeds.partition("-")
-    for seed in range(int(first), int(last or first) + 1):
-        made = random_scene.write(seed, random_scene.KINDS)
-        path = os.path.join(out, "scene.toml")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(made.text)
+    for _, path, _, made in certify.random_scenes(bench, seeds, random_scene.KINDS):
         yield f"random scenes {seeds}", path, made
     for name, f_number, focus_m in SAMPLES:
-        path = os.path.join(HERE, "..", "samples", "scenes", name)
+        path = os.path.join(certify.SCENES, name)
         yield name.partition(".")[0], path, random_scene.RandomScene("sample", f_number, focus_m, "", False)
 
 
@@ -45,19 +37,17 @@ def main():
     parser.add_argument("--targets", default="40,48")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
-    program = os.path.join(o.build, "apps", "postlens")
-    traced, picture = os.path.join(o.out, "traced.exr"), os.path.join(o.out, "picture.exr")
+    bench = certify.Bench(o.build, o.out)
+    traced, picture = bench.path("traced.exr"), bench.path("picture.exr")
 
     def run(*words):
         """Seconds of a command and its report."""
         start = time.monotonic()
-        process = subprocess.run([program, *words, "--quiet", "--json"], capture_output=True, check=False, text=True)
-        if process.returncode not in (0, 6):  # 6: the target is not met
-            sys.exit(f"levels_table.py: {' '.join(words)} failed\n{process.stderr}")
-        return time.monotonic() - start, json.loads(process.stdout)
+        report = bench.run(*words)
+        return time.monotonic() - start, report
 
     seconds, met, pictures = {}, {}, {}
-    for name, scene, made in scenes(o.out, o.seeds):
+    for name, scene, made in scenes(bench, o.seeds):
         command = "shoot" if made.shutter else "focus"
         for level in LEVELS:
             of_trace, _ = run("trace", scene, "-o", traced, "--size", o.size, "--subdivide", level, *made.traced_for())
@@ -77,7 +67,7 @@ def main():
             missed = pictures[cell] - met[cell]
             cells.append(f"{seconds[cell]:.1f}" + (f" ({missed} of {pictures[cell]} missed the target)" if missed else ""))
         lines.append(f"| {name} | {target} | {' | '.join(cells)} |")
-    with open(os.path.join(o.out, "levels.md"), "w", encoding="utf-8") as file:
+    with open(bench.path("levels.md"), "w", encoding="utf-8") as file:
         file.write("\n".join(lines) + "\n")
     print("\n".join(lines))
 

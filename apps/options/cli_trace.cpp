@@ -69,8 +69,7 @@ void add_trace(CLI::App& root, CommandOptions& s) {
            },
            "Greatest depth of the recursive 2x2 subdivision of a pixel, 0 to 8 [default: 2; with "
            "--for-f-number 3 where objects end, as records no finer than that bound how sharp a lens is; "
-           "with "
-           "--for-rays 1]")
+           "with --for-rays 1]")
         ->type_name("LEVELS");
     number(app, "--threshold", t.subdivision.threshold,
            "Contrast (max-min)/(max+min+0.05) of its corners above which a cell is subdivided", "T", from_0);

@@ -258,7 +258,7 @@ TEST_F(TraceCommand, CoarseRecordsSufficeForRays) {
     const auto one_level = records({"--subdivide", "1"});
     EXPECT_EQ(records({"--for-rays"}), one_level);
     EXPECT_LT(one_level.first, records({}).first);
-    // Levels that are asked for remain.
+    // `--subdivide` overrides `--for-rays`.
     EXPECT_EQ(records({"--for-rays", "--subdivide", "2"}), records({"--subdivide", "2"}));
     // A plan for rays has one level for every target, and is not short of a target that no records reach.
     const Outcome plan =
