@@ -71,7 +71,7 @@ class Field {
         const TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
                            std::min(SeenTile::edge, field_.height - y0)};
         if (marks_.any() && !has_wanted_marks(tile)) return;
-        bool whole = false;  // the patches of the whole tile have been gathered
+        bool gathered = false;
         const int edge = field_.piece_px;
         for (std::size_t set = 0; set < field_.sets.size(); ++set) {
             const auto& wanted = field_.sets[set].wanted;
@@ -80,25 +80,22 @@ class Field {
                     const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
                                           std::min(edge, at.height - y)};
                     if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
-                    const Lights* lights = field_.sets[set].lights;
-                    const bool lit =
-                        lights != nullptr && lights->reach(x0 + x, y0 + y, piece.width, piece.height);
-                    // Unmoving patches are tested against the piece quickly (ViewReach). Highlights also need
-                    // patches that hide them from lens points between those of the views.
-                    if (field_.motion_class && !lit) {
+                    // Unmoving patches are tested against the piece quickly (ViewReach). Their gathered
+                    // patches also serve highlights, which are hidden from lens points between those of the
+                    // views.
+                    if (field_.motion_class) {
                         bins_.gather(tile, {x, x + piece.width, y, y + piece.height}, w.patches);
-                        whole = false;
-                    } else if (!whole) {
+                    } else if (!gathered) {
                         bins_.gather(tile, {}, w.patches);
-                        whole = true;
+                        gathered = true;
                     }
-                    draw_set(set, piece, lit, w, out[field_.sets[set].picture]);
+                    draw_set(set, piece, w, out[field_.sets[set].picture]);
                 }
             }
         }
     }
 
-    void draw_set(std::size_t number, TilePlace at, bool lights, Workplace& w, PatchPicture& out) const {
+    void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {
         const PatchViews& set = field_.sets[number];
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
         fill_pixels(at, w.sum, {});
@@ -112,6 +109,7 @@ class Field {
             for (std::size_t i = 0; i < w.patches.primary.size(); ++i)
                 marks_.mark_recorded(i, w.patches.primary[i].mesh, at, w.touched);
         }
+        const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
             w.views.x = x0;
             w.views.y = y0;

@@ -10,6 +10,7 @@
 #include "reproject/patches/motion_strain.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/patches/patch_sweep.h"
+#include "tests/reproject/dark_rays.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
@@ -313,20 +314,6 @@ TEST(MovingPatches, TurnedOverOrBehindTheCameraTheyAreNotDrawn) {
 
 // Sweeps --------------------------------------------------------------------------------------------------
 
-class NoRays : public SightRays {
-  public:
-    void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
-               std::span<std::array<float, 3>> radiance) const override {
-        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
-    }
-    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
-                         const LightElsewhere& less,
-                         std::span<std::array<float, 3>> radiance) const override {
-        trace(lines, less, radiance);
-    }
-    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
-};
-
 // With rays, the views of a time span are bounded by its first and last view. Between these, a patch that
 // turns about a distant point leaves the line between its two positions by up to 3 px here.
 TEST(PatchSweep, ContainsAFastTurnInAllViewsOfATimeSpan) {
@@ -337,7 +324,7 @@ TEST(PatchSweep, ContainsAFastTurnInAllViewsOfATimeSpan) {
     for (int i = 0; i < views; ++i)
         maps.push_back(map_of(raster_turn(0.1 * ((i + 0.5) / views - 0.5), {3000, height / 2.0})));
     const PatchMesh mesh = cut_patches(f.sheets, lens_for(maps));
-    const NoRays rays;
+    const DarkRays rays;
     PatchField field;
     field.instants = {{&mesh, nullptr}};
     field.motion_class = [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : std::size_t{0}; };

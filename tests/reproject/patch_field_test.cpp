@@ -15,6 +15,7 @@
 #include "reproject/patches/patches.h"
 #include "reproject/raster_map.h"
 #include "reproject/sight_rays.h"
+#include "tests/reproject/dark_rays.h"
 #include "tests/reproject/made_sheets.h"
 
 namespace postlens::test::patch_field_test {
@@ -58,20 +59,14 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
 }
 
 /// Records the lines that are traced.
-class NotedLines : public SightRays {
+class NotedLines : public DarkRays {
   public:
-    void trace(std::span<const SightLine> lines, const LightElsewhere& /*less*/,
+    void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                std::span<std::array<float, 3>> radiance) const override {
         const std::scoped_lock lock(mutex_);
         noted_.insert(noted_.end(), lines.begin(), lines.end());
-        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+        DarkRays::trace(lines, less, radiance);
     }
-    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
-                         const LightElsewhere& less,
-                         std::span<std::array<float, 3>> radiance) const override {
-        trace(lines, less, radiance);
-    }
-    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
     [[nodiscard]] const std::vector<SightLine>& noted() const { return noted_; }
 
   private:

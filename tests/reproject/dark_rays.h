@@ -1,0 +1,26 @@
+// Rays that see nothing.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "reproject/sight_rays.h"
+
+namespace postlens::test {
+
+class DarkRays : public SightRays {
+  public:
+    void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
+               std::span<std::array<float, 3>> radiance) const override {
+        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
+    }
+    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
+                         const LightElsewhere& less,
+                         std::span<std::array<float, 3>> radiance) const override {
+        trace(lines, less, radiance);
+    }
+    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
+};
+
+}  // namespace postlens::test
