@@ -1,6 +1,7 @@
 #include "reproject/patch_field.h"
 
 #include <algorithm>
+#include <limits>
 #include <memory>
 
 #include "core/progress.h"
@@ -22,6 +23,7 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
+    bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
     LightSums sum{};
     PixelList with_children;
@@ -37,6 +39,11 @@ struct Workplace {
 /// Number of views that are drawn between two tests for cancellation. A tile can have thousands of views, so
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
+
+/// With rays: if a piece of the image has more reflected and transmitted patches per pixel than this, rays
+/// replace the samples of surfaces that reflect or transmit. A view tests and draws each of these patches,
+/// and a ray costs about as much as 16 to 64 of them (range 4 to 200; scripts/hybrid_table.py).
+constexpr std::size_t most_deeper_per_pixel = 32;
 
 class Field {
   public:
@@ -71,28 +78,31 @@ class Field {
         const TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
                            std::min(SeenTile::edge, field_.height - y0)};
         if (marks_.any() && !has_wanted_marks(tile)) return;
-        bool gathered = false;
         const int edge = field_.piece_px;
-        for (std::size_t set = 0; set < field_.sets.size(); ++set) {
-            const auto& wanted = field_.sets[set].wanted;
-            for (int y = 0; y < at.height; y += edge) {
-                for (int x = 0; x < at.width; x += edge) {
-                    const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
-                                          std::min(edge, at.height - y)};
+        for (int y = 0; y < at.height; y += edge) {
+            for (int x = 0; x < at.width; x += edge) {
+                const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
+                                      std::min(edge, at.height - y)};
+                const TileRect rect{x, x + piece.width, y, y + piece.height};
+                bool gathered = false;
+                for (std::size_t set = 0; set < field_.sets.size(); ++set) {
+                    const auto& wanted = field_.sets[set].wanted;
                     if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
-                    // Unmoving patches are tested against the piece quickly (ViewReach). Their gathered
-                    // patches also serve highlights, which are hidden from lens points between those of the
-                    // views.
-                    if (field_.motion_class) {
-                        bins_.gather(tile, {x, x + piece.width, y, y + piece.height}, w.patches);
-                    } else if (!gathered) {
-                        bins_.gather(tile, {}, w.patches);
-                        gathered = true;
-                    }
+                    if (!gathered) gather(tile, rect, w);
+                    gathered = true;
                     draw_set(set, piece, w, out[field_.sets[set].picture]);
                 }
             }
         }
+    }
+
+    void gather(std::size_t tile, const TileRect& rect, Workplace& w) const {
+        bins_.gather(tile, rect, w.patches);
+        // Rays cost less than to draw more reflected and transmitted patches than this.
+        const std::size_t most = borders_.empty() ? std::numeric_limits<std::size_t>::max()
+                                                  : most_deeper_per_pixel * rect.pixels();
+        w.draws_trees = bins_.trees() && bins_.count_deeper(tile, rect) <= most;
+        if (w.draws_trees) bins_.gather_chains(tile, rect, w.patches);
     }
 
     void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {
@@ -102,8 +112,9 @@ class Field {
         fill_pixels(at, w.rays.uses, 0);
         if (set.rays != nullptr) fill_pixels(at, w.rays.sum, {});
         w.rays.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
+        w.rays.parents = bins_.trees() && !w.draws_trees;
         if (set.checked) w.checked.begin(field_, set, at);
-        if (bins_.trees()) w.trees.begin(w.patches.paths, at);
+        if (w.draws_trees) w.trees.begin(w.patches.paths, at);
         if (marks_.any()) {
             fill_pixels(at, w.touched, 0);
             for (std::size_t i = 0; i < w.patches.primary.size(); ++i)
@@ -258,7 +269,7 @@ class Field {
             }
             w.rays.set_aside(shown, w.sum);
         }
-        const bool trees = bins_.trees() && w.trees.any() && !w.rays.whole_tile;
+        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile;
         // Where both recorded instants of the view show the same surface, their colours are blended.
         // Elsewhere only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
@@ -319,7 +330,7 @@ class Field {
     void store(const TilePlace& at, double total, bool lights, bool rays, Workplace& w,
                PatchPicture& out) const {
         const int x0 = at.x - field_.x, y0 = at.y - field_.y;
-        if (bins_.trees()) w.trees.end_views();
+        if (w.draws_trees) w.trees.end_views();
         for (int y = 0; y < at.height; ++y) {
             for (int x = 0; x < at.width; ++x) {
                 const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
@@ -336,7 +347,7 @@ class Field {
                     continue;
                 }
                 std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
-                if (bins_.trees() && recorded > 0) {
+                if (w.draws_trees && recorded > 0) {
                     const TreeSums::Unknown below = w.trees.sum_up(k, recorded, sum);
                     out.unknown_below[p] = static_cast<float>(below.all / total);
                     out.guessed_below[p] = static_cast<float>(below.guessed / total);

@@ -127,7 +127,17 @@ void PatchBins::gather(std::size_t tile, const TileRect& rect, GatheredTile& out
             if (bin.pixels[p].meet(rect)) add(mesh, bin.patches[p], out.primary[i]);
         }
     }
-    if (trees_) gather_chains(tile, rect, out);
+}
+
+std::size_t PatchBins::count_deeper(std::size_t tile, const TileRect& rect) const {
+    std::size_t out = 0;
+    for (const Bins& bins : deeper_) {
+        if (bins.empty()) continue;
+        const auto& pixels = bins[tile].pixels;
+        out += static_cast<std::size_t>(
+            std::count_if(pixels.begin(), pixels.end(), [&](const Bin::Pixels& p) { return p.meet(rect); }));
+    }
+    return out;
 }
 
 void PatchBins::gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const {

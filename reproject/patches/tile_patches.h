@@ -36,6 +36,9 @@ struct GatheredTile {
 /// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, counted from its corner.
 struct TileRect {
     int x_begin = 0, x_end = SeenTile::edge, y_begin = 0, y_end = SeenTile::edge;
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(x_end - x_begin) * static_cast<std::size_t>(y_end - y_begin);
+    }
 };
 
 class PatchBins {
@@ -52,9 +55,14 @@ class PatchBins {
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies those patches of a tile that may appear in a rectangle of it. The chains and paths are those of
-    /// the whole tile, although they may have no patches in the rectangle.
+    /// Copies those directly visible patches of a tile that may appear in a rectangle of it, and removes all
+    /// others from `out`.
     void gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
+    /// Number of reflected and transmitted patches of all instants that may appear in a rectangle of a tile.
+    [[nodiscard]] std::size_t count_deeper(std::size_t tile, const TileRect& rect) const;
+    /// Copies these patches. The chains and paths are those of the whole tile, although they may have no
+    /// patches in the rectangle. Views that lack a path then count as unknown.
+    void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
 
   private:
     /// The patches that some view may show in a tile, and the pixels of the tile in which it may show each of
@@ -73,8 +81,6 @@ class PatchBins {
     /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
     /// first. Within a path the nearest come first, so that hidden pixels fail the depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks) const;
-    /// Collects all paths that may occur in the tile. Views that lack a path then count as unknown.
-    void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
     /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
     /// Appends a patch to contiguous memory, because every view reads all patches of the rectangle.

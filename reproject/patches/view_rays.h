@@ -64,6 +64,7 @@ inline constexpr std::size_t lines_together = 4096;
 class RaySamples {
   public:
     bool whole_tile = false;                            ///< all view samples of the tile are rays
+    bool parents = false;                               ///< those of surfaces with drawn child nodes are rays
     LightSums sum{};                                    ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 

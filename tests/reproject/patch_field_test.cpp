@@ -110,6 +110,62 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
     }
 }
 
+// If a piece has too many reflected and transmitted patches per pixel, rays replace the samples of all
+// surfaces that need them, and no others.
+TEST(PatchField, RaysReplaceCrowdedReflections) {
+    const MadeSheets f({.has_w = true}, [](Record& r) {
+        r.id = 5;
+        r.z = 2;
+        r.r = r.g = r.b = 0.5F;
+        r.w = Mat2::isotropic(r.path.bits() == 0 ? 0.5F : 0.3F);
+    });
+    const PatchMesh primary = cut_patches(f.sheets.primary, {6, 0.1}),
+                    deeper = cut_patches(f.sheets.deeper, {6, 0.1});
+    ASSERT_FALSE(deeper.patches.empty());
+    const glm::dvec2 sample(0.3, 0.6);
+    SeenTile seen;
+    seen.clear();
+    for (const Patch& p : primary.patches) {
+        PatchPlace place;
+        ASSERT_TRUE(place_patch(primary, p, {}, {}, place));
+        draw_patch(primary, p, place, {0, 0, width, height, sample}, seen);
+    }
+    const auto drawn = [&](std::size_t copies) {
+        PatchMesh crowded = deeper;
+        for (std::size_t i = 1; i < copies; ++i)
+            crowded.patches.insert(crowded.patches.end(), deeper.patches.begin(), deeper.patches.end());
+        NotedLines rays;
+        PatchField field;
+        field.instants = {{&primary, &crowded}};
+        field.width = width;
+        field.height = height;
+        field.recorded_end = {width, height};
+        field.sets.resize(1);
+        PatchView v;
+        v.sample = sample;
+        v.uses = {{0, 1, {}}};
+        field.sets[0].views = {v};
+        field.sets[0].rays = &rays;
+        std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+        patch_field(field, pictures);
+        return pictures[0].traced;
+    };
+    const std::vector<float> few = drawn(1), many = drawn(100 * width * height / deeper.patches.size());
+    int parents = 0, by_records = 0;
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            const auto p = static_cast<std::size_t>(y * width + x);
+            const std::uint32_t texel = seen.texel[static_cast<std::size_t>(y * SeenTile::edge + x)];
+            const bool parent = texel != SeenTile::no_texel && primary.drawn_children(texel) != 0;
+            EXPECT_EQ(many[p], parent ? 1.0F : few[p]);
+            parents += parent ? 1 : 0;
+            by_records += parent && few[p] == 0 ? 1 : 0;
+        }
+    }
+    EXPECT_GT(parents, width * height / 10);
+    EXPECT_GT(by_records, 0);
+}
+
 /// Highlights that add a light of 2 to every pixel. Lines that are aimed at them stand for a light of 3 if
 /// nothing hides it.
 class MadeLights : public Lights {
