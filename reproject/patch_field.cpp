@@ -1,7 +1,6 @@
 #include "reproject/patch_field.h"
 
 #include <algorithm>
-#include <limits>
 #include <memory>
 
 #include "core/progress.h"
@@ -23,6 +22,7 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
+    bool gathered = false, gathered_chains = false;  ///< whether `patches` has those of the piece
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
     LightSums sum{};
@@ -39,11 +39,6 @@ struct Workplace {
 /// Number of views that are drawn between two tests for cancellation. A tile can have thousands of views, so
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
-
-/// With rays: if a piece of the image has more reflected and transmitted patches per pixel than this, rays
-/// replace the samples of surfaces that reflect or transmit. A view tests and draws each of these patches,
-/// and a ray costs about as much as 16 to 64 of them (range 4 to 200; scripts/hybrid_table.py).
-constexpr std::size_t most_deeper_per_pixel = 32;
 
 class Field {
   public:
@@ -84,25 +79,27 @@ class Field {
                 const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
                                       std::min(edge, at.height - y)};
                 const TileRect rect{x, x + piece.width, y, y + piece.height};
-                bool gathered = false;
+                w.gathered = w.gathered_chains = false;
                 for (std::size_t set = 0; set < field_.sets.size(); ++set) {
                     const auto& wanted = field_.sets[set].wanted;
                     if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
-                    if (!gathered) gather(tile, rect, w);
-                    gathered = true;
+                    gather(tile, rect, field_.sets[set].rays, w);
                     draw_set(set, piece, w, out[field_.sets[set].picture]);
                 }
             }
         }
     }
 
-    void gather(std::size_t tile, const TileRect& rect, Workplace& w) const {
-        bins_.gather(tile, rect, w.patches);
-        // Rays cost less than to draw more reflected and transmitted patches than this.
-        const std::size_t most = borders_.empty() ? std::numeric_limits<std::size_t>::max()
-                                                  : most_deeper_per_pixel * rect.pixels();
-        w.draws_trees = bins_.trees() && bins_.count_deeper(tile, rect) <= most;
-        if (w.draws_trees) bins_.gather_chains(tile, rect, w.patches);
+    /// Gathers the patches that a set with these rays (or null) draws in a piece, unless that was done for an
+    /// earlier set.
+    void gather(std::size_t tile, const TileRect& rect, const SightRays* rays, Workplace& w) const {
+        if (!w.gathered) bins_.gather(tile, rect, w.patches);
+        w.gathered = true;
+        w.draws_trees = bins_.trees() && (rays == nullptr || bins_.count_deeper(tile, rect) / rect.pixels() <
+                                                                 rays->patches_per_ray());
+        if (!w.draws_trees || w.gathered_chains) return;
+        bins_.gather_chains(tile, rect, w.patches);
+        w.gathered_chains = true;
     }
 
     void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {
@@ -112,7 +109,7 @@ class Field {
         fill_pixels(at, w.rays.uses, 0);
         if (set.rays != nullptr) fill_pixels(at, w.rays.sum, {});
         w.rays.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
-        w.rays.parents = bins_.trees() && !w.draws_trees;
+        w.rays.parents_too = bins_.trees() && !w.draws_trees;
         if (set.checked) w.checked.begin(field_, set, at);
         if (w.draws_trees) w.trees.begin(w.patches.paths, at);
         if (marks_.any()) {

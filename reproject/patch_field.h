@@ -94,7 +94,8 @@ struct PatchField {
     /// needed for sets with rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. Only needed
-    /// for sets whose `lights` use TileViews::patches.
+    /// for sets whose `lights` use TileViews::patches, and for sets with rays, so that rays replace the same
+    /// samples in every call.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -189,7 +190,7 @@ struct PatchPicture {
 
 /// Draws the sets of views into the images `out`, which have the field's size. Square pieces of an image that
 /// no set draws keep their values. The result is bit-identical for any number of threads, and however sets
-/// are divided into calls.
+/// are divided into calls; if objects move, rays may replace other reflections in calls with other views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

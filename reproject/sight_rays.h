@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 
 #include "records/record.h"
@@ -63,6 +65,11 @@ class SightRays {
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
     /// from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
+    /// Number of reflected and transmitted patches (planar parts of surfaces) that take a view as long as a
+    /// ray. Where views would draw more of them per pixel, rays take their place.
+    [[nodiscard]] virtual std::size_t patches_per_ray() const {
+        return std::numeric_limits<std::size_t>::max();
+    }
 };
 
 }  // namespace postlens

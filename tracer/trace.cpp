@@ -293,7 +293,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     result.keys = settings.keys.value_or(1);
     if (!settings.keys) {
         result.keys_sweep_degrees = view_sweep_degrees(scene, of, *settings.for_shutter);
-        result.keys = keys_for_sweep(*result.keys_sweep_degrees);
+        result.keys = keys_for_sweep(*result.keys_sweep_degrees, settings.degrees_per_key);
     }
     std::vector<double> keys_s;
     if (settings.for_shutter) keys_s = key_instants(result.keys, *settings.for_shutter, time_s);

@@ -28,6 +28,12 @@ struct TraceSettings {
     /// Levels of subdivision that suffice if images are made with rays in the scene, which replace what
     /// coarse records do not determine (docs/planner.md has the times of other levels).
     static constexpr int ray_levels = 1;
+    /// Angle, degrees, by which an object turns relative to the camera between two recorded instants, if
+    /// `keys` is absent. Halfway between two instants, a ball has turned by 7.5 degrees from either. A part
+    /// of its silhouette that neither shows is then 1 - cos 7.5 degrees, or 0.9 %, of its radius wide.
+    double degrees_per_key = 15;
+    /// Angle that suffices for images with rays in the scene (range 15 to 45; scripts/hybrid_table.py).
+    static constexpr double ray_degrees_per_key = 30;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file replaces two radii. With `for_f_number`, both become the radius of that lens. Otherwise
     /// `lens_radius_m` becomes the radius of the camera's lens, or of a lens of f/1.4 if the camera has no

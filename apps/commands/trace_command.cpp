@@ -8,6 +8,7 @@
 #include "core/files/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/exposure.h"
+#include "tracer/recording/key_instants.h"
 #include "tracer/recording/recorded_motion.h"
 #include "tracer/shading/averaged_shading.h"
 
@@ -30,6 +31,19 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
         {"motion",
          fmt::format("shapes of one id move differently; the file says how the first one moves (ids {})",
                      ids)});
+}
+
+void warn_of_turns(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
+    if (!settings.for_shutter || settings.keys != 1) return;
+    const double sweep_degrees =
+        view_sweep_degrees(scene, find_camera(scene, settings.camera_name), *settings.for_shutter);
+    if (keys_for_sweep(sweep_degrees, settings.degrees_per_key) == 1) return;
+    out.warnings.push_back(
+        {"turns",
+         fmt::format(
+             "something turns to the camera by {:.3g} degrees while the shutter is open, but is recorded "
+             "at one instant (expected --keys auto)",
+             sweep_degrees)});
 }
 
 void check_room(std::uint64_t bytes, const std::string& output) {
@@ -70,6 +84,7 @@ CommandResult run_trace(const TraceOptions& options) {
         settings.subdivide_for_lens = false;
         settings.subdivision.levels = TraceSettings::ray_levels;
     }
+    if (options.for_rays) settings.degrees_per_key = TraceSettings::ray_degrees_per_key;
     settings.made_by = options.made_by;
     if (const auto& shared = options.shared) {
         settings.share = shared->share;
@@ -97,6 +112,7 @@ CommandResult run_trace(const TraceOptions& options) {
             out.exit_code = ExitCode::shortfall;
         }
     }
+    warn_of_turns(scene, settings, out);
     if (!options.plan && !options.force && !has_ample_room(scene, settings, options.output)) {
         settings.on_expected_bytes = [&](std::uint64_t bytes) {
             expected_bytes = bytes;

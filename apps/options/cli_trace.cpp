@@ -31,7 +31,7 @@ void shutter_trace_options(CLI::App& app, TraceSettings& t) {
            },
            "Instants recorded, 1 to 64, evenly spread over --for-shutter, besides the frame's own; 1: that "
            "alone; auto: where something turns to the camera by more than 15 degrees, one more for every 15 "
-           "[default: 1]")
+           "(30 with --for-rays) [default: 1]")
         ->type_name("K|auto");
 }
 

@@ -134,8 +134,9 @@ std::size_t PatchBins::count_deeper(std::size_t tile, const TileRect& rect) cons
     for (const Bins& bins : deeper_) {
         if (bins.empty()) continue;
         const auto& pixels = bins[tile].pixels;
-        out += static_cast<std::size_t>(
-            std::count_if(pixels.begin(), pixels.end(), [&](const Bin::Pixels& p) { return p.meet(rect); }));
+        const auto of_instant =
+            std::count_if(pixels.begin(), pixels.end(), [&](const Bin::Pixels& p) { return p.meet(rect); });
+        out = std::max(out, static_cast<std::size_t>(of_instant));
     }
     return out;
 }

@@ -55,13 +55,15 @@ class PatchBins {
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies those directly visible patches of a tile that may appear in a rectangle of it, and removes all
-    /// others from `out`.
+    /// Copies those directly visible patches of a tile that may appear in a rectangle of it. `out` then has
+    /// no chains.
     void gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
-    /// Number of reflected and transmitted patches of all instants that may appear in a rectangle of a tile.
+    /// Number of reflected and transmitted patches that may appear in a rectangle of a tile, of the instant
+    /// that has most of them.
     [[nodiscard]] std::size_t count_deeper(std::size_t tile, const TileRect& rect) const;
-    /// Copies these patches. The chains and paths are those of the whole tile, although they may have no
-    /// patches in the rectangle. Views that lack a path then count as unknown.
+    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
+    /// The chains and paths are those of the whole tile, although they may have no patches in the rectangle.
+    /// Views that lack a path then count as unknown.
     void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
 
   private:

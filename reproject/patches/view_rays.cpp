@@ -31,7 +31,7 @@ void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
             bool sure_of_all = !whole_tile;
             for (std::size_t u = 0; u < v.uses.size(); ++u) {
                 sure_of_all = sure_of_all && sure(shown, u, k) &&
-                              !(parents && shown.mesh(u).drawn_children(shown.seen[u].texel[k]) != 0);
+                              !(parents_too && shown.mesh(u).drawn_children(shown.seen[u].texel[k]) != 0);
             }
             if (sure_of_all && v.uses.size() == 2) sure_of_all = shown.id(0, k) == shown.id(1, k);
             uses[k] = 0;

@@ -64,12 +64,13 @@ inline constexpr std::size_t lines_together = 4096;
 class RaySamples {
   public:
     bool whole_tile = false;                            ///< all view samples of the tile are rays
-    bool parents = false;                               ///< those of surfaces with drawn child nodes are rays
+    bool parents_too = false;                           ///< so are those of surfaces with drawn child nodes
     LightSums sum{};                                    ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
     /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the
-    /// sample. `recorded` receives the sums of all other samples.
+    /// sample. With `parents_too`, rays also replace the samples of surfaces that reflect or transmit.
+    /// `recorded` receives the sums of all other samples.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// If the records do not determine the reflected or transmitted light of a view's sample, a ray replaces
     /// the sample. `u`: number of the view's recorded instant.

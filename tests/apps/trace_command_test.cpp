@@ -58,6 +58,19 @@ TEST_F(TraceCommand, AutomaticKeysAreSaid) {
         {"trace", scene(), "-o", in("b.exr"), "--size", "32x18", "--for-shutter", "0:1", "--keys", "auto"});
     EXPECT_NE(text.out.find("6 keys, as something turns by 66"), std::string::npos) << text.out;
     EXPECT_NE(text.out.find("recorded at 0, 0.2, 0.4, 0.6, 0.8, 1 s"), std::string::npos) << text.out;
+    EXPECT_EQ(traced({"--for-shutter", "0:1", "--keys", "auto", "--for-rays"})["keys"], 4);
+}
+
+TEST_F(TraceCommand, WarnsIfMoreKeysWouldShowWhatTurns) {
+    const auto warned = [&](const std::vector<std::string>& more) {
+        const json warnings = traced(more)["warnings"];
+        return std::count_if(warnings.begin(), warnings.end(),
+                             [](const json& w) { return w["code"] == "turns"; });
+    };
+    EXPECT_EQ(warned({"--for-shutter", "0:1"}), 1);
+    EXPECT_EQ(warned({"--for-shutter", "0:0.1"}), 0);
+    EXPECT_EQ(warned({"--for-shutter", "0:1", "--keys", "auto"}), 0);
+    EXPECT_EQ(warned({}), 0);
 }
 
 TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <gtest/gtest.h>
+#include <iterator>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -110,8 +111,14 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
     }
 }
 
+/// Rays that take as long as 32 patches.
+class CostlyRays : public DarkRays {
+  public:
+    [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
+};
+
 // If a piece has too many reflected and transmitted patches per pixel, rays replace the samples of all
-// surfaces that need them, and no others.
+// surfaces that need them, and no others. Sets without rays draw the patches.
 TEST(PatchField, RaysReplaceCrowdedReflections) {
     const MadeSheets f({.has_w = true}, [](Record& r) {
         r.id = 5;
@@ -130,39 +137,49 @@ TEST(PatchField, RaysReplaceCrowdedReflections) {
         ASSERT_TRUE(place_patch(primary, p, {}, {}, place));
         draw_patch(primary, p, place, {0, 0, width, height, sample}, seen);
     }
+    // The left pieces are crowded by copies of patches.
+    constexpr int piece_px = 16, crowded_to_px = 12;
     const auto drawn = [&](std::size_t copies) {
         PatchMesh crowded = deeper;
-        for (std::size_t i = 1; i < copies; ++i)
-            crowded.patches.insert(crowded.patches.end(), deeper.patches.begin(), deeper.patches.end());
-        NotedLines rays;
+        for (std::size_t i = 1; i < copies; ++i) {
+            std::copy_if(deeper.patches.begin(), deeper.patches.end(), std::back_inserter(crowded.patches),
+                         [&](const Patch& p) { return deeper.corner(p).x < crowded_to_px; });
+        }
+        const CostlyRays rays;
         PatchField field;
         field.instants = {{&primary, &crowded}};
         field.width = width;
         field.height = height;
         field.recorded_end = {width, height};
-        field.sets.resize(1);
+        field.piece_px = piece_px;
         PatchView v;
         v.sample = sample;
         v.uses = {{0, 1, {}}};
-        field.sets[0].views = {v};
+        field.sets.resize(2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            field.sets[i].views = {v};
+            field.sets[i].picture = i;
+        }
         field.sets[0].rays = &rays;
-        std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+        std::vector<PatchPicture> pictures(2, PatchPicture(width, height));
         patch_field(field, pictures);
-        return pictures[0].traced;
+        return pictures;
     };
-    const std::vector<float> few = drawn(1), many = drawn(100 * width * height / deeper.patches.size());
+    const auto few = drawn(1), many = drawn(100 * width * height / deeper.patches.size());
+    EXPECT_EQ(few[1].image.rgb, many[1].image.rgb);
     int parents = 0, by_records = 0;
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
             const auto p = static_cast<std::size_t>(y * width + x);
             const std::uint32_t texel = seen.texel[static_cast<std::size_t>(y * SeenTile::edge + x)];
-            const bool parent = texel != SeenTile::no_texel && primary.drawn_children(texel) != 0;
-            EXPECT_EQ(many[p], parent ? 1.0F : few[p]);
+            const bool parent =
+                x < piece_px && texel != SeenTile::no_texel && primary.drawn_children(texel) != 0;
+            EXPECT_EQ(many[0].traced[p], parent ? 1.0F : few[0].traced[p]);
             parents += parent ? 1 : 0;
-            by_records += parent && few[p] == 0 ? 1 : 0;
+            by_records += parent && few[0].traced[p] == 0 ? 1 : 0;
         }
     }
-    EXPECT_GT(parents, width * height / 10);
+    EXPECT_GT(parents, piece_px * height / 10);
     EXPECT_GT(by_records, 0);
 }
 

@@ -113,14 +113,15 @@ TEST(ViewSweep, OrthographicCamerasSeeAlongTheAxis) {
 }
 
 TEST(KeysForSweep, OneMoreForEveryFifteenDegrees) {
-    EXPECT_EQ(keys_for_sweep(0), 1);
-    EXPECT_EQ(keys_for_sweep(1e-9), 1);
-    EXPECT_EQ(keys_for_sweep(1), 1);
-    EXPECT_EQ(keys_for_sweep(15), 1);
-    EXPECT_EQ(keys_for_sweep(15.001), 3);
-    EXPECT_EQ(keys_for_sweep(sweep(turning_box(60, {0, 1, 0}))), 5);
-    EXPECT_EQ(keys_for_sweep(sweep(turning_box(80, {0, 0, 1}))), 1);
-    EXPECT_EQ(keys_for_sweep(1e9), 64);
+    EXPECT_EQ(keys_for_sweep(0, 15), 1);
+    EXPECT_EQ(keys_for_sweep(1e-9, 15), 1);
+    EXPECT_EQ(keys_for_sweep(1, 15), 1);
+    EXPECT_EQ(keys_for_sweep(15, 15), 1);
+    EXPECT_EQ(keys_for_sweep(15.001, 15), 3);
+    EXPECT_EQ(keys_for_sweep(sweep(turning_box(60, {0, 1, 0})), 15), 5);
+    EXPECT_EQ(keys_for_sweep(sweep(turning_box(80, {0, 0, 1})), 15), 1);
+    EXPECT_EQ(keys_for_sweep(60, 30), 3);
+    EXPECT_EQ(keys_for_sweep(1e9, 15), 64);
 }
 
 TEST(KeyInstants, AreSpreadEvenlyWithBothEnds) {

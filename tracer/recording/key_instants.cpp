@@ -15,12 +15,6 @@ namespace {
 
 using glm::dvec3;
 
-// Spacing of the keys (the instants at which a moving scene is recorded). It is the angle, degrees, by which
-// an object turns relative to the camera between two keys. Halfway between two keys, a ball has turned by 7.5
-// degrees from either. A part of its silhouette that neither key shows is then 1 - cos 7.5 degrees, or 0.9 %,
-// of its radius wide.
-constexpr double degrees_per_key = 15;
-
 // Number of steps into which the shutter interval is divided. The instants of the motion's keyframes are
 // added. Between two steps, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
@@ -104,7 +98,7 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
     return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
 }
 
-int keys_for_sweep(double sweep_degrees) {
+int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
     // Tolerance for the rounding of the sum over the steps. With it, a sweep of exactly 60 degrees needs no
     // additional key.
     constexpr double rounding = 1e-6;

@@ -17,9 +17,9 @@ namespace postlens {
 /// inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the number of keys (recorded instants) for a sweep: 1 up to 15 degrees, else 1 + ceil(sweep / 15
-/// degrees), at most 64.
-[[nodiscard]] int keys_for_sweep(double sweep_degrees);
+/// Returns the number of keys (recorded instants) for a sweep: 1 up to `degrees_per_key`, else 1 + ceil(sweep
+/// / degrees_per_key), at most 64.
+[[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
 /// Returns `count` instants, evenly spaced over the shutter interval including both ends, in ascending order.
 /// Instants that equal `frame_s` up to a relative rounding of 1e-9 are omitted. Empty if `count` is 1.
