@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include "core/progress.h"
 #include "core/threads.h"
@@ -23,6 +24,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false, gathered_chains = false;  ///< whether `patches` has those of the piece
+    /// Whether rays take less time than the reflected and transmitted patches of the piece.
+    std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
     LightSums sum{};
@@ -80,6 +83,7 @@ class Field {
                                       std::min(edge, at.height - y)};
                 const TileRect rect{x, x + piece.width, y, y + piece.height};
                 w.gathered = w.gathered_chains = false;
+                w.is_crowded.reset();
                 for (std::size_t set = 0; set < field_.sets.size(); ++set) {
                     const auto& wanted = field_.sets[set].wanted;
                     if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
@@ -95,8 +99,9 @@ class Field {
     void gather(std::size_t tile, const TileRect& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
-        w.draws_trees = bins_.trees() && (rays == nullptr || bins_.count_deeper(tile, rect) / rect.pixels() <
-                                                                 rays->patches_per_ray());
+        if (rays != nullptr && bins_.trees() && !w.is_crowded)
+            w.is_crowded = bins_.has_more_deeper(tile, rect, rays->patches_per_ray() * rect.pixels());
+        w.draws_trees = bins_.trees() && (rays == nullptr || !*w.is_crowded);
         if (!w.draws_trees || w.gathered_chains) return;
         bins_.gather_chains(tile, rect, w.patches);
         w.gathered_chains = true;

@@ -68,7 +68,7 @@ class SightRays {
     /// Number of reflected and transmitted patches (planar parts of surfaces) that take a view as long as a
     /// ray. Where views would draw more of them per pixel, rays take their place.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
-        return std::numeric_limits<std::size_t>::max();
+        return std::numeric_limits<std::uint32_t>::max();
     }
 };
 

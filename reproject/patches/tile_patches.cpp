@@ -129,16 +129,13 @@ void PatchBins::gather(std::size_t tile, const TileRect& rect, GatheredTile& out
     }
 }
 
-std::size_t PatchBins::count_deeper(std::size_t tile, const TileRect& rect) const {
-    std::size_t out = 0;
-    for (const Bins& bins : deeper_) {
-        if (bins.empty()) continue;
-        const auto& pixels = bins[tile].pixels;
-        const auto of_instant =
-            std::count_if(pixels.begin(), pixels.end(), [&](const Bin::Pixels& p) { return p.meet(rect); });
-        out = std::max(out, static_cast<std::size_t>(of_instant));
-    }
-    return out;
+bool PatchBins::has_more_deeper(std::size_t tile, const TileRect& rect, std::size_t most) const {
+    return std::any_of(deeper_.begin(), deeper_.end(), [&](const Bins& bins) {
+        std::size_t count = 0;
+        return !bins.empty() && bins[tile].pixels.size() > most &&
+               std::any_of(bins[tile].pixels.begin(), bins[tile].pixels.end(),
+                           [&](const Bin::Pixels& p) { return p.meet(rect) && ++count > most; });
+    });
 }
 
 void PatchBins::gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const {

@@ -58,9 +58,9 @@ class PatchBins {
     /// Copies those directly visible patches of a tile that may appear in a rectangle of it. `out` then has
     /// no chains.
     void gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
-    /// Number of reflected and transmitted patches that may appear in a rectangle of a tile, of the instant
-    /// that has most of them.
-    [[nodiscard]] std::size_t count_deeper(std::size_t tile, const TileRect& rect) const;
+    /// Whether more than `most` reflected and transmitted patches of an instant may appear in a rectangle of
+    /// a tile.
+    [[nodiscard]] bool has_more_deeper(std::size_t tile, const TileRect& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
     /// The chains and paths are those of the whole tile, although they may have no patches in the rectangle.
     /// Views that lack a path then count as unknown.
