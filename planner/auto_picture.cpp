@@ -89,16 +89,33 @@ std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const
     return out;
 }
 
+/// Share of reflected and transmitted records at the frame's own instant, in evenly spaced rows of the file.
+double deeper_share(const SampleFileReader& file) {
+    constexpr std::size_t most_rows = 16;
+    const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
+    std::size_t deeper = 0, all = 0;
+    RecordBand band;
+    for (std::size_t i = 0; i < probes; ++i) {
+        const int y = file.y_begin() + static_cast<int>((2 * i + 1) * rows / (2 * probes));
+        file.read(y, y + 1, band);
+        all += band.records.size();
+        deeper += static_cast<std::size_t>(std::count_if(band.records.begin(), band.records.end(),
+                                                         [](const Record& r) { return r.path.bits() != 0; }));
+    }
+    return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
+}
+
 /// Whether `layers` costs no more than the first views. Its work is proportional to the number of records,
 /// and that of views to the number of their samples. A directly visible record takes about as long as a
 /// sample. A reflected or transmitted one is spread by an ellipse of its own, which takes `deeper_cost` times
-/// as long (3 to 15 times, in still_life and in the mount of the Standard Procedural Databases).
-bool is_worth_layers(const SampleFileReader& file, std::uint64_t deeper_records) {
-    constexpr std::uint64_t deeper_cost = 8;
+/// as long (3 times in still_life, 15 times in the mount of the Standard Procedural Databases).
+bool is_worth_layers(const SampleFileReader& file) {
+    constexpr double deeper_cost = 8;
     const SampleHeader& h = file.header();
-    return file.record_count() + (deeper_cost - 1) * deeper_records <=
-           static_cast<std::uint64_t>(first_views) * static_cast<std::uint64_t>(h.width) *
-               static_cast<std::uint64_t>(h.height);
+    const double most = first_views * static_cast<double>(h.width) * h.height;
+    double records = 0;
+    for (const ScanlineFacts& row : file.scanlines(0)) records += row.records;
+    return records <= most && records * (1 + (deeper_cost - 1) * deeper_share(file)) <= most;
 }
 
 Image layers_image(FocusFrame& frame, FocusSettings settings) {
@@ -165,11 +182,13 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    HalvedViews views(frame, whole);
     // `layers` shows a single instant. Its error is not known without rays.
     std::optional<Image> layers;
-    if (views.has_rays() && !whole.shutter && is_worth_layers(frame.file(), views.deeper_records()))
+    if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
+        (void)checked_camera(frame.file().header(), *whole.scene);
         layers = layers_image(frame, whole.focus);
+    }
+    HalvedViews views(frame, whole);
     const TileGrid& grid = views.grid();
     const double most_mse = std::pow(10.0, -target_db / 10);
     std::vector<int> wanted(grid.count(), first_views);

@@ -23,7 +23,7 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
-    bool gathered = false, gathered_chains = false;  ///< whether `patches` has those of the piece
+    bool gathered = false, gathered_chains = false;  ///< whether `patches` has the piece's, and its chains
     /// Whether rays take less time than the reflected and transmitted patches of the piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn

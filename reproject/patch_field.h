@@ -190,7 +190,7 @@ struct PatchPicture {
 
 /// Draws the sets of views into the images `out`, which have the field's size. Square pieces of an image that
 /// no set draws keep their values. The result is bit-identical for any number of threads, and however sets
-/// are divided into calls; if objects move, rays may replace other reflections in calls with other views.
+/// are divided into calls; with motion, rays may replace other reflections in calls with other views.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

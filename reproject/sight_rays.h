@@ -66,7 +66,8 @@ class SightRays {
     /// from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// Number of reflected and transmitted patches (planar parts of surfaces) that take a view as long as a
-    /// ray. Where views would draw more of them per pixel, rays take their place.
+    /// ray. Where views would draw more of them per pixel, rays take their place. The same for all rays
+    /// of a PatchField.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -39,11 +39,10 @@ void warn_of_turns(const Scene& scene, const TraceSettings& settings, CommandRes
         view_sweep_degrees(scene, find_camera(scene, settings.camera_name), *settings.for_shutter);
     if (keys_for_sweep(sweep_degrees, settings.degrees_per_key) == 1) return;
     out.warnings.push_back(
-        {"turns",
-         fmt::format(
-             "something turns to the camera by {:.3g} degrees while the shutter is open, but is recorded "
-             "at one instant (expected --keys auto)",
-             sweep_degrees)});
+        {"turns", fmt::format("an object turns by {:.3g} degrees relative to the camera while the shutter is "
+                              "open, but only one instant is recorded "
+                              "at one instant (expected --keys auto)",
+                              sweep_degrees)});
 }
 
 void check_room(std::uint64_t bytes, const std::string& output) {

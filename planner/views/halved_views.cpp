@@ -52,16 +52,7 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
         by_field_.rays = rays_.get();
     }
     by_field_.piece_px = piece_px(grid_.width, grid_.height);
-    by_field_.also.rows = [this](const RecordBand& band, int y_begin, int y_end) {
-        for (int y = y_begin; y < y_end; ++y) {
-            const std::size_t row = band.pixel(band.x_begin, y), next = band.pixel(band.x_begin, y + 1);
-            deeper_records_ += static_cast<std::uint64_t>(std::count_if(
-                band.records.begin() + band.offsets[row], band.records.begin() + band.offsets[next],
-                [](const Record& r) { return r.path.bits() != 0; }));
-        }
-    };
     focuser_ = std::make_unique<FieldFocuser>(frame, by_field_);
-    by_field_.also.rows = nullptr;
     views_.assign(grid_.count(), 0);
     left_.assign(grid_.count(), 0);
 }

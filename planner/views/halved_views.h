@@ -41,8 +41,6 @@ class HalvedViews {
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
-    /// Number of reflected and transmitted records of the file, at its first instant.
-    [[nodiscard]] std::uint64_t deeper_records() const { return deeper_records_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
     /// Mean of all views drawn so far. The sums of comparisons with check rays include both halves.
     [[nodiscard]] FieldFocus whole() &&;
@@ -61,7 +59,6 @@ class HalvedViews {
     std::unique_ptr<RenderSetup> setup_;  ///< null without a scene
     std::unique_ptr<SceneRays> rays_;
     std::unique_ptr<FieldFocuser> focuser_;
-    std::uint64_t deeper_records_ = 0;
     std::vector<int> views_;
     std::vector<std::uint8_t> left_;
     std::array<FieldFocus, 2> halves_;

@@ -63,9 +63,9 @@ inline constexpr std::size_t lines_together = 4096;
 /// View samples of a tile that are replaced by rays.
 class RaySamples {
   public:
-    bool whole_tile = false;                            ///< all view samples of the tile are rays
-    bool parents_too = false;                           ///< so are those of surfaces with drawn child nodes
-    LightSums sum{};                                    ///< of the traced radiance
+    bool whole_tile = false;   ///< all view samples of the tile are rays
+    bool parents_too = false;  ///< so are samples of surfaces that reflect or transmit
+    LightSums sum{};           ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
     /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the

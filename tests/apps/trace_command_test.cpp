@@ -70,6 +70,8 @@ TEST_F(TraceCommand, WarnsIfMoreKeysWouldShowWhatTurns) {
     EXPECT_EQ(warned({"--for-shutter", "0:1"}), 1);
     EXPECT_EQ(warned({"--for-shutter", "0:0.1"}), 0);
     EXPECT_EQ(warned({"--for-shutter", "0:1", "--keys", "auto"}), 0);
+    EXPECT_EQ(warned({"--for-shutter", "0:0.4"}), 1);  // some 26 degrees
+    EXPECT_EQ(warned({"--for-shutter", "0:0.4", "--for-rays"}), 0);
     EXPECT_EQ(warned({}), 0);
 }
 

@@ -21,7 +21,7 @@ class SceneRays : public SightRays {
     void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                          const LightElsewhere& less, std::span<std::array<float, 3>> radiance) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Measured on seven scenes, of which none was slower with 16 to 64 (scripts/hybrid_table.py).
+    /// Any number from 16 to 64 took about the same time on seven scenes, 1 and 100 took longer on some.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;
