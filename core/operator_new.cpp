@@ -1,7 +1,7 @@
 // Replaces the global operator new and delete of a program, so that large blocks of memory get pages of 2 MB
 // instead of 4 KB. By default Debian's kernel gives such pages only on request (transparent huge pages,
-// setting `madvise`). With small pages, the first use of 100 MB causes 25,000 page
-// faults, and misses of the address cache (TLB) are frequent.
+// setting `madvise`). With small pages, the first use of 100 MB causes 25,000 page faults, and misses of the
+// address cache (TLB) are frequent.
 //
 // Blocks still come from malloc. Memory may therefore be freed by code that was compiled without these
 // functions. The request remains valid for the addresses after a block is freed: later small blocks there

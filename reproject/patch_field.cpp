@@ -23,7 +23,7 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
-    bool gathered = false, gathered_chains = false;  ///< whether `patches` has the piece's, and its chains
+    bool gathered = false;  ///< whether `patches` has those of the piece
     /// Whether rays take less time than the reflected and transmitted patches of the piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
@@ -82,7 +82,7 @@ class Field {
                 const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
                                       std::min(edge, at.height - y)};
                 const TileRect rect{x, x + piece.width, y, y + piece.height};
-                w.gathered = w.gathered_chains = false;
+                w.gathered = false;
                 w.is_crowded.reset();
                 for (std::size_t set = 0; set < field_.sets.size(); ++set) {
                     const auto& wanted = field_.sets[set].wanted;
@@ -102,9 +102,7 @@ class Field {
         if (rays != nullptr && bins_.trees() && !w.is_crowded)
             w.is_crowded = bins_.has_more_deeper(tile, rect, rays->patches_per_ray() * rect.pixels());
         w.draws_trees = bins_.trees() && (rays == nullptr || !*w.is_crowded);
-        if (!w.draws_trees || w.gathered_chains) return;
-        bins_.gather_chains(tile, rect, w.patches);
-        w.gathered_chains = true;
+        if (w.draws_trees && w.patches.paths.empty()) bins_.gather_chains(tile, rect, w.patches);
     }
 
     void draw_set(std::size_t number, TilePlace at, Workplace& w, PatchPicture& out) const {

@@ -59,6 +59,12 @@ class Bench:
             sys.exit(f"{os.path.basename(sys.argv[0])}: failed with {result.returncode}: {' '.join(arguments)}\n{result.stderr}")
         return json.loads(result.stdout)
 
+    def timed(self, *arguments):
+        """Seconds of a command and its report."""
+        begin = time.monotonic()
+        report = self.run(*arguments)
+        return time.monotonic() - begin, report
+
     def above_noise_db(self, image):
         """PSNR against the mean of both halves of the reference, after its noise is subtracted, and the PSNR of this
         noise."""
@@ -73,9 +79,7 @@ class Bench:
         self.run("render", scene, "-o", self.path("truth.exr"), "--size", size, "--spp", spp, "--halves", *made.rendered_for())
         command = "shoot" if made.shutter else "focus"
         for target in targets:
-            begin = time.monotonic()
-            j = self.run(command, traced, "-o", picture, "--method", "auto", "--target-db", target, "--scene", scene, *made.rendered_for())
-            seconds = time.monotonic() - begin
+            seconds, j = self.timed(command, traced, "-o", picture, "--method", "auto", "--target-db", target, "--scene", scene, *made.rendered_for())
             measured, reference = self.above_noise_db(picture)
             yield {"scene": name, "kind": kind, "f_number": made.f_number, "target_db": float(target), "measured_db": measured,
                    "reference_db": reference, "stated_db": j["stated_db"], "low_db": j["stated_low_db"], "high_db": j["stated_high_db"],

@@ -12,7 +12,6 @@ sizes; without it, these two rows are left out. OUT receives hybrid.md.
 
 import argparse
 import os
-import time
 
 import certify
 
@@ -46,12 +45,6 @@ def main():
     bench = certify.Bench(o.build, o.out)
     at = bench.path
 
-    def run(*words):
-        """Seconds of a command and its report."""
-        start = time.monotonic()
-        report = bench.run(*words)
-        return time.monotonic() - start, report
-
     def error_db(image):
         return bench.run("compare", at(image), at("truth.a.exr"), "--noise", at("truth.b.exr"))["psnr_above_noise_db"]
 
@@ -68,14 +61,14 @@ def main():
         traced_for = ["--for-f-number", SPD_FOR_F_NUMBER if of_spd else f_number, "--for-focus", focus_m]
         if shutter:
             traced_for += ["--for-shutter", "0:1", "--keys", "auto"]
-        run("render", scene, "-o", at("truth.exr"), "--size", size, "--spp", str(2 * int(o.reference_spp)), "--halves",
-            *lens, *open_s)  # fmt: skip
-        trace_s, _ = run("trace", scene, "-o", at("traced.exr"), "--size", size, "--for-rays", "--overscan", "auto", *traced_for)
+        bench.run("render", scene, "-o", at("truth.exr"), "--size", size, "--spp", str(2 * int(o.reference_spp)), "--halves",
+                  *lens, *open_s)  # fmt: skip
+        trace_s, _ = bench.timed("trace", scene, "-o", at("traced.exr"), "--size", size, "--for-rays", "--overscan", "auto", *traced_for)
         for views in o.views.split(","):
-            hybrid_s, report = run("shoot" if shutter else "focus", at("traced.exr"), "-o", at("hybrid.exr"), "--method",
-                                   "hybrid", "--views", views, "--scene", scene, *lens, *open_s)  # fmt: skip
-            rays_s, _ = run("render", scene, "-o", at("rays.exr"), "--size", size, "--spp", views, "--halves", "--seed", "7",
-                            *lens, *open_s)  # fmt: skip
+            hybrid_s, report = bench.timed("shoot" if shutter else "focus", at("traced.exr"), "-o", at("hybrid.exr"), "--method",
+                                           "hybrid", "--views", views, "--scene", scene, *lens, *open_s)  # fmt: skip
+            rays_s, _ = bench.timed("render", scene, "-o", at("rays.exr"), "--size", size, "--spp", views, "--halves", "--seed", "7",
+                                     *lens, *open_s)  # fmt: skip
             hybrid_db, rays_db = error_db("hybrid.exr"), error_db("rays.exr")
             named = f"{name.split('.')[0]} f/{f_number} at {focus_m} m" + (", shutter" if shutter else "")
             lines.append(f"| {named} | {views} | {trace_s:.2f} | {hybrid_s:.2f} | {hybrid_db:.1f} | "

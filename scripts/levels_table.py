@@ -10,7 +10,6 @@ whole processes, trace and image together. Nothing else should run on the machin
 
 import argparse
 import os
-import time
 
 import certify
 import random_scene
@@ -40,20 +39,14 @@ def main():
     bench = certify.Bench(o.build, o.out)
     traced, picture = bench.path("traced.exr"), bench.path("picture.exr")
 
-    def run(*words):
-        """Seconds of a command and its report."""
-        start = time.monotonic()
-        report = bench.run(*words)
-        return time.monotonic() - start, report
-
     seconds, met, pictures = {}, {}, {}
     for name, scene, made in scenes(bench, o.seeds):
         command = "shoot" if made.shutter else "focus"
         for level in LEVELS:
-            of_trace, _ = run("trace", scene, "-o", traced, "--size", o.size, "--subdivide", level, *made.traced_for())
+            of_trace, _ = bench.timed("trace", scene, "-o", traced, "--size", o.size, "--subdivide", level, *made.traced_for())
             for target in o.targets.split(","):
-                of_image, report = run(command, traced, "-o", picture, "--method", "auto", "--target-db", target,
-                                       "--scene", scene, *made.rendered_for())  # fmt: skip
+                of_image, report = bench.timed(command, traced, "-o", picture, "--method", "auto", "--target-db", target,
+                                               "--scene", scene, *made.rendered_for())  # fmt: skip
                 cell = (name, target, level)
                 seconds[cell] = seconds.get(cell, 0) + of_trace + of_image
                 met[cell] = met.get(cell, 0) + (report["stated_db"] is None or report["stated_db"] >= float(target))

@@ -40,8 +40,7 @@ void warn_of_turns(const Scene& scene, const TraceSettings& settings, CommandRes
     if (keys_for_sweep(sweep_degrees, settings.degrees_per_key) == 1) return;
     out.warnings.push_back(
         {"turns", fmt::format("an object turns by {:.3g} degrees relative to the camera while the shutter is "
-                              "open, but only one instant is recorded "
-                              "at one instant (expected --keys auto)",
+                              "open, but only one instant is recorded (expected --keys auto)",
                               sweep_degrees)});
 }
 

@@ -10,7 +10,7 @@
 #include "pictures/crop.h"
 #include "pictures/srgb.h"
 #include "planner/views/picture_request.h"
-#include "reproject/sight_rays.h"
+#include "reproject/no_rays.h"
 
 namespace postlens {
 namespace {
@@ -18,22 +18,6 @@ namespace {
 /// Number of views that are drawn to measure, for each pixel, the share of samples that the records do not
 /// determine. With 16 views this share is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
-
-/// Takes the place of the ray tracer, but traces nothing. Only the share of samples that rays would replace
-/// is needed.
-class NoRays final : public SightRays {
-  public:
-    void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
-               std::span<std::array<float, 3>> radiance) const override {
-        std::fill(radiance.begin(), radiance.end(), std::array<float, 3>{});
-    }
-    void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> /*of*/,
-                         const LightElsewhere& less,
-                         std::span<std::array<float, 3>> radiance) const override {
-        trace(lines, less, radiance);
-    }
-    [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
-};
 
 /// For each square of 8 x 8 px of an image, the smallest and largest value of each channel within `radius_px`
 /// around the square.

@@ -73,6 +73,11 @@ TEST_F(TraceCommand, WarnsIfMoreKeysWouldShowWhatTurns) {
     EXPECT_EQ(warned({"--for-shutter", "0:0.4"}), 1);  // some 26 degrees
     EXPECT_EQ(warned({"--for-shutter", "0:0.4", "--for-rays"}), 0);
     EXPECT_EQ(warned({}), 0);
+    const std::string text = traced({"--for-shutter", "0:1"})["warnings"][0]["text"];
+    EXPECT_EQ(text,
+              "an object turns by 66.1 degrees relative to the camera while the shutter is open, but only "
+              "one instant is "
+              "recorded (expected --keys auto)");
 }
 
 TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {

@@ -6,11 +6,11 @@
 
 #include "core/threads.h"
 #include "records/quadtree.h"
+#include "reproject/no_rays.h"
 #include "reproject/patch_field.h"
 #include "reproject/patches/motion_strain.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/patches/patch_sweep.h"
-#include "tests/reproject/dark_rays.h"
 #include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 
@@ -324,7 +324,7 @@ TEST(PatchSweep, ContainsAFastTurnInAllViewsOfATimeSpan) {
     for (int i = 0; i < views; ++i)
         maps.push_back(map_of(raster_turn(0.1 * ((i + 0.5) / views - 0.5), {3000, height / 2.0})));
     const PatchMesh mesh = cut_patches(f.sheets, lens_for(maps));
-    const DarkRays rays;
+    const NoRays rays;
     PatchField field;
     field.instants = {{&mesh, nullptr}};
     field.motion_class = [](std::uint32_t id) { return id == moving_id ? std::size_t{1} : std::size_t{0}; };

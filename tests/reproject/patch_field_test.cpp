@@ -13,10 +13,10 @@
 
 #include "core/sample_hash.h"
 #include "records/record.h"
+#include "reproject/no_rays.h"
 #include "reproject/patches/patches.h"
 #include "reproject/raster_map.h"
 #include "reproject/sight_rays.h"
-#include "tests/reproject/dark_rays.h"
 #include "tests/reproject/made_sheets.h"
 
 namespace postlens::test::patch_field_test {
@@ -60,13 +60,13 @@ TEST(PatchField, WhatIsNotWantedStaysUnknown) {
 }
 
 /// Records the lines that are traced.
-class NotedLines : public DarkRays {
+class NotedLines : public NoRays {
   public:
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                std::span<std::array<float, 3>> radiance) const override {
         const std::scoped_lock lock(mutex_);
         noted_.insert(noted_.end(), lines.begin(), lines.end());
-        DarkRays::trace(lines, less, radiance);
+        NoRays::trace(lines, less, radiance);
     }
     [[nodiscard]] const std::vector<SightLine>& noted() const { return noted_; }
 
@@ -112,7 +112,7 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
 }
 
 /// Rays that take as long as 32 patches.
-class CostlyRays : public DarkRays {
+class CostlyRays : public NoRays {
   public:
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
 };

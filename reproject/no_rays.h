@@ -7,9 +7,11 @@
 
 #include "reproject/sight_rays.h"
 
-namespace postlens::test {
+namespace postlens {
 
-class DarkRays : public SightRays {
+/// Takes the place of the ray tracer, but traces nothing. It serves where only the choice of the samples that
+/// rays replace matters.
+class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,
                std::span<std::array<float, 3>> radiance) const override {
@@ -20,7 +22,7 @@ class DarkRays : public SightRays {
                          std::span<std::array<float, 3>> radiance) const override {
         trace(lines, less, radiance);
     }
-    [[nodiscard]] bool steady(NodePath, std::uint32_t) const override { return true; }
+    [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
 };
 
-}  // namespace postlens::test
+}  // namespace postlens
