@@ -36,9 +36,9 @@ std::vector<LensViewPoint> lens_view_points(const Aperture& aperture, const Focu
     out.reserve(static_cast<std::size_t>(views));
     for (int i = first; i < first + views; ++i) {
         LensViewPoint p;
-        const double u = coordinate(0, i), v = coordinate(1, i);
+        const double u = coordinate(2, i), v = coordinate(3, i);
         p.lens = aperture.is_round() ? disc_point(u, v) : aperture.sample(u, v);
-        p.place = {coordinate(2, i), coordinate(3, i)};
+        p.place = {coordinate(0, i), coordinate(1, i)};
         p.light_before = coordinate(4, i);
         const glm::dvec2 q_px = geometry.gain_px * geometry.aperture_radius_m * p.lens;
         p.shift = {q_px, geometry.inverse_focus_per_m,
