@@ -89,6 +89,8 @@ class FieldHighlights::OverViews final : public Lights {
     /// samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
+    /// Sets the shares of a group to those of the views that see its centre (seen_share).
+    void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
     /// Fraction of the views that see the light source at a pixel. Only those views count that are near the
     /// lens point through which the source's light reaches the pixel, or all views if Source::by_all is set.
@@ -294,19 +296,37 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     }
 }
 
+void FieldHighlights::OverViews::ask_views(const Group& g, const TileViews& views, Part& part) const {
+    for (int y = part.y0; y < part.y1; ++y) {
+        for (int x = part.x0; x < part.x1; ++x) {
+            const std::size_t pixel = static_cast<std::size_t>(y - views.y) * TileViews::row +
+                                      static_cast<std::size_t>(x - views.x);
+            part.share[static_cast<std::size_t>(y - part.y0) * SeenTile::edge +
+                       static_cast<std::size_t>(x - part.x0)] =
+                static_cast<float>(seen_share(g.middle, views, pixel, {x + 0.5, y + 0.5}));
+        }
+    }
+}
+
 void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>& light) const {
     Part part;
     for (const GroupHere& here : groups_in(views)) {
-        if (here.samples > 0) {
-            const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
+        const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
+        // If all views count and nothing moves, the highlights of a group have the same share.
+        const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
+        if (shared) {
             part.x0 = std::max(views.x, g.x_begin);
             part.x1 = std::min(views.x + views.width, g.x_end);
             part.y0 = std::max(views.y, g.y_begin);
             part.y1 = std::min(views.y + views.height, g.y_end);
-            draw_shares(g, *views.patches, here.samples, part);
+            if (here.samples > 0) {
+                draw_shares(g, *views.patches, here.samples, part);
+            } else {
+                ask_views(g, views, part);
+            }
         }
         for (const std::uint32_t i : here.sources)
-            add(of_.sources_[i], here.samples > 0 ? &part : nullptr, views, light);
+            add(of_.sources_[i], shared ? &part : nullptr, views, light);
     }
 }
 

@@ -2,6 +2,7 @@
 // rays.
 #include <cmath>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <string>
@@ -78,9 +79,13 @@ TEST_P(UnsureViews, AreAsRightAsRays) {
     EXPECT_GT(db(got.focus.image, truth), std::min(50.0, of_rays - 0.5));
     EXPECT_LT(got.retraced_share, 0.5);
     ASSERT_TRUE(got.stated);
-    // Highlights at an edge are measured by 256 rays per pixel.
-    const std::uint64_t replaced = std::lround(got.retraced_share * 96 * 54 * views);
-    EXPECT_EQ((got.rays.eye - replaced - got.stated->check_rays) % 256, 0U);
+    // Up to 4096 pixels at edges of highlights are measured by 256 rays each.
+    const std::int64_t measuring = static_cast<std::int64_t>(got.rays.eye) -
+                                   std::lround(got.retraced_share * 96 * 54 * views) -
+                                   static_cast<std::int64_t>(got.stated->check_rays);
+    EXPECT_EQ(measuring % 256, 0);
+    EXPECT_GE(measuring, 0);
+    EXPECT_LE(measuring, 4096 * 256);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
@@ -294,7 +299,8 @@ TEST(UnsureViews, ALampBehindAPostKeepsItsRecordedLight) {
     s.scene = &b.scene;
     const Image got = hybrid_picture(frame.file(), s).focus.image;
     const Image truth = rendered(b.scene, c, 50, 16384, 9);
-    EXPECT_GT(db(got, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth));
+    // Measured: 49.2 dB, and 34.4 dB by rays.
+    EXPECT_GT(db(got, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) + 10);
 }
 
 // A light is added to the image by its exact response, so rays must not see it again.
