@@ -12,6 +12,11 @@ namespace postlens {
     return v <= 0.0031308F ? 12.92F * v : 1.055F * std::pow(v, 1 / 2.4F) - 0.055F;
 }
 
+/// Derivative of the curve, for linear values of 0 to 1.
+[[nodiscard]] inline double srgb_slope(double linear) {
+    return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
+}
+
 /// Encoded to linear, for 0 or more. [iec61966-2-1]
 [[nodiscard]] inline float linear_from_srgb(float v) {
     return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);

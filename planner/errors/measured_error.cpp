@@ -14,7 +14,7 @@ namespace {
 /// Derivative of the sRGB transfer curve; 0 where values are clamped to [0, 1].
 double slope(double linear) {
     if (!(linear >= 0) || linear >= 1) return 0;
-    return linear <= 0.0031308 ? 12.92 : 1.055 / 2.4 * std::pow(linear, 1 / 2.4 - 1);
+    return srgb_slope(linear);
 }
 
 double encoded(float linear) {

@@ -144,8 +144,8 @@ TEST(LobeMeans, NarrowerThanTheLensIsAMirror) {
     }
 }
 
-// RMS difference, in the red channel and relative to white, of the images of a brushed floor by rays over the
-// lobe and by records.
+// RMS difference of the encoded red channels of the images of a brushed floor by rays over the lobe and by
+// records.
 double rms_of_lobes(double reflection, double& reflected_per_hit) {
     Scene s = scene_of_file("brushed_floor.toml", 96, 54);
     for (Material& m : s.materials)
@@ -160,8 +160,8 @@ double rms_of_lobes(double reflection, double& reflected_per_hit) {
     int count = 0;
     for (int y = 45; y < image.height; ++y) {  // only the floor, below the posts
         for (int x = 0; x < image.width; ++x, ++count) {
-            const double d =
-                static_cast<double>(image.pixel(x, y)[0]) - static_cast<double>(truth.pixel(x, y)[0]);
+            const double d = static_cast<double>(srgb_from_linear(image.pixel(x, y)[0])) -
+                             static_cast<double>(srgb_from_linear(truth.pixel(x, y)[0]));
             sum += d * d;
         }
     }
@@ -169,14 +169,16 @@ double rms_of_lobes(double reflection, double& reflected_per_hit) {
 }
 
 TEST(LobeMeans, AreThoseOfRenderAndCostRaysByTheirWeight) {
-    double of_faint = 0, of_strong = 0;
-    // The standard deviation in the lobe is at most 0.35. A faint lobe has an error of 1/255, and 25 % more
-    // where the border of a batch cuts off its neighbours. Two rays per sample, weighted over 8 px, are 134
-    // rays on average and 33 in a corner of the batch: 0.75 * 0.35 / sqrt(33).
-    EXPECT_LT(rms_of_lobes(0.04, of_faint), 1.25 / 255);
-    EXPECT_LT(rms_of_lobes(0.75, of_strong), 0.046);
-    EXPECT_LT(of_faint, 0.15);
-    EXPECT_LT(of_faint, of_strong / 2);
+    double of_faintest = 0, of_faint = 0, of_strong = 0;
+    rms_of_lobes(0.002, of_faintest);
+    // The standard deviation in the lobe is at most 0.35. A faint lobe has an error of half a step of 8 bits,
+    // and 25 % more where the border of a batch cuts off its neighbours. Four rays per sample, weighted over
+    // 8 px, are 268 rays on average and 67 in a corner of the batch: 0.75 * 0.35 / sqrt(67), times the slope
+    // of the sRGB curve at a radiance of 0.2, which is 1.1.
+    EXPECT_LT(rms_of_lobes(0.005, of_faint), 1.25 / 510);
+    EXPECT_LT(rms_of_lobes(0.75, of_strong), 0.036);
+    EXPECT_LT(of_faintest, of_faint / 2);
+    EXPECT_LT(of_faint, of_strong / 1.5);
 }
 
 TEST(LobeMeans, NoiseDividesNoPixel) {

@@ -9,13 +9,14 @@
 
 #include "core/sample_hash.h"
 #include "core/sobol.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
 
 using glm::dvec3;
 
-constexpr double target_noise = 1.0 / 255;  // standard deviation relative to white
+constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
 // Largest weight that a hit gives to a ray of another hit. It limits the variance caused by rays at the edge
 // of the other hit's lobe.
 constexpr double most_weight = 8;
@@ -69,6 +70,13 @@ double power(double cosine, double exponent) {
                       : 0;
 }
 
+// Slopes of the sRGB curve, per channel: by how much an image value changes with radiance.
+dvec3 encoded_slope(const dvec3& radiance) {
+    dvec3 out;
+    for (int c = 0; c < 3; ++c) out[c] = srgb_slope(std::min(radiance[c], 1.0));
+    return out;
+}
+
 }  // namespace
 
 double folded_lobe(const LobeHit& h, const dvec3& direction) {
@@ -92,7 +100,7 @@ struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
     std::uint32_t sent = 0;
-    double deviation = 0;
+    dvec3 mean{0}, deviation{0};  // of the radiance of the first pass
     std::vector<std::uint32_t> rays;
 };
 
@@ -200,15 +208,16 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             squares += rays[r].radiance * rays[r].radiance;
         }
         const auto n = static_cast<double>(g.rays.size());
-        g.deviation =
-            n < 2 ? largest(sum) : std::sqrt(std::max(0.0, largest(squares - sum * sum / n) / (n - 1)));
+        g.mean = sum / n;
+        g.deviation = n < 2 ? sum : glm::sqrt(glm::max(dvec3(0), squares - sum * sum / n) / (n - 1));
         const double piloted = n / static_cast<double>(g.end - g.first);
         constexpr std::size_t enough = 64;
         const std::size_t stride = std::max<std::size_t>((g.end - g.first) / enough, 1);
         double owed = 0;
         for (std::size_t i = g.first; i < g.end; ++i) {
             const LobeHit& h = hits[order[i]];
-            const double relative = largest(h.weight) * g.deviation / target_noise;
+            const double relative =
+                largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (relative * relative <= piloted) continue;
             // Number of hits that share rays with this hit. It is estimated from every `stride`-th hit.
             double within = 0;

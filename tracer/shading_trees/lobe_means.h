@@ -26,6 +26,7 @@ struct LobeHit {
     double exponent = 1;   ///< of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
+    glm::dvec3 beside{0};  ///< radiance of the node without the mean, times throughput
 };
 
 /// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
@@ -36,18 +37,17 @@ struct LobeHit {
 /// densities in the direction of the ray's end point, times the squared ratio of the distances [bekaert2002].
 /// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
-/// The number of rays is determined in two passes. The first pass sends 255 rays times the mean weight of the
-/// group, evenly spaced over its hits. A feature that all of these rays miss then contributes less than 1/255
+/// The number of rays is determined in two passes. The first pass sends 510 rays times the mean weight of the
+/// group, evenly spaced over its hits. A feature that all of these rays miss then contributes less than 1/510
 /// of white (radiance 1). From these rays, the standard deviation s of the radiance is estimated. The second
-/// pass sends (weight s 255)^2 rays within the reach of hit i, but at most `most_rays` per hit; the standard
-/// deviation of the mean is then 1/255. The result depends only on the batch, and is bit-identical in every
-/// run.
+/// pass sends (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit; f is the
+/// slope of the sRGB curve at the node's radiance. The standard deviation of the image value is then 1/510,
+/// half a step of 8 bits. The result depends only on the batch, and is bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the cost of rough metals, whose noise is then about 3/255 of
-    /// white.
-    static constexpr int most_rays = 2;
+    /// Largest number of rays per hit. It limits the cost of rough metals, whose noise is then about 4/255.
+    static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.
     LobeMeans(const RayScene& scene, const WhittedSettings& settings);

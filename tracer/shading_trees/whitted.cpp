@@ -224,7 +224,7 @@ void WhittedTracer::Impl::take_lobe(const PathRay& ray, const SurfacePoint& s, c
     w.lobes.push_back({s.object, ray.path.child(bounce), settings.max_depth - 1 - ray.path.depth(),
                        w.positions[ray.sample], s.position, axis, side, exponent, ray.throughput * share,
                        key});
-    w.lobe_targets.push_back({static_cast<std::uint32_t>(w.nodes.count - 1), share});
+    w.lobe_targets.push_back({static_cast<std::uint32_t>(w.nodes.count - 1), share, ray.throughput});
 }
 
 void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
@@ -337,8 +337,8 @@ void WhittedTracer::trace(std::span<const glm::dvec2> positions, TracedSamples& 
     if (!w.eye_hits.empty()) impl_->trace_hidden(w, counts);
     if (around && !w.bent.empty()) impl_->take_bends_around(w, around);
     if (!w.bent.empty()) impl_->trace_bends(w, counts);
-    if (!w.lobes.empty()) impl_->average_lobes(w, counts);
     if (!w.extents.empty()) impl_->average_extents(w, counts);
+    if (!w.lobes.empty()) impl_->average_lobes(w, counts);  // needs the radiance of lights
     impl_->collect(w, out);
 }
 

@@ -53,7 +53,7 @@ struct WhittedTracer::Impl {
     // The node to which the mean over a lobe is added, and the factor of the mean.
     struct LobeTarget {
         std::uint32_t node = 0;
-        glm::dvec3 share{0};
+        glm::dvec3 share{0}, throughput{1};
     };
 
     // An array whose items are filled in place, field by field, and reused. Building items elsewhere and

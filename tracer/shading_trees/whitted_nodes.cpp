@@ -20,6 +20,8 @@ using glm::dvec3;
 }  // namespace
 
 void WhittedTracer::Impl::average_lobes(Workspace& w, RayCounts& counts) const {
+    for (std::size_t i = 0; i < w.lobes.size(); ++i)
+        w.lobes[i].beside = w.lobe_targets[i].throughput * w.nodes[w.lobe_targets[i].node].radiance;
     lobe_means->average(w.lobes, w.lobe_means, counts);
     for (std::size_t i = 0; i < w.lobes.size(); ++i) {
         Node& n = w.nodes[w.lobe_targets[i].node];
