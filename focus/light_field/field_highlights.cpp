@@ -19,9 +19,10 @@ constexpr double spread_from_px = 2;
 /// Smaller semi-axis of the CoC, px, below which a pixel receives the light of a highlight through the whole
 /// lens.
 constexpr double seen_by_all_px = 0.5;
-/// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Few views hit smaller
-/// ones.
-constexpr float small_px2 = 4;
+/// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Smaller ones are
+/// spread by their impulse response even if they are hardly blurred: below sharp_px2, because the views show
+/// their edges with noise; below small_px2, because few views hit them. Larger ones would need many sources.
+constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edges of the squares in which the highlights of one surface are merged, px. merged_px is used if the blur
 /// is at least spread_from_px, merged_sharp_px otherwise.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
@@ -52,8 +53,9 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
-        if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < HighlightMotion::largest_px2;
-        // Nothing hides a reflected highlight that is spread, so only those that few views hit are.
+        if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
+        // Spreading ignores what hides a reflected highlight in its mirror. So a sharp one that is partly
+        // hidden is spread only if few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
         // Views distinguish the visible part of a hardly blurred surface. A pixel sees only a part of a
         // surface wider than its blur, but all highlights of a group share one shadow of a nearer surface.

@@ -45,7 +45,7 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 constexpr int edge_rays = 16;
 /// Measured highlights are merged in squares, n x n of a pixel.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured: a share of the raster's pixels, and at least a number. If more
+/// Largest number of pixels that are measured: a share of all sheets' cells, and at least a number. If more
 /// pixels contain an edge, as in a texture that is brighter than the limit here and there, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;

@@ -30,10 +30,9 @@ void check_has_points(const Impulse& impulse);
 /// Returns the views [first, first + views) of a set. Lens points are distributed according to the aperture's
 /// transmittance; each view also has a position in the pixel and an instant. Together these are
 /// five-dimensional Sobol points [joe2008] with Owen scrambling [owen1995], in the order of dimensions that
-/// rays use: position, lens, instant. Sets are scrambled independently,
-/// so half the squared difference of the means of two sets is an unbiased estimate of the squared error of
-/// either mean. Throws Error(wrong_arguments) if `views` is below 1 or if the set would exceed
-/// most_lens_views.
+/// rays use: position, lens, instant. Sets are scrambled independently, so half the squared difference of the
+/// means of two sets is an unbiased estimate of the squared error of either mean. Throws
+/// Error(wrong_arguments) if `views` is below 1 or if the set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

@@ -19,8 +19,8 @@ namespace postlens {
 class HighlightMotion {
   public:
     /// Largest total area, px^2, of the highlights of one surface within a square of the raster at which they
-    /// are spread as streaks, or by their impulse response though they are hardly blurred. Larger ones would
-    /// need many impulse responses.
+    /// are spread as streaks of impulse responses. The mean of the views shows larger highlights as streaks
+    /// anyway.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
     /// highlights leave no visible dots in the mean of the views.

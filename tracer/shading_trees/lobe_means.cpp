@@ -218,7 +218,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const LobeHit& h = hits[order[i]];
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
-            if (relative * relative <= piloted) continue;
+            if (!(relative * relative > piloted)) continue;  // nor if it is NaN
             // Number of hits that share rays with this hit. It is estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {

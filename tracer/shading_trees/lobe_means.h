@@ -26,7 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    glm::dvec3 beside{0};  ///< radiance of the node without the mean, times throughput
+    /// Radiance of the node without means over lobes, times throughput. The slope of the sRGB curve is the
+    /// largest for this node alone, so other nodes of the sample can only cause more rays than necessary.
+    glm::dvec3 beside{0};
 };
 
 /// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
@@ -40,9 +42,10 @@ struct LobeHit {
 /// The number of rays is determined in two passes. The first pass sends 510 rays times the mean weight of the
 /// group, evenly spaced over its hits. A feature that all of these rays miss then contributes less than 1/510
 /// of white (radiance 1). From these rays, the standard deviation s of the radiance is estimated. The second
-/// pass sends (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit; f is the
-/// slope of the sRGB curve at the node's radiance. The standard deviation of the image value is then 1/510,
-/// half a step of 8 bits. The result depends only on the batch, and is bit-identical in every run.
+/// pass sends (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit. f is the
+/// slope of the sRGB curve at the radiance of the node, with the mean of the first pass. The standard
+/// deviation of the image value is then 1/510, half a step of 8 bits, unless `most_rays` limits it. The
+/// result depends only on the batch, and is bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
