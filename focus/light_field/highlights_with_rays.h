@@ -17,8 +17,8 @@ namespace postlens {
 /// its path and ids. If it is seen directly and does not move, it is also identified by its square of the
 /// raster.
 ///
-/// Coarse records misjudge the area of a small highlight. Rays through the pinhole measure it in the pixels
-/// that its edge crosses, except where nearer surfaces hide a part and if something moves.
+/// Unless something moves, rays then measure the edges of the highlights that are seen directly
+/// (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
                                            bool moves, HighlightRule& rule);
 
