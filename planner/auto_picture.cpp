@@ -65,6 +65,67 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
+/// Selects the tiles whose check rays leave the error of the records least certain, until the variance of the
+/// remaining tiles is at most `most_variance`.
+std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
+                                      double most_variance) {
+    const double pixels = static_cast<double>(grid.width) * grid.height;
+    std::vector<std::pair<double, std::size_t>> order;
+    double variance = 0;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        const double deviation = tiles[t].bias_deviation * grid.pixels(t) / pixels;
+        order.emplace_back(-deviation * deviation, t);
+        variance += deviation * deviation;
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint8_t> out(tiles.size(), 0);
+    for (const auto& [less, t] : order) {
+        if (variance <= most_variance) break;
+        variance += less;
+        out[t] = 1;
+    }
+    return out;
+}
+
+/// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
+/// that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The width
+/// is proportional to the standard deviation of the estimate divided by the error, so views are added where
+/// the estimate is uncertain because a tile has much of the error.
+std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
+                          const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error) {
+    const double pixels = static_cast<double>(grid.width) * grid.height;
+    struct Step {
+        double mse = 0, variance = 0;  ///< that the tile loses
+        std::size_t tile = 0;
+    };
+    std::vector<Step> steps;
+    for (std::size_t t = 0; t < views.size(); ++t) {
+        const double share = grid.pixels(t) / pixels, mse = mix[t].mse(tiles[t]);
+        if (2 * views[t] > most_lens_views || !(mse > 0 && tiles[t].noise_mse > 0)) continue;
+        const double left = 1 / (1 + mse / tiles[t].noise_mse);  // as in doubled()
+        steps.push_back({share * mse * (1 - left),
+                         share * share * tiles[t].estimate_variance(mix[t].weight) * (1 - left * left), t});
+    }
+    std::stable_sort(steps.begin(), steps.end(),
+                     [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
+    // The next estimate differs from what is expected now, so a reserve saves steps.
+    constexpr double aim_db = 0.9 * wanted_interval_db;
+    double mse = error.mse(), variance = error.variance, least_db = error.width_db();
+    std::size_t best = 0;  // number of steps that make the interval narrowest
+    for (std::size_t i = 0; i < steps.size() && least_db > aim_db; ++i) {
+        mse -= steps[i].mse;
+        variance = std::max(0.0, variance - steps[i].variance);
+        if (!(mse > 0)) break;
+        const double width_db = StatedError::width_db(mse, variance);
+        if (width_db >= least_db) continue;
+        least_db = width_db;
+        best = i + 1;
+    }
+    std::vector<int> planned = views;
+    for (std::size_t i = 0; i < best; ++i) planned[steps[i].tile] *= 2;
+    return planned;
+}
+
 /// Selects the tiles in which rays replace all samples of views, because the records themselves are in error.
 /// The tiles with the largest errors are selected, until the error of the remaining tiles is a quarter of the
 /// target.
@@ -198,7 +259,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use,
                               layers ? &*layers : nullptr);
     };
-    for (bool is_met = false;;) {
+    for (bool is_compared = false;;) {
         views.draw(wanted);
         measured = measure({}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
@@ -213,19 +274,26 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         }
         if (layers) mix = mixed_tiles(measured);
         const StatedError error = stated_error(measured, mix);
-        double goal = most_mse;
-        if (error.high_mse <= most_mse) {
-            // Views are added once more if `layers` alone may have less than half the error, or if the error
-            // is not well enough known.
-            const double alone = layers ? least_alone_mse(measured, grid) : error.mse();
-            const bool is_better_alone = error.mse() > 2 * alone,
-                       is_wide = error.high_db() - error.low_db() > wanted_interval_db;
-            if (is_met || !(is_better_alone || is_wide)) break;
-            is_met = true;
-            goal = is_wide ? 0 : std::max(2 * alone, 0.0);
+        const auto doubled_for = [&](double goal) {
+            const double others = error.high_mse - error.views_mse;
+            return doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));
+        };
+        std::vector<int> next = wanted;
+        const bool is_met = error.high_mse <= most_mse;
+        if (!is_met) {
+            next = doubled_for(most_mse);
+        } else if (error.width_db() > wanted_interval_db) {
+            if (measured.bias_variance > error.variance / 4 &&
+                views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2)))
+                continue;
+            next = narrowed(wanted, measured.tiles, mix, grid, error);
         }
-        const double others = error.high_mse - error.views_mse;
-        std::vector<int> next = doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));
+        if (is_met && next == wanted && layers && !is_compared) {
+            // Views are added once more if `layers` alone may have less than half the error.
+            const double alone = least_alone_mse(measured, grid);
+            if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
+            is_compared = true;
+        }
         if (next == wanted) break;
         wanted = std::move(next);
     }

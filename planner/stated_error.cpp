@@ -49,6 +49,10 @@ double StatedError::high_db() const {
     return -10 * std::log10(std::max(low_mse, 1e-12));
 }
 
+double StatedError::width_db(double mse, double variance) {
+    return mse > 0 ? 2 * deviations * std::sqrt(variance) / mse * 10 / std::log(10.0) : 0;
+}
+
 StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix) {
     StatedError out{.bias_mse = std::max(0.0, measured.bias_mse),
                     .highlights_mse = std::max(0.0, measured.highlights_mse),
@@ -94,7 +98,7 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
         for (const TileError& tile : measured.tiles)
             mix.push_back(mix_of(tile, price * tile.pixels / pixels));
         const StatedError stated = stated_error(of_views, mix);
-        const bool is_known = stated.high_db() - stated.low_db() <= wanted_interval_db;
+        const bool is_known = stated.width_db() <= wanted_interval_db;
         if (is_known || stated.high_mse < least_mse) {
             least_mse = stated.high_mse;
             best = std::move(mix);

@@ -31,6 +31,9 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
+    /// Width of the 95 % interval, dB.
+    [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
+    [[nodiscard]] static double width_db(double mse, double variance);
 };
 
 /// The error of the mean of the two halves that were measured. If `mix` has elements, one per tile, the other

@@ -13,11 +13,10 @@
 namespace postlens {
 namespace {
 
-/// Numbers of scrambled sets of lens points, for static and for moving scenes, and step of the set's number
-/// from one row of pieces to the next. The square pieces of the image use the sets in turn. Moving scenes use
-/// fewer sets, because the objects must be placed for every view. All numbers are prime, so a set repeats
-/// along a row, a column or a diagonal only after as many pieces as there are sets.
-constexpr int scrambles = 61, scrambles_moving = 17, scrambles_down = 23;
+/// Number of scrambled sets of lens points, and step of the set's number from one row of pieces to the next.
+/// The square pieces of the image use the sets in turn. Both numbers are prime, so a set repeats along a row,
+/// a column or a diagonal only after as many pieces as there are sets.
+constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Interpolates a pixel's values linearly from `to` towards `from`, by the fraction `share`.
 template <typename T>
@@ -58,9 +57,8 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
 }
 
 void HalvedViews::draw(const std::vector<int>& views) {
-    const int count = by_field_.shutter ? scrambles_moving : scrambles;
-    const auto scramble_of = [count, piece = by_field_.piece_px](int x, int y) {
-        return (x / piece + scrambles_down * (y / piece)) % count;
+    const auto scramble_of = [piece = by_field_.piece_px](int x, int y) {
+        return (x / piece + scrambles_down * (y / piece)) % scrambles;
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
@@ -70,7 +68,7 @@ void HalvedViews::draw(const std::vector<int>& views) {
             if (span.first < span.second) spans.insert(span);
         }
         for (const auto& [first, end] : spans) {
-            for (int scramble = 0; scramble < count; ++scramble) {
+            for (int scramble = 0; scramble < scrambles; ++scramble) {
                 FieldViews set{.count = end - first,
                                .set = first_set_ + 2 * scramble + static_cast<int>(half),
                                .first = first,
