@@ -9,7 +9,6 @@ namespace {
 
 // Alias declarations would lose the attributes.
 // NOLINTBEGIN(modernize-use-using): see above
-typedef double EightDoubles __attribute__((vector_size(64), aligned(8), may_alias));
 typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoDoubles __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -32,24 +31,22 @@ struct PlainValues {
 
 struct LensValues {
     static constexpr std::size_t count = 18;
-    EightDoubles light{}, moments{};
+    FourDoubles light{}, by_lens{}, by_x{}, by_y{};
     TwoDoubles depth;
 
     /// `x`, `y`: the splat's anchor, counted from the corner of the block.
     LensValues(const LayerSplat& s, int x, int y)
-        : depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {
-        const std::array<double, 4> value{static_cast<double>(s.r), static_cast<double>(s.g),
-                                          static_cast<double>(s.b), static_cast<double>(s.weight)};
-        for (std::size_t c = 0; c < 4; ++c) {
-            light[c] = value[c];
-            light[4 + c] = value[c] * static_cast<double>(s.lens_per_px);
-            moments[c] = light[4 + c] * x;
-            moments[4 + c] = light[4 + c] * y;
-        }
-    }
+        : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
+                static_cast<double>(s.weight)},
+          by_lens(light * static_cast<double>(s.lens_per_px)),
+          by_x(by_lens * static_cast<double>(x)),
+          by_y(by_lens * static_cast<double>(y)),
+          depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {}
     __attribute__((always_inline)) void add_to(double* pixel, double tap) const {
-        *reinterpret_cast<EightDoubles*>(pixel) += light * tap;
-        *reinterpret_cast<EightDoubles*>(pixel + 8) += moments * tap;
+        *reinterpret_cast<FourDoubles*>(pixel) += light * tap;
+        *reinterpret_cast<FourDoubles*>(pixel + 4) += by_lens * tap;
+        *reinterpret_cast<FourDoubles*>(pixel + 8) += by_x * tap;
+        *reinterpret_cast<FourDoubles*>(pixel + 12) += by_y * tap;
         *reinterpret_cast<TwoDoubles*>(pixel + 16) += depth * tap;
     }
 };
