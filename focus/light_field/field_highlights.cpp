@@ -74,8 +74,8 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
       round_(aperture.is_round()) {
     if (sheets.primary.highlights.empty() && sheets.deeper.highlights.empty()) return;
     model_ = aperture_model(aperture, geometry, std::hypot(window.width(), window.height()) / 2.0);
-    const KernelReach reach{window.width() + 1, window.height() + 1};
-    kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, reach, *model_);
+    const KernelReach limits{window.width() + 1, window.height() + 1};
+    kernels_ = std::make_unique<KernelTable>(std::vector<double>{}, limits, *model_);
     KernelNumberCache cache(*kernels_);
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         // Highlights of one surface are merged if they lie in the same small square.
@@ -132,12 +132,14 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     group_sources();
     rows_.resize(static_cast<std::size_t>((window.height() + band_px - 1) / band_px));
     for (std::uint32_t i = 0; i < sources_.size(); ++i) {
-        const Kernel& k = (*kernels_)[sources_[i].kernel];
+        const Source& s = sources_[i];
+        const Kernel& k = (*kernels_)[s.kernel];
         if (k.rows.empty()) continue;
-        const int first = std::max(0, sources_[i].y + k.y_begin),
-                  last = std::min(window.height(), sources_[i].y + k.y_end()) - 1;
+        const Reach reach{{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()}, i};
+        const int first = std::max(0, reach.pixels.y_begin),
+                  last = std::min(window.height(), reach.pixels.y_end) - 1;
         for (int band = first / band_px; first <= last && band <= last / band_px; ++band)
-            rows_[static_cast<std::size_t>(band)].push_back(i);
+            rows_[static_cast<std::size_t>(band)].push_back(reach);
     }
 }
 

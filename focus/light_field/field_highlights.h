@@ -87,7 +87,6 @@ class FieldHighlights {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    [[nodiscard]] bool reaches(const Source& s, int x, int y, int width, int height) const;
     /// Part of the light of a source that reaches a pixel of the image if nothing hides it.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
@@ -101,8 +100,13 @@ class FieldHighlights {
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<Group> groups_;
+    /// A source and the image pixels within its kernel's bounds, which are read once per piece of the image.
+    struct Reach {
+        RasterWindow pixels;
+        std::uint32_t source = 0;
+    };
     static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
-    std::vector<std::vector<std::uint32_t>> rows_;  ///< per row of tiles, the sources that reach it
+    std::vector<std::vector<Reach>> rows_;          ///< per row of tiles, the sources that reach it
 };
 
 }  // namespace postlens

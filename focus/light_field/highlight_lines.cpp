@@ -41,8 +41,9 @@ double FieldHighlights::response(const Source& s, int x, int y) const {
 
 std::vector<std::uint32_t> FieldHighlights::reaching(int x, int y, int width, int height) const {
     std::vector<std::uint32_t> out;
-    for (const std::uint32_t i : rows_[static_cast<std::size_t>(y / band_px)]) {
-        if (reaches(sources_[i], x, y, width, height)) out.push_back(i);
+    const RasterWindow part{x, x + width, y, y + height};
+    for (const Reach& r : rows_[static_cast<std::size_t>(y / band_px)]) {
+        if (meet(r.pixels, part)) out.push_back(r.source);
     }
     return out;
 }

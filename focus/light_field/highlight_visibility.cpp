@@ -171,14 +171,8 @@ void FieldHighlights::OverViews::lay_timed(const std::vector<LensViewPoint>& vie
 bool FieldHighlights::reach(int x, int y, int width, int height) const {
     if (sources_.empty()) return false;
     const auto& row = rows_[static_cast<std::size_t>(y / band_px)];
-    return std::any_of(row.begin(), row.end(),
-                       [&](std::uint32_t i) { return reaches(sources_[i], x, y, width, height); });
-}
-
-bool FieldHighlights::reaches(const Source& s, int x, int y, int width, int height) const {
-    const Kernel& k = (*kernels_)[s.kernel];
-    return s.x + k.x_begin < x + width && s.x + k.x_end > x && s.y + k.y_begin < y + height &&
-           s.y + k.y_end() > y;
+    const RasterWindow part{x, x + width, y, y + height};
+    return std::any_of(row.begin(), row.end(), [&](const Reach& r) { return meet(r.pixels, part); });
 }
 
 bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z) const {
@@ -194,8 +188,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
 
 std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(const TileViews& views) const {
     std::vector<GroupHere> out;
-    for (const std::uint32_t i : of_.rows_[static_cast<std::size_t>(views.y / band_px)]) {
-        if (!of_.reaches(of_.sources_[i], views.x, views.y, views.width, views.height)) continue;
+    for (const std::uint32_t i : of_.reaching(views.x, views.y, views.width, views.height)) {
         if (out.empty() || of_.sources_[out.back().sources.front()].group != of_.sources_[i].group)
             out.emplace_back();
         out.back().sources.push_back(i);
