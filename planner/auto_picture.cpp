@@ -23,7 +23,7 @@ constexpr int first_views = 16;
 /// Number of times that views are doubled because `layers` alone may have less than half the error.
 constexpr int most_comparisons = 2;
 
-/// The views that make the interval narrower are at most this many times those that meet the target.
+/// An interval that is too wide is narrowed with at most this many times the views that met the target.
 constexpr double most_narrowing = 4;
 
 double db_of(double mse) {
@@ -273,7 +273,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use,
                               layers ? &*layers : nullptr);
     };
-    double most_samples = 0;  // of the views that make the interval narrower
+    double most_samples = 0;  // limit for narrowing the interval; 0 until the target is met
     for (int comparisons = 0;;) {
         views.draw(wanted);
         measured = measure({}, CheckedPixels::Use::deciding);

@@ -31,7 +31,7 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Width of the 95 % interval, dB.
+    /// Width of the 95 % interval, dB, and that of an error `mse` whose estimate has this variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
