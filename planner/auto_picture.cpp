@@ -20,11 +20,12 @@ namespace {
 /// Number of views of every tile at the beginning: 8 for each of the image's two independent halves.
 constexpr int first_views = 16;
 
-/// Number of times that views are doubled because `layers` alone may have less than half the error.
+/// Number of times that views are added because `layers` alone may have less than half the error.
 constexpr int most_comparisons = 2;
 
-/// An interval that is too wide is narrowed with at most this many times the views that met the target.
-constexpr double most_narrowing = 4;
+/// An interval that is too wide is narrowed with at most this many times the views that first met the target:
+/// with rays, and without them, where only the noise is stated.
+constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 double db_of(double mse) {
     return -10 * std::log10(std::max(mse, 1e-12));
@@ -302,9 +303,12 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2)))
                 continue;
             // Selecting tiles by their estimates makes the intervals too narrow if there are few views. With
-            // twice as many in all tiles first, they contain the error as often as they should.
+            // twice as many in all tiles with an error first, they contain it as often as they should.
             const bool is_first = most_samples == 0;
-            if (is_first) most_samples = most_narrowing * samples(wanted, grid);
+            if (is_first) {
+                most_samples =
+                    samples(wanted, grid) * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
+            }
             next = is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error);
             if (samples(next, grid) > most_samples) next = wanted;
         }

@@ -48,7 +48,9 @@ struct AutoResult {
 /// Makes a light field image with as many views in each tile as the target error needs. Starts with a few
 /// views per tile. Then repeatedly doubles the number of views in those tiles where this reduces the error
 /// most in relation to its cost. The target is met when the upper end of the 95 % interval of the image's
-/// error is below it. Then views are added once more if this makes the error better known.
+/// error is below it. If the interval is then wider than wanted_interval_db, it is narrowed with up to four
+/// times as many views and, in tiles whose check rays leave most uncertain, with rays. Views are also added
+/// if `layers` alone may have less than half the error.
 ///
 /// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
 /// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or

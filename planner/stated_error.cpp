@@ -9,6 +9,9 @@ namespace {
 /// 95 % of a normal distribution lie within this number of standard deviations.
 constexpr double deviations = 1.96;
 
+/// Smallest squared error that is stated, 120 dB.
+constexpr double least_mse = 1e-12;
+
 /// Weight that minimizes the error plus `price` times the variance of its estimate. Zero without noise.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
@@ -40,17 +43,17 @@ double TileMix::mse(const TileError& measured) const {
 }
 
 double StatedError::db() const {
-    return -10 * std::log10(std::max(mse(), 1e-12));
+    return -10 * std::log10(std::max(mse(), least_mse));
 }
 double StatedError::low_db() const {
-    return -10 * std::log10(std::max(high_mse, 1e-12));
+    return -10 * std::log10(std::max(high_mse, least_mse));
 }
 double StatedError::high_db() const {
-    return -10 * std::log10(std::max(low_mse, 1e-12));
+    return -10 * std::log10(std::max(low_mse, least_mse));
 }
 
 double StatedError::width_db(double mse, double variance) {
-    return mse > 0 ? 2 * deviations * std::sqrt(variance) / mse * 10 / std::log(10.0) : 0;
+    return mse > least_mse ? 2 * deviations * std::sqrt(variance) / mse * 10 / std::log(10.0) : 0;
 }
 
 StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix) {

@@ -29,9 +29,12 @@ struct PlainValues {
     }
 };
 
+/// As PlainValues, with the sums from which lens_at() finds the lens moments: the light times the lens point
+/// per px, and this times the splat's position. Vectors of eight would be split by way of the stack on
+/// processors without AVX-512, which takes twice as long.
 struct LensValues {
     static constexpr std::size_t count = 18;
-    FourDoubles light{}, by_lens{}, by_x{}, by_y{};
+    FourDoubles light, by_lens, by_x, by_y;
     TwoDoubles depth;
 
     /// `x`, `y`: the splat's anchor, counted from the corner of the block.

@@ -1,6 +1,7 @@
 #include "planner/views/halved_views.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -62,13 +63,18 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        std::set<std::pair<int, int>> spans;  // ranges [first, end) of the views that this half lacks
-        for (std::size_t t = 0; t < views.size(); ++t) {
-            const std::pair span{of_half(views_[t], half), of_half(views[t], half)};
-            if (span.first < span.second) spans.insert(span);
+        // Ranges [first, end) of the views that this half lacks, each with the scrambles of its pieces.
+        std::map<std::pair<int, int>, std::set<int>> spans;
+        for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
+            for (int x = 0; x < grid_.width; x += by_field_.piece_px) {
+                const std::size_t t = grid_.at(x, y);
+                const std::pair span{of_half(views_[t], half), of_half(views[t], half)};
+                if (span.first < span.second) spans[span].insert(scramble_of(x, y));
+            }
         }
-        for (const auto& [first, end] : spans) {
-            for (int scramble = 0; scramble < scrambles; ++scramble) {
+        for (const auto& [span, used] : spans) {
+            const auto [first, end] = span;
+            for (const int scramble : used) {
                 FieldViews set{.count = end - first,
                                .set = first_set_ + 2 * scramble + static_cast<int>(half),
                                .first = first,

@@ -257,8 +257,8 @@ TEST(AutoPicture, KnowsTheErrorIfItIsInFewPieces) {
     EXPECT_LT(r.hybrid.stated->width_db(), 2.1) << r.plan;
 }
 
-// These balls have less than 16 records per pixel. With their reflections, which `layers` spreads one by one,
-// it may take longer than views.
+// These balls have less than 16 records per pixel. With two nodes of each shading tree, more than 16 if each
+// reflection counts as three, because `layers` spreads reflections one by one.
 TEST(AutoPicture, LeavesLayersOutIfManyRecordsAreReflections) {
     Scene scene = read_scene(std::filesystem::path(POSTLENS_TEST_DATA) / "nff" / "balls_s2.nff");
     scene.cameras[0].width = 64;
