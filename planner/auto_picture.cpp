@@ -183,10 +183,10 @@ double deeper_share(const SampleFileReader& file) {
 /// Whether `layers` costs no more than the first views. Its work is proportional to the number of records,
 /// and that of views to the number of their samples. A directly visible record takes about as long as a
 /// sample. A reflected or transmitted one is spread by an ellipse of its own, which takes `deeper_cost` times
-/// as long: 2 to 4 times in random scenes, and more where many mirrors reflect each other, which have so many
-/// of these records that `layers` is left out.
+/// as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other, which
+/// have so many of these records that `layers` is left out.
 bool is_worth_layers(const SampleFileReader& file) {
-    constexpr double deeper_cost = 3;
+    constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
     const double most = first_views * static_cast<double>(h.width) * h.height;
     double records = 0;

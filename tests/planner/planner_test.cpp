@@ -258,7 +258,7 @@ TEST(AutoPicture, KnowsTheErrorIfItIsInFewPieces) {
 }
 
 // These balls have less than 16 records per pixel. With two nodes of each shading tree, more than 16 if each
-// reflection counts as three, because `layers` spreads reflections one by one.
+// reflection counts as two, because `layers` spreads reflections one by one.
 TEST(AutoPicture, LeavesLayersOutIfManyRecordsAreReflections) {
     Scene scene = read_scene(std::filesystem::path(POSTLENS_TEST_DATA) / "nff" / "balls_s2.nff");
     scene.cameras[0].width = 64;
