@@ -27,10 +27,6 @@ constexpr int most_comparisons = 2;
 /// with rays, and without them, where only the noise is stated.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
-double db_of(double mse) {
-    return -10 * std::log10(std::max(mse, 1e-12));
-}
-
 /// Number of samples of these views.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
@@ -183,8 +179,8 @@ double deeper_share(const SampleFileReader& file) {
 /// Whether `layers` costs no more than the first views. Its work is proportional to the number of records,
 /// and that of views to the number of their samples. A directly visible record takes about as long as a
 /// sample. A reflected or transmitted one is spread by an ellipse of its own, which takes `deeper_cost` times
-/// as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other, which
-/// have so many of these records that `layers` is left out.
+/// as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other. Files of
+/// such scenes have more records than the limit.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -243,10 +239,10 @@ double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileG
 }  // namespace
 
 double AutoResult::noise_db() const {
-    return db_of(noise_mse);
+    return stated_db(noise_mse);
 }
 double AutoResult::bound_db() const {
-    return db_of(bound_mse);
+    return stated_db(bound_mse);
 }
 
 AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
@@ -324,14 +320,11 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
 
     AutoResult out;
     out.grid = grid;
-    double pixels = 0;
     for (std::size_t t = 0; t < grid.count(); ++t) {
         out.tiles.push_back({wanted[t], views.left_to_rays()[t] != 0, mix[t].weight,
                              std::max(0.0, mix[t].mse(measured.tiles[t]))});
-        out.mean_views += static_cast<double>(wanted[t]) * grid.pixels(t);
-        pixels += grid.pixels(t);
     }
-    out.mean_views /= pixels;
+    out.mean_views = samples(wanted, grid) / (static_cast<double>(grid.width) * grid.height);
     const auto [least, most] = std::minmax_element(wanted.begin(), wanted.end());
     const bool has_rays = views.has_rays();
     const StatedError stated = stated_error(measure(crop, CheckedPixels::Use::stating), mix);

@@ -8,6 +8,7 @@
 #include "pictures/crop.h"
 #include "pictures/srgb.h"
 #include "planner/errors/records_bound.h"
+#include "planner/stated_error.h"
 #include "planner/views/halved_views.h"
 
 namespace postlens {
@@ -83,9 +84,8 @@ PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, cons
     }
     const double in_all = static_cast<double>(asked.width) * asked.height,
                  method = std::max(0.0, all.method_mse / in_all);
-    const auto db = [](double mse) { return -10 * std::log10(std::max(mse, 1e-12)); };
-    out.predicted_db = db(method);
-    out.bound_db = db(together_mse(method, all.bound_mse / in_all));
+    out.predicted_db = stated_db(method);
+    out.bound_db = stated_db(together_mse(method, all.bound_mse / in_all));
     out.unsure_share = bound.unsure_share(h.width, lens.focus.crop);
     return out;
 }

@@ -9,8 +9,8 @@ namespace {
 /// 95 % of a normal distribution lie within this number of standard deviations.
 constexpr double deviations = 1.96;
 
-/// Smallest squared error that is stated, 120 dB.
-constexpr double least_mse = 1e-12;
+/// Smallest squared error that is stated.
+constexpr double smallest_mse = 1e-12;
 
 /// Weight that minimizes the error plus `price` times the variance of its estimate. Zero without noise.
 double weight_of(const TileError& tile, double price) {
@@ -42,18 +42,22 @@ double TileMix::mse(const TileError& measured) const {
     return (1 - weight) * (1 - weight) * measured.noise_mse + weight * weight * measured.other_mse + optimism;
 }
 
+double stated_db(double mse) {
+    return -10 * std::log10(std::max(mse, smallest_mse));
+}
+
 double StatedError::db() const {
-    return -10 * std::log10(std::max(mse(), least_mse));
+    return stated_db(mse());
 }
 double StatedError::low_db() const {
-    return -10 * std::log10(std::max(high_mse, least_mse));
+    return stated_db(high_mse);
 }
 double StatedError::high_db() const {
-    return -10 * std::log10(std::max(low_mse, least_mse));
+    return stated_db(low_mse);
 }
 
 double StatedError::width_db(double mse, double variance) {
-    return mse > least_mse ? 2 * deviations * std::sqrt(variance) / mse * 10 / std::log(10.0) : 0;
+    return mse > smallest_mse ? 2 * deviations * std::sqrt(variance) / mse * 10 / std::log(10.0) : 0;
 }
 
 StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix) {

@@ -19,6 +19,9 @@ struct TileMix {
     [[nodiscard]] double mse(const TileError& measured) const;
 };
 
+/// PSNR of a squared error, at most 120 dB.
+[[nodiscard]] double stated_db(double mse);
+
 /// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
 struct StatedError {
     double views_mse = 0;       ///< error of the views (noise), and of the image that is mixed with them
