@@ -22,6 +22,10 @@ class NoRays : public SightRays {
                          std::span<std::array<float, 3>> radiance) const override {
         trace(lines, less, radiance);
     }
+    void inverse_depths(std::span<const SightLine> /*lines*/,
+                        std::span<glm::dvec3> inverse_z) const override {
+        std::fill(inverse_z.begin(), inverse_z.end(), glm::dvec3(0));
+    }
     [[nodiscard]] bool steady(NodePath /*path*/, std::uint32_t /*id*/) const override { return true; }
 };
 

@@ -43,6 +43,16 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
+/// Returns by how much the middle of a highlight's light lies beside the middle of its impulse response, px.
+/// `slope`: Highlight::slope. A plane surface shows the lens point u (lens radii) an area proportional to
+/// 1 - radius_px_m * dot(slope, u), so the mean lens point of its light is -radius_px_m * slope / 4 for a
+/// disc. If its plane meets the lens, the lens points behind the plane see nothing.
+glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
+    glm::dvec2 widening = radius_px_m * slope;
+    widening /= std::max(1.0, glm::length(widening));
+    return px_from_lens * (widening / -4.0);
+}
+
 }  // namespace
 
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
@@ -103,6 +113,8 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             mix(sum.x, h.x);
             mix(sum.y, h.y);
             mix(sum.inverse_z, h.inverse_z);
+            mix(sum.slope.x, h.slope.x);
+            mix(sum.slope.y, h.slope.y);
             mix(sum.w.xx, h.w.xx);
             mix(sum.w.xy, h.w.xy);
             mix(sum.w.yx, h.w.yx);
@@ -148,7 +160,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     const Highlight& h = m.light;
     Source s;
     s.u = m.u;
-    const double scale = geometry_.gain_px * geometry_.aperture_radius_m;
+    const double scale = patch_lens(geometry_).radius_px_m;
     const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
                                               -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),
                                               geometry_.inverse_focus_per_m - static_cast<double>(h.w.yy));
@@ -157,14 +169,15 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
                            : KernelKey::map(map, true);
     s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
-    const glm::dvec2 whole = glm::floor(s.at);
+    const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens),
+                     whole = glm::floor(middle);
     s.x = static_cast<int>(whole.x);
     s.y = static_cast<int>(whole.y);
     const auto phase = [](double part) {
         return static_cast<std::int32_t>(std::lround(part * KernelKey::phase_steps));
     };
-    key.phase_x = phase(s.at.x - whole.x);
-    key.phase_y = phase(s.at.y - whole.y);
+    key.phase_x = phase(middle.x - whole.x);
+    key.phase_y = phase(middle.y - whole.y);
     s.kernel = cache.number_of(key);
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));

@@ -141,6 +141,7 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
         std::array<float, 3> rgb{};
         glm::dvec2 at{0};
         int rays = 0;
+        SightLine one;  ///< the last of the rays
     };
     std::array<Sum, std::size_t{edge_squares} * edge_squares> sums;
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -149,18 +150,31 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
         for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += radiance[i][c];
         sum.at += lines[i].place;
         ++sum.rays;
+        sum.one = lines[i];
     }
     std::vector<Highlight> out;
+    lines.clear();
     for (const Sum& sum : sums) {
         if (sum.rays == 0) continue;
         const auto x = static_cast<float>(pixel.second + sum.at.x / sum.rays),
                    y = static_cast<float>(pixel.first + sum.at.y / sum.rays);
-        Highlight light = nearest(pixel, x, y);  // for its depth
+        Highlight light = nearest(pixel, x, y);
         light.x = x;
         light.y = y;
         light.area = static_cast<float>(sum.rays) / static_cast<float>(count);
         for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = sum.rgb[c] / static_cast<float>(count);
         out.push_back(light);
+        lines.push_back(sum.one);
+    }
+    std::vector<glm::dvec3> inverse_z(lines.size());
+    rays.inverse_depths(lines, inverse_z);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        Highlight& light = out[i];
+        light.slope = glm::vec2(inverse_z[i].y, inverse_z[i].z);
+        light.inverse_z = static_cast<float>(inverse_z[i].x) +
+                          glm::dot(light.slope, glm::vec2(light.x, light.y) - glm::vec2(lines[i].place) -
+                                                    glm::vec2(pixel.second, pixel.first));
+        light.w = Mat2::isotropic(light.inverse_z);
     }
     return out;
 }

@@ -7,8 +7,8 @@
 namespace postlens {
 
 /// Replaces the highlights of `mesh` in the pixels that the edge of a bright surface crosses by those that
-/// rays through the pinhole see. Coarse records misjudge the area of a small highlight, by 0.16 px^2 in a
-/// pixel if they are half a pixel apart.
+/// rays through the pinhole see, with their depths and slopes. Coarse records misjudge the area of a small
+/// highlight, by 0.16 px^2 in a pixel if they are half a pixel apart.
 ///
 /// A pixel is measured if its records and those of its neighbours are farther apart than the rays, and if no
 /// nearer surface hides a part, which rays through the pinhole do not reach. `mesh` must be that of the

@@ -92,6 +92,8 @@ struct Highlight {
     Mat2 w;                      ///< 1/m
     float inverse_z = 0;         ///< 1/m
     float bend = 0;              ///< Record::w_bend
+    /// Gradient of 1/z' over the raster, 1/m per px, if rays have measured it; otherwise 0.
+    glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
 };

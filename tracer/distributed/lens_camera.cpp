@@ -250,6 +250,14 @@ dvec2 LensCamera::pinhole_px(double x, double y, const dvec2& unit, double t) co
     return middle + lens_.gain_px * (q / z + tangent);
 }
 
+dvec3 LensCamera::inverse_depth(const dvec3& world, const dvec3& normal) const {
+    const dvec3 at = world - still_.position;
+    const double depth = glm::dot(at, still_.forward), distance = glm::dot(at, normal);
+    if (orthographic_ || depth == 0 || distance == 0) return dvec3(0);
+    const double scale = 1 / (lens_.gain_px * distance);
+    return {1 / depth, scale * glm::dot(normal, still_.right), scale * glm::dot(normal, still_.down)};
+}
+
 double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     if (orthographic_) return 1 / static_cast<double>(optics_.metres_per_px);
     const Frame f = frame_at(time_s);

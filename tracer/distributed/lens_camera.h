@@ -67,6 +67,11 @@ class LensCamera {
     /// point is at the distance `t` m from the lens. Not for a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
+    /// 1/z' of a world point, 1/m, and its gradient over the raster, 1/m per px, in the plane through the
+    /// point with the given normal. 0 if the plane contains the middle of the lens. Not for a camera that
+    /// moves.
+    [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
+
     /// Scale of the image at a world point, px per metre perpendicular to the optical axis. 0 behind the
     /// camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;

@@ -59,16 +59,26 @@ void SceneRays::trace_elsewhere(std::span<const SightLine> lines, std::span<cons
     store(eye, eye.left_out, radiance);
 }
 
-void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const {
+void SceneRays::inverse_depths(std::span<const SightLine> lines, std::span<glm::dvec3> inverse_z) const {
+    thread_local EyeRays eye;
+    aim(lines, eye);
+    const RayScene& scene = setup_.rays();
+    scene.intersect(eye.rays, tracer_.coherent());
+    const RayBatch& b = eye.rays;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        inverse_z[i] = glm::dvec3(0);
+        if (!b.hit(i).valid()) continue;
+        const glm::dvec3 origin(b.ox[i], b.oy[i], b.oz[i]), direction(b.dx[i], b.dy[i], b.dz[i]);
+        const SurfacePoint s = scene.surface(b.hit(i), origin, direction, static_cast<double>(b.t[i]), 0);
+        inverse_z[i] = setup_.camera().inverse_depth(s.position, s.geometric_normal);
+    }
+}
+
+void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     eye.rays.clear(false, tracer_.needs_times());
     eye.pixel.clear();
     eye.index.clear();
     eye.weight.clear();
-    eye.less = less.of ? &less : nullptr;
-    eye.recorded_at = [&](std::size_t ray, double t) {
-        const SightLine& line = lines[ray];
-        return setup_.camera().pinhole_px(line.x + line.place.x, line.y + line.place.y, line.lens, t);
-    };
     LensCamera::PointSamples samples;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled lane by lane
     const int width = setup_.width();
     const auto pixels = static_cast<std::uint32_t>(width) * static_cast<std::uint32_t>(setup_.height());
@@ -89,6 +99,15 @@ void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& le
         setup_.camera().add_rays(samples, eye.rays, eye.weight);
         eye.rays.count -= static_cast<int>(group_size - count);
     }
+}
+
+void SceneRays::trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const {
+    aim(lines, eye);
+    eye.less = less.of ? &less : nullptr;
+    eye.recorded_at = [&](std::size_t ray, double t) {
+        const SightLine& line = lines[ray];
+        return setup_.camera().pinhole_px(line.x + line.place.x, line.y + line.place.y, line.lens, t);
+    };
     RayCounts counts;
     tracer_.trace(eye, counts);
     const std::lock_guard lock(mutex_);
