@@ -75,34 +75,52 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles whose check rays leave the error of the records least certain, until the variance of the
-/// remaining tiles is at most `most_variance`.
-std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
-                                      double most_variance) {
+/// Selects the tiles with the largest values, until those of all others add up to at most `most`. `value`:
+/// of each tile, a share of the image's; only positive ones are selected.
+template <typename Value>
+std::vector<std::uint8_t> largest(const std::vector<TileError>& tiles, const TileGrid& grid, double most,
+                                  const Value& value) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
     std::vector<std::pair<double, std::size_t>> order;
-    double variance = 0;
+    double left = 0;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
-        const double deviation = tiles[t].bias_deviation * grid.pixels(t) / pixels;
-        order.emplace_back(-deviation * deviation, t);
-        variance += deviation * deviation;
+        order.emplace_back(-value(tiles[t], grid.pixels(t) / pixels), t);
+        left -= order.back().first;
     }
     std::sort(order.begin(), order.end());
     std::vector<std::uint8_t> out(tiles.size(), 0);
     for (const auto& [less, t] : order) {
-        if (variance <= most_variance) break;
-        variance += less;
+        if (left <= most || less >= 0) break;
+        left += less;
         out[t] = 1;
     }
     return out;
 }
 
+/// Selects the tiles whose check rays leave the error of the records least certain, until the variance of the
+/// remaining tiles is at most `most_variance`.
+std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
+                                      double most_variance) {
+    return largest(tiles, grid, most_variance, [](const TileError& tile, double share) {
+        return tile.bias_deviation * tile.bias_deviation * share * share;
+    });
+}
+
+/// Selects the tiles in which rays replace all samples of views, because the records themselves are in error,
+/// until the error of the remaining tiles is at most a quarter of the target.
+std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
+                                      double most_mse) {
+    return largest(tiles, grid, most_mse / 4,
+                   [](const TileError& tile, double share) { return tile.bias_mse * share; });
+}
+
 /// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
 /// that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The width
 /// is proportional to the standard deviation of the estimate divided by the error, so views are added where
-/// the estimate is uncertain because a tile has much of the error.
+/// the estimate is uncertain because a tile has much of the error. `most_samples`: of all views.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
-                          const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error) {
+                          const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
+                          double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
     struct Step {
         double mse = 0, variance = 0;  ///< that the tile loses
@@ -121,8 +139,12 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     // The next estimate differs from what is expected now, so a reserve saves steps.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
+    double left = most_samples - samples(views, grid);
     std::size_t best = 0;  // number of steps that make the interval narrowest
     for (std::size_t i = 0; i < steps.size() && least_db > aim_db; ++i) {
+        const std::size_t t = steps[i].tile;
+        left -= static_cast<double>(views[t]) * grid.pixels(t);
+        if (left < 0) break;
         mse -= steps[i].mse;
         variance = std::max(0.0, variance - steps[i].variance);
         if (!(mse > 0)) break;
@@ -134,30 +156,6 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     std::vector<int> planned = views;
     for (std::size_t i = 0; i < best; ++i) planned[steps[i].tile] *= 2;
     return planned;
-}
-
-/// Selects the tiles in which rays replace all samples of views, because the records themselves are in error.
-/// The tiles with the largest errors are selected, until the error of the remaining tiles is a quarter of the
-/// target.
-std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
-                                      double most_mse) {
-    std::vector<std::size_t> order;
-    const double pixels = static_cast<double>(grid.width) * grid.height;
-    double bias = 0;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-        bias += tiles[t].bias_mse * grid.pixels(t) / pixels;
-        if (tiles[t].bias_mse > 0) order.push_back(t);
-    }
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return tiles[a].bias_mse * grid.pixels(a) > tiles[b].bias_mse * grid.pixels(b);
-    });
-    std::vector<std::uint8_t> out(tiles.size(), 0);
-    for (const std::size_t t : order) {
-        if (bias <= most_mse / 4) break;
-        bias -= tiles[t].bias_mse * grid.pixels(t) / pixels;
-        out[t] = 1;
-    }
-    return out;
 }
 
 /// Share of reflected and transmitted records at the frame's own instant, in evenly spaced rows of the file.
@@ -305,8 +303,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 most_samples =
                     samples(wanted, grid) * (views.has_rays() ? most_narrowing : most_narrowing_of_noise);
             }
-            next = is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error);
-            if (samples(next, grid) > most_samples) next = wanted;
+            next =
+                is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
         }
         if (is_met && next == wanted && layers && comparisons < most_comparisons) {
             // Views are added if `layers` alone may have less than half the error.

@@ -258,6 +258,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         });
     };
     find_before({0, 0});
+    if (before.empty()) {
+        part.share.fill(1);
+        return;
+    }
     // An occluder in front of an emitter casts one shadow for each of the emitter's highlights. If these
     // shadows are distinct, the visibility samples use four positions that have the same standard deviation
     // as the highlights in the group.
