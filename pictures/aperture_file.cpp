@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "pictures/image.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -19,9 +20,7 @@ AperturePicture read_picture(const std::filesystem::path& path) {
         for (int x = 0; x < image.width; ++x) {
             const float* rgb = image.pixel(x, y);
             out.light[static_cast<std::size_t>(y / step) * static_cast<std::size_t>(out.width) +
-                      static_cast<std::size_t>(x / step)] += 0.2126 * static_cast<double>(rgb[0]) +
-                                                             0.7152 * static_cast<double>(rgb[1]) +
-                                                             0.0722 * static_cast<double>(rgb[2]);
+                      static_cast<std::size_t>(x / step)] += exact_luminance(rgb);
         }
     }
     return out;

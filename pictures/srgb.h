@@ -1,4 +1,5 @@
-// The sRGB transfer curve, which converts scene-linear values to the encoded values of 8-bit images and back.
+// The sRGB transfer curve, which converts scene-linear values to the encoded values of 8-bit images and back,
+// and the luminance of sRGB's primaries.
 #pragma once
 
 #include <cmath>
@@ -20,6 +21,19 @@ namespace postlens {
 /// Encoded to linear, for 0 or more. [iec61966-2-1]
 [[nodiscard]] inline float linear_from_srgb(float v) {
     return v <= 0.04045F ? v / 12.92F : std::pow((v + 0.055F) / 1.055F, 2.4F);
+}
+
+/// Luminance of linear values, and luma of encoded ones [itu-bt709].
+template <typename Value>
+[[nodiscard]] Value luminance(Value r, Value g, Value b) {
+    return static_cast<Value>(0.2126) * r + static_cast<Value>(0.7152) * g + static_cast<Value>(0.0722) * b;
+}
+[[nodiscard]] inline float luminance(const float* rgb) {
+    return luminance(rgb[0], rgb[1], rgb[2]);
+}
+/// The same in double, for sums.
+[[nodiscard]] inline double exact_luminance(const float* rgb) {
+    return luminance(static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2]));
 }
 
 }  // namespace postlens

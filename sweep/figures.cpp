@@ -4,10 +4,10 @@
 #include <cmath>
 #include <numeric>
 
-#include "compare/lens_search/picture_tone.h"
 #include "core/multiversion.h"
 #include "core/threads.h"
 #include "focus/responses/node_response.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -26,7 +26,7 @@ std::size_t sharper_than(const FocusGeometry& geometry, double limit_px, const f
 POSTLENS_MULTIVERSION
 void luminances(const float* __restrict rgb, std::size_t width, double* __restrict luminance) {
     for (std::size_t x = 0; x < width; ++x) {
-        const double y = luminance_of(rgb + 3 * x);
+        const double y = exact_luminance(rgb + 3 * x);
         luminance[x] = y > 0 ? (y < 1 ? y : 1) : 0;
     }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/scene_input.h"
+#include "pictures/srgb.h"
 #include "scene/scene.h"
 
 namespace postlens {
@@ -17,7 +18,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     constexpr float tint[3][3] = {{1, 1, 1}, {0.35F, 0.6F, 1.6F}, {2, 0.3F, 0.2F}};
     for (std::size_t k = 0; k < r.what.size(); ++k) {
         const float* rgb = r.focus.image.rgb.data() + 3 * k;
-        float grey = 0.1F + 0.6F * std::min(1.0F, 0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
+        float grey = 0.1F + 0.6F * std::min(1.0F, luminance(rgb));
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));

@@ -3,15 +3,15 @@
 #include <algorithm>
 #include <array>
 
-#include "compare/lens_search/picture_tone.h"
 #include "core/threads.h"
+#include "pictures/srgb.h"
 #include "tracer/shading_trees/lens_reach.h"
 
 namespace postlens {
 namespace {
 
 double brightness(const Record& record) {
-    return luminance_of(std::array<float, 3>{record.r, record.g, record.b}.data());
+    return exact_luminance(std::array<float, 3>{record.r, record.g, record.b}.data());
 }
 
 const Record* brightest(const RecordBand& band, int x, int y) {

@@ -5,7 +5,7 @@
 #include <map>
 
 #include "apps/view/viewed_frame.h"
-#include "compare/lens_search/picture_tone.h"
+#include "pictures/srgb.h"
 #include "pictures/stacks/unmix_edges.h"
 
 namespace postlens {
@@ -74,7 +74,7 @@ class ViewedForeignPicture : public ViewedFrame {
         for (const StackSample& s : picture_.stack(x, y)) {
             // Black samples differ by their share of the pixel.
             const auto alpha = static_cast<double>(s.alpha);
-            const double luminance = luminance_of(std::array<float, 3>{s.r, s.g, s.b}.data());
+            const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
             all += by_light.back().light;
             left *= 1 - alpha;

@@ -9,6 +9,7 @@
 #include "apps/open_frame.h"
 #include "apps/view/viewed_frame.h"
 #include "core/files/scratch_file.h"
+#include "pictures/srgb.h"
 #include "records/coarser_file.h"
 
 namespace postlens {
@@ -51,8 +52,8 @@ class ViewedRecords : public ViewedFrame {
             for (const Json& node : sample["nodes"]) {
                 if (node["layer"] != 0) continue;
                 const auto rgb = node["rgb"].get<std::array<double, 3>>();
-                const double light = sample["weight"].get<double>() *
-                                     std::max(1e-12, 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]);
+                const double light =
+                    sample["weight"].get<double>() * std::max(1e-12, luminance(rgb[0], rgb[1], rgb[2]));
                 MergedNodes& s = seen[{node["path"].get<std::string>(), node["id"].get<std::uint32_t>()}];
                 const auto& w = node["w_per_m"];
                 const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;

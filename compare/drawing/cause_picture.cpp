@@ -39,7 +39,7 @@ Image cause_picture(const CauseMap& map, const Image& reference) {
                 map.causes[static_cast<std::size_t>(y) * static_cast<std::size_t>(map.width) +
                            static_cast<std::size_t>(x)];
             const float* rgb = reference.pixel(x, y);
-            const float grey = srgb_from_linear(0.2126F * rgb[0] + 0.7152F * rgb[1] + 0.0722F * rgb[2]);
+            const float grey = srgb_from_linear(luminance(rgb));
             const auto level = static_cast<std::uint8_t>(std::lround(20 + 90 * grey));
             const Rgb8 dim{level, level, level};
             canvas.dot(x, y, cause == ErrorCause::none ? dim : cause_colour(cause));

@@ -6,6 +6,7 @@
 
 #include "compare/lens_search/picture_tone.h"
 #include "core/threads.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -41,8 +42,8 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
                 const int px = x * factor + i % factor, py = y * factor + i / factor;
                 const auto k = static_cast<std::size_t>(py) * static_cast<std::size_t>(depths.width) +
                                static_cast<std::size_t>(px);
-                before += luminance_of(pinhole.pixel(px, py));
-                after += luminance_of(picture.pixel(px, py));
+                before += exact_luminance(pinhole.pixel(px, py));
+                after += exact_luminance(picture.pixel(px, py));
                 inverse += static_cast<double>(depths.nearest_per_m[k] + depths.farthest_per_m[k]) / 2;
             }
             out.pinhole.at<float>(y, x) = static_cast<float>(before * share);

@@ -8,6 +8,7 @@
 #include "compare/lens_search/picture_tone.h"
 #include "core/threads.h"
 #include "focus/focus.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -47,7 +48,7 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
     parallel_for(
         out.size(),
         [&](std::size_t k) {
-            out[k] = static_cast<float>(picture_tone(luminance_of(image.rgb.data() + 3 * k)));
+            out[k] = static_cast<float>(picture_tone(exact_luminance(image.rgb.data() + 3 * k)));
         },
         grain);
     return out;

@@ -14,11 +14,6 @@ inline double picture_tone(double luminance) {
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
 }
 
-inline double luminance_of(const float* rgb) {
-    return 0.2126 * static_cast<double>(rgb[0]) + 0.7152 * static_cast<double>(rgb[1]) +
-           0.0722 * static_cast<double>(rgb[2]);
-}
-
 /// Robust residual. Half its square is Huber's loss [huber1964], which grows linearly above `linear_from`.
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);

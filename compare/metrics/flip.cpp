@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "compare/metrics/flip_tile.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -12,10 +13,10 @@ namespace {
 // their own.
 constexpr double most_stops = 30;
 
-// Rec.709 luminance [itu-bt709]. Negative channels count as 0.
-double luminance(const float* p) {
+// Luminance. Negative channels count as 0.
+double positive_luminance(const float* p) {
     const auto positive = [](float v) { return static_cast<double>(std::max(v, 0.0F)); };
-    return 0.2126 * positive(p[0]) + 0.7152 * positive(p[1]) + 0.0722 * positive(p[2]);
+    return luminance(positive(p[0]), positive(p[1]), positive(p[2]));
 }
 
 // Returns the median; for an even number of values, the mean of the two middle ones. Reorders `values`.
@@ -44,7 +45,7 @@ FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
     } else {
         std::vector<double> values;
         for (std::size_t i = 0; i < usable.size(); ++i) {
-            if (usable[i] != 0) values.push_back(luminance(reference.rgb.data() + 3 * i));
+            if (usable[i] != 0) values.push_back(positive_luminance(reference.rgb.data() + 3 * i));
         }
         if (!values.empty()) greatest = *std::max_element(values.begin(), values.end());
         if (greatest == 0) return {};

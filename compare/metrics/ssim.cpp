@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "compare/metrics/separable.h"
+#include "pictures/srgb.h"
 
 namespace postlens {
 namespace {
@@ -26,11 +27,6 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// Rec.709 luma [itu-bt709].
-float luma(const float* p) {
-    return 0.2126F * p[0] + 0.7152F * p[1] + 0.0722F * p[2];
-}
-
 // The moments from which the SSIM of two images a and b is computed. With d = a - b, the two factors of SSIM
 // are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This form equals the usual one but does not subtract
 // large sums, so nearly equal images lose no digits.
@@ -48,8 +44,8 @@ void load(const Image& a, const Image& b, const PixelMask& usable, int x0, int y
             const std::size_t pixel = static_cast<std::size_t>(py) * static_cast<std::size_t>(a.width) +
                                       static_cast<std::size_t>(px);
             const bool counts = usable[pixel] != 0;
-            const float va = counts ? luma(a.pixel(px, py)) : 0.0F,
-                        vb = counts ? luma(b.pixel(px, py)) : 0.0F;
+            const float va = counts ? luminance(a.pixel(px, py)) : 0.0F,
+                        vb = counts ? luminance(b.pixel(px, py)) : 0.0F;
             const std::size_t i = y * in_width + x;
             to.a[i] = va;
             to.d[i] = va - vb;

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/memory.h"
+#include "pictures/foreign/foreign_depths.h"
 #include "pictures/foreign/foreign_picture.h"
 #include "pictures/foreign/foreign_planes.h"
 
@@ -16,7 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float background_z = 1e9F;    ///< renderers write 1e9, 1e10 or infinity where a ray hits nothing
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
 /// Largest number of pixels in both windows together. Each pixel has four vertices, whose number must fit
 /// into 32 bits.
@@ -186,7 +186,7 @@ class Reader {
         if (z_) {
             const float stored = values[*z_][x], z = encoding_ ? encoding_->distance(stored) : stored;
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
-            out.inverse_z = z == 0 || z >= background_z ? 0 : 1 / z;
+            out.inverse_z = z == 0 || z >= ForeignDepths::nothing_z ? 0 : 1 / z;
         } else {
             // Without depth, faster pixels count as nearer. Any increasing function of the speed would do.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);

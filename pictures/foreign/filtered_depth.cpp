@@ -5,10 +5,11 @@
 #include <cmath>
 #include <map>
 
+#include "pictures/foreign/foreign_depths.h"
+
 namespace postlens {
 namespace {
 
-constexpr float nothing_z = 1e9F;
 /// Depths of neighbouring pixels of one surface differ by at most this relative amount.
 constexpr double same = 0.05;
 /// Smallest difference of two depths that counts as a depth edge (a "step"), relative to the nearer depth.
@@ -21,7 +22,7 @@ constexpr std::size_t few = 4;           ///< fewer edges are no evidence
 constexpr float transparent = 0.02F, opaque = 0.998F;
 
 bool is_nothing(float v) {
-    return !(std::abs(v) < nothing_z) || v == 0;
+    return !(std::abs(v) < ForeignDepths::nothing_z) || v == 0;
 }
 
 bool alike(float a, float b) {
@@ -139,7 +140,7 @@ class Mender {
     }
 
     void note(std::size_t pixel, float v, float a, float b, bool far_is_empty) {
-        const auto size = [](float x) { return is_nothing(x) ? nothing_z : std::abs(x); };
+        const auto size = [](float x) { return is_nothing(x) ? ForeignDepths::nothing_z : std::abs(x); };
         MixedDepth m{pixel, a, b, 0, far_is_empty};
         if (size(m.near) > size(m.far)) std::swap(m.near, m.far);
         m.before_nothing = m.before_nothing || is_nothing(m.far);
