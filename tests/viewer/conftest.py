@@ -12,12 +12,16 @@ SCENE = str(ROOT / "samples" / "scenes" / "bars.toml")
 DEEP = str(ROOT / "tests" / "data" / "exr" / "deep_alpha.exr")
 
 
-@pytest.fixture(scope="session")
-def frame(tmp_path_factory):
-    path = str(tmp_path_factory.mktemp("frame") / "a frame.exr")  # a space, for what is copied as a command
-    subprocess.run([PROGRAM, "trace", SCENE, "-o", path, "--size", "240x135", "--for-f-number", "1.4", "--for-focus", "5",
+def traced(scene, path, size):
+    subprocess.run([PROGRAM, "trace", scene, "-o", path, "--size", size, "--for-f-number", "1.4", "--for-focus", "5",
                     "--overscan", "auto", "--quiet"], check=True)  # fmt: skip
     return path
+
+
+@pytest.fixture(scope="session")
+def frame(tmp_path_factory):
+    # The name has a space, for what is copied as a command.
+    return traced(SCENE, str(tmp_path_factory.mktemp("frame") / "a frame.exr"), "240x135")
 
 
 @pytest.fixture(scope="session")

@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import time
 
+import numpy
 import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
@@ -15,28 +16,44 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select
 
-from conftest import PROGRAM, ROOT, Viewer
+from conftest import PROGRAM, ROOT, Viewer, traced
 
 
-def browser_at(url, size="1280,800"):
+@pytest.fixture(scope="module")
+def one_browser():
+    """A browser for all tests: to start one takes longer than most of them. Each page that is loaded begins anew."""
     options = webdriver.ChromeOptions()
+    # WebGL is the page's own. Without a graphics card, the browser puts its windows together faster without it.
     for word in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--use-angle=swiftshader",
-                 "--enable-unsafe-swiftshader", f"--window-size={size}"):  # fmt: skip
+                 "--enable-unsafe-swiftshader", "--disable-gpu-compositing"):  # fmt: skip
         options.add_argument(word)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
-    driver.get(url)
-    return driver
+    yield driver
+    driver.quit()
 
 
 @pytest.fixture
-def page(viewer):
-    driver = browser_at(viewer.url)
-    wait(driver)
-    yield driver
-    wrong = errors(driver)
-    driver.quit()
+def browser(one_browser):
+    """The browser with one empty window. What a page reports fails its test."""
+    # Without a graphics card, to paint the canvas of a window of 1280 x 800 px takes 0.15 s, and of this one a third of it.
+    one_browser.set_window_size(800, 600)
+    yield one_browser
+    wrong = errors(one_browser)
+    first, *others = one_browser.window_handles
+    for other in others:
+        one_browser.switch_to.window(other)
+        one_browser.close()
+    one_browser.switch_to.window(first)
+    one_browser.get("about:blank")  # no page asks for pictures that the next test would wait for
     assert not wrong
+
+
+@pytest.fixture
+def page(browser, viewer):
+    browser.get(viewer.url)
+    wait(browser)
+    return browser
 
 
 def errors(driver):
@@ -55,9 +72,16 @@ def until(what, seconds=60):
 
 
 def wait(driver):
-    """Until the best picture is there."""
+    """Until the best picture is there and painted."""
     until(lambda: driver.execute_script("const s = postlens.state(); return Boolean(s.shown) && !s.working"))
-    time.sleep(0.1)
+    driver.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+
+
+def show(driver, mode):
+    """Selects what is painted, and waits until it can be."""
+    Select(driver.find_element(By.ID, "show")).select_by_value(mode)
+    if mode in ("in_focus", "coc", "depth", "id"):
+        until(lambda: driver.execute_script("return Boolean(postlens.state().depths)"))
 
 
 def lens(driver):
@@ -66,7 +90,8 @@ def lens(driver):
 
 def pixels(driver):
     """The canvas as it is painted, three bytes a pixel."""
-    # As text: millions of numbers of their own take the browser and WebDriver seconds a picture.
+    # As text: millions of numbers of their own take the browser and WebDriver seconds a picture. In a loop: a call of a
+    # function for each of them takes a third of a second.
     text = driver.execute_async_script("""
       const done = arguments[0], from = document.getElementById("picture"), to = document.createElement("canvas");
       [to.width, to.height] = [from.width, from.height];
@@ -74,12 +99,17 @@ def pixels(driver):
       requestAnimationFrame(() => {
         const context = to.getContext("2d");
         context.drawImage(from, 0, 0);
-        const bytes = context.getImageData(0, 0, to.width, to.height).data.filter((v, i) => i % 4 != 3);
+        const rgba = context.getImageData(0, 0, to.width, to.height).data, bytes = new Uint8Array(rgba.length / 4 * 3);
+        for (let i = 0, k = 0; i < rgba.length; i += 4) for (let c = 0; c < 3; ++c) bytes[k++] = rgba[i + c];
         let text = "";
         for (let i = 0; i < bytes.length; i += 16384) text += String.fromCharCode(...bytes.subarray(i, i + 16384));
         done(btoa(text));
       });""")
     return base64.b64decode(text)
+
+
+def numbers(picture):
+    return numpy.frombuffer(picture, numpy.uint8).astype(int)
 
 
 def at_picture(driver, x, y):
@@ -170,8 +200,7 @@ def test_wipe_and_exposure(page):
 def test_what_is_shown(page):
     seen = []
     for mode in ("picture", "in_focus", "coc", "depth", "id", "brightness", "unsure", "noise"):
-        Select(page.find_element(By.ID, "show")).select_by_value(mode)
-        time.sleep(0.5)
+        show(page, mode)
         seen.append(pixels(page))
     assert len(set(seen)) == len(seen)
 
@@ -198,169 +227,177 @@ def test_dragging_shows_pictures_on_the_way(page):
     assert lens(page)["fNumber"] == f_number
 
 
-@pytest.mark.parametrize("painter", ["", "?plain"])
-def test_the_first_picture_lies_where_the_best_one_does(painter, tmp_path):
-    large = str(tmp_path / "large.exr")
+@pytest.fixture(scope="module")
+def large_viewer(tmp_path_factory):
+    """Of a frame so large that its first picture is a coarse one."""
+    large = str(tmp_path_factory.mktemp("large") / "large.exr")
     subprocess.run([PROGRAM, "trace", str(ROOT / "samples" / "scenes" / "bars.toml"), "-o", large, "--size", "561x271",
                     "--quiet"], check=True)  # fmt: skip
     made = Viewer(large)
-    driver = browser_at(made.url + painter)
-    try:
-        wait(driver)
-        best = pixels(driver)
-        # Without an answer to its further requests, the page keeps showing the first picture.
-        driver.execute_script("""
-          const fetched = window.fetch;
-          window.fetch = (what, ...more) => String(what).startsWith("picture") ? new Promise(() => {}) : fetched(what, ...more);
-          document.getElementById("f_number").dispatchEvent(new Event("input"));""")
-        until(lambda: driver.execute_script("return postlens.state().shown.by") == 2)
-        first, row = pixels(driver), 3 * driver.execute_script("return document.getElementById('picture').width")
-        assert first != best and not errors(driver)
-    finally:
-        driver.quit()
+    yield made
     assert made.close() == 0
 
+
+@pytest.mark.parametrize("painter", ["", "?plain"])
+def test_the_first_picture_lies_where_the_best_one_does(painter, browser, large_viewer):
+    browser.set_window_size(1280, 800)
+    browser.get(large_viewer.url + painter)
+    wait(browser)
+    best = pixels(browser)
+    # Without an answer to its further requests, the page keeps showing the first picture.
+    browser.execute_script("""
+      const fetched = window.fetch;
+      window.fetch = (what, ...more) => String(what).startsWith("picture") ? new Promise(() => {}) : fetched(what, ...more);
+      document.getElementById("f_number").dispatchEvent(new Event("input"));""")
+    until(lambda: browser.execute_script("return postlens.state().shown.by") == 2)
+    first, row = pixels(browser), 3 * browser.execute_script("return document.getElementById('picture').width")
+    assert first != best
+    first, best = numbers(first), numbers(best)
+
     def difference(shift):
-        return sum(abs(a - b) for a, b in zip(first[4 * row : -4 * row], best[4 * row + shift : len(best) - 4 * row + shift]))
+        return numpy.abs(first[4 * row : -4 * row] - best[4 * row + shift : len(best) - 4 * row + shift]).sum()
 
     # Shifts by two pixels of the screen, about one of the frame.
     assert all(difference(0) < difference(shift) for shift in (-6, 6, -2 * row, 2 * row))
 
 
-def test_two_pages_both_end_with_the_best_picture(viewer):
-    # A request of one page cancels the refinement of the other, which asks again.
-    drivers = [browser_at(viewer.url), browser_at(viewer.url)]
-    try:
-        for driver in drivers:
-            wait(driver)
-        for driver in drivers:
-            driver.execute_script("""
-              const slider = document.getElementById("f_number");
-              slider.value = 2 + Number(slider.value);
-              slider.dispatchEvent(new Event("input"));
-              slider.dispatchEvent(new Event("change"));""")
-        for driver in drivers:
-            wait(driver)
-            options = driver.execute_script("return postlens.state().shown.options")
-            assert options["method"] == "auto" or options.get("views") == "256", options
-    finally:
-        for driver in drivers:
-            driver.quit()
+def test_two_pages_both_end_with_the_best_picture(browser, viewer):
+    # A request of one page cancels the refinement of the other, which asks again. In windows, not in tabs: only the tab
+    # in front is painted.
+    windows = [browser.current_window_handle]
+    browser.get(viewer.url)
+    browser.switch_to.new_window("window")
+    windows.append(browser.current_window_handle)
+    browser.get(viewer.url)
+
+    def each_page():
+        for window in windows:
+            browser.switch_to.window(window)
+            yield
+
+    for _ in each_page():
+        wait(browser)
+    for _ in each_page():
+        browser.execute_script("""
+          const slider = document.getElementById("f_number");
+          slider.value = 2 + Number(slider.value);
+          slider.dispatchEvent(new Event("input"));
+          slider.dispatchEvent(new Event("change"));""")
+    for _ in each_page():
+        wait(browser)
+        options = browser.execute_script("return postlens.state().shown.options")
+        assert options["method"] == "auto" or options.get("views") == "256", options
 
 
-def test_without_webgl_the_same_is_painted(viewer):
-    drivers = [browser_at(viewer.url), browser_at(viewer.url + "?plain")]
-    try:
-        for driver in drivers:
-            wait(driver)
-        a, b = (pixels(driver) for driver in drivers)
-        assert len(a) == len(b)
-        assert max(abs(x - y) for x, y in zip(a, b)) <= 2
-    finally:
-        for driver in drivers:
-            driver.quit()
+def test_without_webgl_the_same_is_painted(browser, viewer):
+    browser.set_window_size(1280, 800)
+    painted = []
+    for painter in ("", "?plain"):
+        browser.get(viewer.url + painter)
+        wait(browser)
+        painted.append(numbers(pixels(browser)))
+    a, b = painted
+    assert len(a) == len(b)
+    assert numpy.abs(a - b).max() <= 2
 
 
-@pytest.mark.parametrize("size", ["1600,1000", "1024,700", "400,700"])
-def test_windows_of_all_sizes(viewer, size):
-    driver = browser_at(viewer.url, size)
-    try:
-        wait(driver)
-        canvas = driver.find_element(By.ID, "picture")
-        assert canvas.size["height"] >= 120
-        wide = driver.execute_script("return document.documentElement.scrollWidth - document.documentElement.clientWidth")
-        assert wide <= 0
-        unlabelled = driver.execute_script("""return [...document.querySelectorAll("input, select, button, canvas")].filter(
-          (e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute("aria-label"))).map((e) => e.id)""")
-        assert unlabelled == []
-    finally:
-        driver.quit()
+@pytest.mark.parametrize("size", [(1600, 1000), (1280, 800), (1024, 700), (500, 700), (400, 700)])
+def test_windows_of_all_sizes(browser, viewer, size):
+    browser.set_window_size(*size)
+    browser.get(viewer.url)
+    wait(browser)
+    assert browser.execute_script("return window.innerWidth") == size[0]
+    canvas = browser.find_element(By.ID, "picture")
+    assert canvas.size["height"] >= 120
+    wide = browser.execute_script("return document.documentElement.scrollWidth - document.documentElement.clientWidth")
+    assert wide <= 0
+    unlabelled = browser.execute_script("""return [...document.querySelectorAll("input, select, button, canvas")].filter(
+      (e) => !(e.labels?.length || e.textContent.trim() || e.getAttribute("aria-label"))).map((e) => e.id)""")
+    assert unlabelled == []
 
 
-def test_the_causes_of_the_error(page):
-    Select(page.find_element(By.ID, "blades")).select_by_value("polygon:6")
-    wait(page)
-    legend = page.find_element(By.ID, "legend")
+def test_the_causes_of_the_error(browser, tmp_path):
+    # Of two flat objects: to find the causes, the scene is traced again with finer cells. For the many objects of SCENE that
+    # takes 15 s, whatever size the picture has.
+    scene = str(ROOT / "tests" / "stability" / "scenes" / "near_edge.toml")
+    made = Viewer(traced(scene, str(tmp_path / "small.exr"), "120x68"), scene)
+    browser.get(made.url)
+    wait(browser)
+    Select(browser.find_element(By.ID, "blades")).select_by_value("polygon:6")
+    wait(browser)
+    legend = browser.find_element(By.ID, "legend")
     assert not legend.is_displayed()
-    body = page.find_element(By.TAG_NAME, "body")
-    while page.execute_script("return document.getElementById('show').value") != "causes":
+    body = browser.find_element(By.TAG_NAME, "body")
+    while browser.execute_script("return document.getElementById('show').value") != "causes":
         body.send_keys("v")
     assert "finding the causes" in legend.text
-    grey = pixels(page)
-    until(lambda: page.execute_script("return Boolean(postlens.state().causes)"), 120)
+    grey = pixels(browser)
+    until(lambda: browser.execute_script("return Boolean(postlens.state().causes)"), 120)
     assert "of the squared error" in legend.text and "rays a pixel" in legend.text
-    names = page.execute_script("return postlens.state().causes.report.causes.filter((c) => c.error_share > 0).map((c) => c.name)")
+    names = browser.execute_script("return postlens.state().causes.report.causes.filter((c) => c.error_share > 0).map((c) => c.name)")
     assert names and all(name in legend.text for name in names)
     assert len(legend.find_elements(By.TAG_NAME, "i")) == len(names)
-    assert pixels(page) != grey
+    assert pixels(browser) != grey
     # Another lens drops them, and asks anew.
     body.send_keys("[")
     until(lambda: "of the squared error" not in legend.text)
-    wait(page)
+    wait(browser)
     until(lambda: "finding the causes" in legend.text)
     # Another kind of picture cancels the search.
-    Select(page.find_element(By.ID, "show")).select_by_value("picture")
+    Select(browser.find_element(By.ID, "show")).select_by_value("picture")
     assert not legend.is_displayed()
     time.sleep(1)
-    assert not page.execute_script("return Boolean(postlens.state().causes)")
+    assert not browser.execute_script("return Boolean(postlens.state().causes)")
+    assert made.close() == 0
 
 
-def test_another_programs_picture(flat):
+def test_another_programs_picture(browser, flat):
     made = Viewer(flat)
-    driver = browser_at(made.url)
-    try:
-        wait(driver)
-        driver.find_element(By.TAG_NAME, "body").send_keys("[")
-        wait(driver)
-        assert driver.execute_script("return postlens.state().shown.report.method") == "layers"
-        click(driver, 120, 70)
-        until(lambda: lens(driver)["focus"] != 2)
-        wait(driver)
-        near = lens(driver)["focus"]
-        assert near == pytest.approx(5, rel=0.01)  # the chequered board
-        click(driver, 30, 120)
-        until(lambda: lens(driver)["focus"] != near)
-        assert lens(driver)["focus"] > near
-        wait(driver)
-        under = driver.find_element(By.ID, "under")
-        ActionChains(driver).move_to_element_with_offset(
-            driver.find_element(By.ID, "picture"), *(int(v) for v in at_picture(driver, 150, 85))
-        ).perform()  # fmt: skip
-        until(lambda: "leaning bar" in under.text)
-        assert "CoC" in under.text and "undefined" not in under.text and "%" in under.text
-        show, seen = driver.find_element(By.ID, "show"), []
-        for mode in ("picture", "in_focus", "coc", "depth", "id"):
-            Select(show).select_by_value(mode)
-            until(lambda: mode == "picture" or driver.execute_script("return Boolean(postlens.state().depths)"))
-            time.sleep(0.3)
-            seen.append(tuple(pixels(driver)))
-        assert len(set(seen)) == len(seen)
-        # What needs records is not reached by keyboard either.
-        for _ in range(12):
-            driver.find_element(By.TAG_NAME, "body").send_keys("v")
-            assert driver.execute_script("return document.getElementById('show').value") != "causes"
-        assert not errors(driver)
-    finally:
-        driver.quit()
-        assert made.close() == 0
+    browser.get(made.url)
+    wait(browser)
+    browser.find_element(By.TAG_NAME, "body").send_keys("[")
+    wait(browser)
+    assert browser.execute_script("return postlens.state().shown.report.method") == "layers"
+    click(browser, 120, 70)
+    until(lambda: lens(browser)["focus"] != 2)
+    wait(browser)
+    near = lens(browser)["focus"]
+    assert near == pytest.approx(5, rel=0.01)  # the chequered board
+    click(browser, 30, 120)
+    until(lambda: lens(browser)["focus"] != near)
+    assert lens(browser)["focus"] > near
+    wait(browser)
+    under = browser.find_element(By.ID, "under")
+    ActionChains(browser).move_to_element_with_offset(
+        browser.find_element(By.ID, "picture"), *(int(v) for v in at_picture(browser, 150, 85))
+    ).perform()  # fmt: skip
+    until(lambda: "leaning bar" in under.text)
+    assert "CoC" in under.text and "undefined" not in under.text and "%" in under.text
+    seen = []
+    for mode in ("picture", "in_focus", "coc", "depth", "id"):
+        show(browser, mode)
+        seen.append(pixels(browser))
+    assert len(set(seen)) == len(seen)
+    # What needs records is not reached by keyboard either.
+    for _ in range(12):
+        browser.find_element(By.TAG_NAME, "body").send_keys("v")
+        assert browser.execute_script("return document.getElementById('show').value") != "causes"
+    assert made.close() == 0
 
 
-def test_a_click_beside_what_is_stored(tmp_path):
+def test_a_click_beside_what_is_stored(browser):
     made = Viewer(str(ROOT / "tests" / "data" / "exr" / "windows" / "autocrop.exr"))
-    driver = browser_at(made.url)
-    try:
-        wait(driver)
-        before = lens(driver)["focus"]
-        click(driver, *driver.execute_script("const f = postlens.state().frame; return [f.width - 1, f.height - 1];"))
-        until(lambda: "nothing is stored there" in driver.find_element(By.ID, "status").text)
-        assert lens(driver)["focus"] == before
-    finally:
-        driver.quit()
-        assert made.close() == 0
+    browser.get(made.url)
+    wait(browser)
+    before = lens(browser)["focus"]
+    click(browser, *browser.execute_script("const f = postlens.state().frame; return [f.width - 1, f.height - 1];"))
+    until(lambda: "nothing is stored there" in browser.find_element(By.ID, "status").text)
+    assert lens(browser)["focus"] == before
+    assert made.close() == 0
 
 
 @pytest.mark.parametrize("kind", ["lightfield", "layers"])
-def test_an_exported_page_needs_no_server(frame, flat, kind, tmp_path):
+def test_an_exported_page_needs_no_server(browser, frame, flat, kind, tmp_path):
     if kind == "layers":
         frame = flat
     page, small = tmp_path / "page.html", tmp_path / "small.html"
@@ -369,26 +406,22 @@ def test_an_exported_page_needs_no_server(frame, flat, kind, tmp_path):
                                      capture_output=True).stdout)  # fmt: skip
     assert small.stat().st_size == said["bytes"] < 1e5 and said["pictures"] < 27
     assert "it holds" in small.read_text()
-    driver = browser_at(page.as_uri())
-    try:
-        shown = lambda: driver.execute_script("return document.getElementById('picture').src")
-        value = lambda: int(driver.execute_script("return document.getElementById('focus').value"))
-        until(lambda: driver.execute_script("return depths !== null"))
-        picture = driver.find_element(By.ID, "picture")
-        ActionChains(driver).move_to_element(picture).click().perform()
-        near, first = value(), shown()
-        assert kind in driver.find_element(By.ID, "about").text
-        # The wall, far behind what is in the middle.
-        driver.execute_script("""
-          const p = document.getElementById("picture"), box = p.getBoundingClientRect(), k = Math.min(box.width / data.width, box.height / data.height);
-          p.dispatchEvent(new MouseEvent("click", { clientX: box.left + box.width / 2 + (30 - 120) * k, clientY: box.top + box.height / 2 + (120 - 67) * k }));""")
-        assert value() > near and shown() != first
-        second = shown()
-        driver.find_element(By.ID, "f_number").send_keys(Keys.ARROW_RIGHT)
-        assert shown() != second
-        assert not [entry for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]
-    finally:
-        driver.quit()
+    browser.get(page.as_uri())
+    shown = lambda: browser.execute_script("return document.getElementById('picture').src")
+    value = lambda: int(browser.execute_script("return document.getElementById('focus').value"))
+    until(lambda: browser.execute_script("return depths !== null"))
+    picture = browser.find_element(By.ID, "picture")
+    ActionChains(browser).move_to_element(picture).click().perform()
+    near, first = value(), shown()
+    assert kind in browser.find_element(By.ID, "about").text
+    # The wall, far behind what is in the middle.
+    browser.execute_script("""
+      const p = document.getElementById("picture"), box = p.getBoundingClientRect(), k = Math.min(box.width / data.width, box.height / data.height);
+      p.dispatchEvent(new MouseEvent("click", { clientX: box.left + box.width / 2 + (30 - 120) * k, clientY: box.top + box.height / 2 + (120 - 67) * k }));""")
+    assert value() > near and shown() != first
+    second = shown()
+    browser.find_element(By.ID, "f_number").send_keys(Keys.ARROW_RIGHT)
+    assert shown() != second
     for words in (["--export", tmp_path / "x.txt"], ["--export", tmp_path / "x.html", "--export-mb", "0.001"]):
         run = subprocess.run([PROGRAM, "view", frame, *words], capture_output=True, text=True)
         assert run.returncode == 2 and run.stderr.count("\n") == 1
