@@ -169,11 +169,10 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
     std::vector<glm::dvec3> inverse_z(lines.size());
     rays.inverse_depths(lines, inverse_z);
     for (std::size_t i = 0; i < out.size(); ++i) {
+        if (inverse_z[i].x == 0) continue;
         Highlight& light = out[i];
+        light.inverse_z = static_cast<float>(inverse_z[i].x);
         light.slope = glm::vec2(inverse_z[i].y, inverse_z[i].z);
-        light.inverse_z = static_cast<float>(inverse_z[i].x) +
-                          glm::dot(light.slope, glm::vec2(light.x, light.y) - glm::vec2(lines[i].place) -
-                                                    glm::vec2(pixel.second, pixel.first));
         light.w = Mat2::isotropic(light.inverse_z);
     }
     return out;
