@@ -253,6 +253,23 @@ void add_wall(SceneBuilder& b) {
     b.scene.sha256 = std::string(64, 'c');
 }
 
+// Images of coarse records: as they are, with the edges of lights measured by rays, and the reference.
+struct LightImages {
+    Image recorded, measured, truth;
+};
+LightImages images_of(const Scene& scene, const Case& c) {
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 64);
+    LightImages out;
+    out.recorded = hybrid_picture(frame.file(), s).focus.image;
+    s.scene = &scene;
+    out.measured = hybrid_picture(frame.file(), s).focus.image;
+    out.truth = rendered(scene, c, 50, 16384, 9);
+    return out;
+}
+
 // Records half a pixel apart misjudge the area of a light by about 0.16 px^2 in each pixel at its edge, and
 // rays through the pinhole by 0.007 px^2. A light of 9 px^2 has about 16 such pixels.
 TEST(UnsureViews, SmallLightsHaveTheAreaThatRaysMeasure) {
@@ -262,14 +279,7 @@ TEST(UnsureViews, SmallLightsHaveTheAreaThatRaysMeasure) {
         b.add(Sphere{dvec3(0.36 * (i - 3.5), 0.013 * i, -4), 0.075}, glowing({60, 40, 20}));
     add_wall(b);
     const Case c{"", 1.4, 2.5};
-    TraceSettings trace = traced_for(c);
-    trace.subdivision.levels = 1;
-    const TracedFrame frame(b.scene, trace);
-    HybridSettings s = hybrid_of(c, 50, 64);
-    const Image recorded = hybrid_picture(frame.file(), s).focus.image;
-    s.scene = &b.scene;
-    const Image measured = hybrid_picture(frame.file(), s).focus.image;
-    const Image truth = rendered(b.scene, c, 50, 16384, 9);
+    const auto [recorded, measured, truth] = images_of(b.scene, c);
     const auto error_of = [&](const Image& image) {
         double square = 0;
         for (int i = 0; i < lights; ++i) {
@@ -295,14 +305,7 @@ TEST(UnsureViews, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
     b.add(Rectangle{dvec3(0.06, -0.1, -1.8), dvec3(0, 0, -0.6), dvec3(0, 0.2, 0)}, glowing({60, 40, 20}));
     add_wall(b);
     const Case c{"", 0.5, 1};
-    TraceSettings trace = traced_for(c);
-    trace.subdivision.levels = 1;
-    const TracedFrame frame(b.scene, trace);
-    HybridSettings s = hybrid_of(c, 50, 64);
-    const Image recorded = hybrid_picture(frame.file(), s).focus.image;
-    s.scene = &b.scene;
-    const Image measured = hybrid_picture(frame.file(), s).focus.image;
-    const Image truth = rendered(b.scene, c, 50, 16384, 9);
+    const auto [recorded, measured, truth] = images_of(b.scene, c);
     // Column of the middle of the face's light, px.
     const auto middle = [](const Image& image) {
         double light = 0, moment = 0;

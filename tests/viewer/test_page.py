@@ -45,7 +45,7 @@ def browser(one_browser):
         one_browser.switch_to.window(other)
         one_browser.close()
     one_browser.switch_to.window(first)
-    one_browser.get("about:blank")  # no page asks for pictures that the next test would wait for
+    one_browser.get("about:blank")  # so that the page stops asking for pictures, which would delay the next test
     assert not wrong
 
 
