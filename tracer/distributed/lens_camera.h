@@ -68,8 +68,8 @@ class LensCamera {
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
     /// 1/z' of a world point, 1/m, and its gradient over the raster, 1/m per px, in the plane through the
-    /// point with the given normal. 0 if the plane contains the middle of the lens. Not for a camera that
-    /// moves.
+    /// point with the given normal. 0 if the plane contains the middle of the lens, or if the camera is
+    /// orthographic. Not for a camera that moves.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Scale of the image at a world point, px per metre perpendicular to the optical axis. 0 behind the
