@@ -279,7 +279,7 @@ TEST(UnsureViews, SmallLightsHaveTheAreaThatRaysMeasure) {
         b.add(Sphere{dvec3(0.36 * (i - 3.5), 0.013 * i, -4), 0.075}, glowing({60, 40, 20}));
     add_wall(b);
     const Case c{"", 1.4, 2.5};
-    const auto [recorded, measured, truth] = images_of(b.scene, c);
+    const LightImages images = images_of(b.scene, c);
     const auto error_of = [&](const Image& image) {
         double square = 0;
         for (int i = 0; i < lights; ++i) {
@@ -287,15 +287,15 @@ TEST(UnsureViews, SmallLightsHaveTheAreaThatRaysMeasure) {
             for (int x = i * image.width / lights; x < (i + 1) * image.width / lights; ++x) {
                 for (int y = 0; y < image.height; ++y) {
                     light += static_cast<double>(image.pixel(x, y)[1]) - 0.2;
-                    right += static_cast<double>(truth.pixel(x, y)[1]) - 0.2;
+                    right += static_cast<double>(images.truth.pixel(x, y)[1]) - 0.2;
                 }
             }
             square += std::pow(light / right - 1, 2) / lights;
         }
         return std::sqrt(square);
     };
-    EXPECT_LT(error_of(measured), 2 * 0.007 * std::sqrt(16.0) / 9);
-    EXPECT_GT(error_of(recorded), 5 * error_of(measured));
+    EXPECT_LT(error_of(images.measured), 2 * 0.007 * std::sqrt(16.0) / 9);
+    EXPECT_GT(error_of(images.recorded), 5 * error_of(images.measured));
 }
 
 // A bright face whose plane almost meets the rim of the lens shows one side of the lens about nine times the
@@ -305,7 +305,7 @@ TEST(UnsureViews, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
     b.add(Rectangle{dvec3(0.06, -0.1, -1.8), dvec3(0, 0, -0.6), dvec3(0, 0.2, 0)}, glowing({60, 40, 20}));
     add_wall(b);
     const Case c{"", 0.5, 1};
-    const auto [recorded, measured, truth] = images_of(b.scene, c);
+    const LightImages images = images_of(b.scene, c);
     // Column of the middle of the face's light, px.
     const auto middle = [](const Image& image) {
         double light = 0, moment = 0;
@@ -318,8 +318,8 @@ TEST(UnsureViews, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
         }
         return moment / light;
     };
-    EXPECT_NEAR(middle(measured), middle(truth), 0.05);  // measured: 0.013
-    EXPECT_GT(std::abs(middle(recorded) - middle(truth)), 0.3);
+    EXPECT_NEAR(middle(images.measured), middle(images.truth), 0.05);  // measured: 0.013
+    EXPECT_GT(std::abs(middle(images.recorded) - middle(images.truth)), 0.3);
 }
 
 // A light that a post hides from the pinhole is seen through the margin of the lens. It keeps its recorded
