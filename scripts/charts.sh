@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. At least 19 minutes on two cores.
+# Makes the charts and tables of docs/accuracy.md, and the atlas of docs/failures.md, anew. 20 to 40 minutes on two cores.
 #
 #   scripts/charts.sh [--build BUILD] [--out DIR] [--charts-only | --atlas-only]
 #
