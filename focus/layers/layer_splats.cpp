@@ -155,10 +155,25 @@ RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
     return out;
 }
 
-void LayerSplats::find_reach(LayerCell& cell) const {
-    const std::span<const LayerSplat> all = splats(cell);
-    for (std::size_t i = 0; i < all.size(); ++i)
-        cell.reach = i == 0 ? reach_of(all[i]) : around(cell.reach, reach_of(all[i]));
+void LayerSplats::find_reach(LayerCell& cell) {
+    const std::span<LayerSplat> all =
+        std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
+    constexpr int step = LayerSplat::reach_step_px;
+    const auto below = [](int px) {
+        return static_cast<std::int16_t>((px - (px > 0 ? 0 : step - 1)) / step);
+    };
+    const auto above = [](int px) {
+        return static_cast<std::int16_t>((px + (px < 0 ? 0 : step - 1)) / step);
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        LayerSplat& s = all[i];
+        const RasterWindow r = reach_of(s);
+        cell.reach = i == 0 ? r : around(cell.reach, r);
+        s.x_first = below(r.x_begin - s.x);
+        s.x_last = above(r.x_end - s.x);
+        s.y_first = below(r.y_begin - s.y);
+        s.y_last = above(r.y_end - s.y);
+    }
 }
 
 // Joins the splats of all rows in a row of tiles, sorted by LayerPart and tile. The memory of each row is

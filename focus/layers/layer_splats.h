@@ -62,6 +62,15 @@ struct LayerSplat {
     /// Part of the weight that no lens point sees, because the surface in front moves together with this one
     /// over the lens (Fragment::covered).
     float covered = 0;
+    /// A window around the kernel, in steps of `reach_step_px` from the anchor. It tells whether the kernel,
+    /// which is rarely in the cache, must be read. Set by LayerSplats.
+    std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
+    static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
+    /// Whether the window and `rows` have a pixel in common.
+    [[nodiscard]] bool reaches(const RasterWindow& rows) const {
+        return x + reach_step_px * x_last > rows.x_begin && x + reach_step_px * x_first < rows.x_end &&
+               y + reach_step_px * y_last > rows.y_begin && y + reach_step_px * y_first < rows.y_end;
+    }
 };
 
 /// The splats (impulse responses) of one LayerPart whose anchors lie in one tile of 64 x 64 raster px.
@@ -150,7 +159,7 @@ class LayerSplats {
     void join_rows(std::size_t end);
     void sort_cells();
     void begin_tile_rows();
-    void find_reach(LayerCell& cell) const;
+    void find_reach(LayerCell& cell);
     /// Stores the splats of row y that must be kept, and removes the others from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;

@@ -70,6 +70,7 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
     for (std::size_t i = 0; i < pass.count; ++i) {
         const LayerSplat& s = pass.splats[i];
+        if (!s.reaches(pass.rows)) continue;
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
         // Column of the anchor, relative to the block.
         const int x = s.x - pass.rows.x_begin;
