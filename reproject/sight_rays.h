@@ -62,8 +62,10 @@ class SightRays {
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
     /// Writes, for each line, 1/z', 1/m, of the surface that it meets and its gradient over the raster, 1/m
-    /// per px. 0 where a line meets nothing. Not for scenes in which something moves. Thread-safe.
-    virtual void inverse_depths(std::span<const SightLine> lines, std::span<glm::dvec3> inverse_z) const = 0;
+    /// per px. 0 where a line meets nothing, or an object whose id is not that in `of`. Not for scenes in
+    /// which something moves. Thread-safe.
+    virtual void inverse_depths(std::span<const SightLine> lines, std::span<const std::uint32_t> of,
+                                std::span<glm::dvec3> inverse_z) const = 0;
     /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
     /// from ray to ray.

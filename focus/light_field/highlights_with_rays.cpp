@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "core/sample_hash.h"
 #include "focus/light_field/measured_edges.h"
 
 namespace postlens {
@@ -34,6 +36,34 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
     return light.hides == Hides::nothing && lens.bend_px_m2 * static_cast<double>(light.bend) <= most_bend_px;
 }
 
+/// Whether part of the lens sees a surface from its other side, or not at all, so that the records lack light
+/// that the lens sees. A plane whose 1/z' has a slope of 1 / (lens radius in px m) has no area for a point of
+/// the lens's rim. Rays through the pinhole measure the slope at random points of `lights`, the highlights of
+/// object `id` that are seen directly. At least half of them must be steep, because a round surface is steep
+/// at its outline only.
+bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
+                           const PatchLens& lens) {
+    constexpr std::size_t probes = 64;
+    std::vector<SightLine> lines(probes);
+    for (std::uint32_t i = 0; i < probes; ++i) {
+        const Highlight& light = *lights[i * lights.size() / probes];
+        const auto aside = [&](std::uint32_t axis) {
+            return std::sqrt(light.area) * (unit_float(random_word(id, 2 * i + axis)) - 0.5F);
+        };
+        const glm::dvec2 at(light.x + aside(0), light.y + aside(1)), pixel = glm::floor(at);
+        lines[i] = {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
+    }
+    std::vector<glm::dvec3> inverse_z(probes);
+    rays.inverse_depths(lines, std::vector<std::uint32_t>(probes, id), inverse_z);
+    std::size_t met = 0, steep = 0;
+    for (const glm::dvec3& d : inverse_z) {
+        if (d.x == 0) continue;
+        ++met;
+        steep += lens.radius_px_m * std::hypot(d.y, d.z) >= 1 ? 1 : 0;
+    }
+    return met > 0 && 2 * steep >= met;
+}
+
 }  // namespace
 
 LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens, bool moves,
@@ -42,16 +72,23 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
         return surface_seen(key.path, key.parent_id, key.id, {light.x, light.y}, moves);
     };
     std::map<SurfaceSeen, bool> taken;
+    std::map<SurfaceSeen, std::vector<const Highlight*>> direct;
     for (const SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) {
         const std::vector<BrightSheet> bright = bright_sheets(*mesh);
         for (const Highlight& light : mesh->bright) {
             const SheetKey& key = mesh->sheets[light.sheet].key;
-            bool& all = taken.try_emplace(of_light(light, key), true).first->second;
+            const SurfaceSeen surface = of_light(light, key);
+            bool& all = taken.try_emplace(surface, true).first->second;
             all = all && rays.steady(key.path, key.id) && is_complete(light, key, lens) &&
                   rule.takes(light, key, bright[light.sheet]);
+            if (all && !moves && key.path.bits() == 0) direct[surface].push_back(&light);
         }
     }
-    std::erase_if(taken, [](const auto& t) { return !t.second; });
+    std::erase_if(taken, [&](const auto& t) {
+        const auto found = direct.find(t.first);
+        return !t.second || (found != direct.end() &&
+                             is_seen_from_its_edge(found->second, std::get<2>(t.first), rays, lens));
+    });
     rule.takes = [taken, of_light, takes = rule.takes](const Highlight& light, const SheetKey& key,
                                                        const BrightSheet& sheet) {
         return taken.contains(of_light(light, key)) && takes(light, key, sheet);

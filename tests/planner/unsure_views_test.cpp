@@ -8,6 +8,7 @@
 #include <string>
 
 #include "compare/metrics/pixel_errors.h"
+#include "planner/auto_picture.h"
 #include "planner/hybrid.h"
 #include "planner/views/tile_grid.h"
 #include "tests/support/motion_frame.h"
@@ -320,6 +321,27 @@ TEST(UnsureViews, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
     };
     EXPECT_NEAR(middle(images.measured), middle(images.truth), 0.05);  // measured: 0.013
     EXPECT_GT(std::abs(middle(images.recorded) - middle(images.truth)), 0.3);
+}
+
+// The plane of a bright face cuts the lens. The lens sees both sides of the face, the pinhole a sliver of
+// one, so the records have a fifth of its light.
+TEST(UnsureViews, AFaceWhosePlaneCutsTheLensIsLeftToRays) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(0.008, -0.3, -1.8), dvec3(0, 0, -0.6), dvec3(0, 0.5, 0)}, glowing({3, 2, 1.5}));
+    add_wall(b);
+    const Case c{"", 1, 1.4};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(b.scene, trace);
+    AutoSettings s{.hybrid = hybrid_of(c, 50, 64), .target_db = 50};
+    s.hybrid.scene = &b.scene;
+    FocusFrame focus(frame.file());
+    const AutoResult got = auto_picture(focus, s);
+    ASSERT_TRUE(got.hybrid.stated);
+    const double measured_db = db(got.hybrid.focus.image, rendered(b.scene, c, 50, 16384, 9));
+    // Where the highlights keep the face's light, the image has 41 dB, and 55 dB or more are stated.
+    EXPECT_GT(measured_db, got.hybrid.stated->low_db());
+    EXPECT_GT(measured_db, 48);
 }
 
 // A light that a post hides from the pinhole is seen through the margin of the lens. It keeps its recorded
