@@ -2,7 +2,6 @@
 
 import gc
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -20,7 +19,7 @@ from conftest import SCENES
 def test_progress_is_called_in_this_thread(large_frame):
     calls = []
     large_frame.focus(
-        f_number=1.4, focus_m=2, method="lightfield", views=512,
+        f_number=1.4, focus_m=2, method="lightfield", views=128,
         progress=lambda share, left_s: calls.append((threading.get_ident(), share, left_s)),
     )  # fmt: skip
     assert calls
@@ -39,7 +38,7 @@ def test_what_progress_raises_comes_out(large_frame):
         large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=4096, progress=stop)
     assert time.monotonic() - started < 20  # the whole job takes a minute
     # The frame is still usable.
-    assert large_frame.focus(f_number=1.4, focus_m=2).shape == (540, 960, 3)
+    assert large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=8).shape == (540, 960, 3)
 
 
 def test_ctrl_c_stops_soon_and_leaves_no_file(tmp_path):
@@ -114,31 +113,34 @@ def test_the_interpreter_goes_on_while_a_picture_is_made(large_frame):
     thread = threading.Thread(target=tick)
     thread.start()
     before = len(ticks)
-    large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=256)
+    large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=64)
     during = len(ticks) - before
     done.set()
     thread.join()
     assert during > 5
 
 
-def test_a_thousand_pictures_take_no_more_memory(frame):
-    def picture():
-        return frame.focus(f_number=2, focus_m=2, method="scatter", depths=4, crop=(0, 0, 32, 32)).array
-
-    for _ in range(100):
-        picture()
-    gc.collect()
-    before = resident_bytes()
-    for _ in range(1000):
-        picture()
-    gc.collect()
-    # An image of the crop has 12 kB. If all thousand images leaked, memory would grow by 12 MB.
-    assert resident_bytes() - before < 6e6
-
-
-def resident_bytes():
-    with open("/proc/self/statm") as statm:
-        return int(statm.read().split()[1]) * resource.getpagesize()
+def test_a_thousand_pictures_take_no_more_memory():
+    # A new process has no free memory of earlier frames, which a leak could fill unseen. The frame has few records,
+    # because every picture reads all of them. With more threads, the heap of each grows during the first 2000 pictures.
+    code = textwrap.dedent(f"""
+        import gc, resource, postlens
+        frame = postlens.trace({str(SCENES / "bars.toml")!r}, size=(32, 32), subdivide=0)
+        def resident_bytes():
+            gc.collect()
+            with open("/proc/self/statm") as statm:
+                return int(statm.read().split()[1]) * resource.getpagesize()
+        def pictures(count):
+            for _ in range(count):
+                frame.focus(f_number=2, focus_m=2, method="scatter", depths=4, threads=1).array
+        pictures(100)
+        before = resident_bytes()
+        pictures(1000)
+        print(resident_bytes() - before)
+        """)
+    run = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    # An image has 12 kB. If a sixth of the thousand images leaked, memory would grow by 2 MB. Measured: 0.
+    assert int(run.stdout) < 2e6
 
 
 def test_import_is_light():
