@@ -30,30 +30,32 @@ class ImpulseFocus : public testing::Test {
         scene_ = new Scene(mosaic(depth_m, 0.33));
         folder_ = new TemporaryFolder();
         TraceSettings settings;
-        settings.overscan_px = 24;
+        settings.overscan_px = 12;
         // Tiles of the mosaic meet at pixel corners. A corner sees the first tile, which displaces the border
         // by half a cell.
         settings.subdivision.levels = 5;
         trace_to_file(*scene_, settings, folder_->path() / "frame.exr");
         file_ = new SampleFileReader(folder_->path() / "frame.exr");
+        frame_ = new FocusFrame(*file_, true);
         std::ofstream letter(folder_->path() / "F.pgm");
         letter << "P2 5 7 255 255 255 255 255 255 255 0 0 0 0 255 255 255 255 0 255 0 0 0 0 255 0 0 0 0 "
                   "255 0 0 0 0 255 0 0 0 0";
     }
     static void TearDownTestSuite() {
+        delete frame_;
         delete file_;
         delete folder_;
         delete scene_;
     }
     static Image focused(const Impulse& impulse, double focus_m) {
-        return focus_picture(*file_, {.lens = lens, .focus_distance_m = focus_m, .impulse = impulse}).image;
+        return focus_picture(*frame_, {.lens = lens, .focus_distance_m = focus_m, .impulse = impulse}).image;
     }
     static Image rays(const Impulse& impulse, double focus_m) {
         RenderSettings s;
         s.focal_length_mm = lens.focal_length_mm;
         s.f_number = lens.f_number;
         s.focus_m = focus_m;
-        s.spp = 1024;
+        s.spp = impulse.cats_eye > 0 ? 1024 : 512;
         s.aperture = std::make_shared<Aperture>(read_aperture(impulse));
         return render_picture(*scene_, s).image;
     }
@@ -62,10 +64,13 @@ class ImpulseFocus : public testing::Test {
     static inline Scene* scene_ = nullptr;
     static inline TemporaryFolder* folder_ = nullptr;
     static inline SampleFileReader* file_ = nullptr;
+    static inline FocusFrame* frame_ = nullptr;
 };
 
-// 1024 samples per pixel have a noise of about 12 / sqrt(1024) / 3 = 0.1 of 12 (40 dB) where the edge of a
-// light crosses the aperture, and less elsewhere. Sobol samples have less noise.
+// 512 samples per pixel have a noise of about 12 / sqrt(512) / 3 = 0.18 of 12 (37 dB) where the edge of a
+// light crosses the aperture, and less elsewhere. Sobol samples have less noise; measured over the
+// image: 55.6 dB or better. Apertures that lose light at the border of the field need more rays, because
+// their mean is wrong by up to 1.9e-3 of a tolerance of 2e-3.
 TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
     const std::vector<Impulse> impulses{
         {},
@@ -79,6 +84,10 @@ TEST_F(ImpulseFocus, AgreesWithRaysThroughTheSameAperture) {
         {.kind = ImpulseKind::polygon, .blades = 3, .spherical = -0.2}};
     for (const double focus_m : {1.6, 30.0}) {
         for (const Impulse& impulse : impulses) {
+            // A disc or an ellipse of a thin lens is the same before and behind the focus.
+            if (focus_m > depth_m && impulse.kind == ImpulseKind::disc && impulse.cats_eye == 0 &&
+                impulse.spherical == 0)
+                continue;
             const Image got = focused(impulse, focus_m), truth = rays(impulse, focus_m);
             const std::string what =
                 fmt::format("{}, squeeze {}, cat's eye {}, spherical {}, focus {} m", impulse_text(impulse),

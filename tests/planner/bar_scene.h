@@ -29,12 +29,13 @@ inline SceneBuilder bar_and_wall() {
     return b;
 }
 
-/// Settings of a trace with or without the hidden surfaces that the lens sees past edges.
+/// Settings of a trace with or without the hidden surfaces that the lens sees past edges. No CoC has a larger
+/// radius than the overscan if the focus is at 0.7 m or farther.
 inline TraceSettings traced(bool hidden, int levels = 4) {
     TraceSettings s;
     s.subdivision.levels = levels;
     if (hidden) s.for_f_number = wide.f_number;
-    s.overscan_px = 24;
+    s.overscan_px = 8;
     return s;
 }
 
@@ -45,8 +46,8 @@ inline HybridSettings settings(double focus_m, int views = 256) {
     return s;
 }
 
-/// The image of the same lens and shutter by distributed rays, `spp` per pixel.
-inline Image rays(const Scene& scene, const HybridSettings& h, int spp = 1024, bool halves = false) {
+/// Settings of a render by distributed rays through the same lens and shutter, `spp` per pixel.
+inline RenderSettings by_rays(const HybridSettings& h, int spp = 1024, bool halves = false) {
     RenderSettings s;
     s.focal_length_mm = h.focus.lens.focal_length_mm;
     s.f_number = h.focus.lens.f_number;
@@ -54,7 +55,12 @@ inline Image rays(const Scene& scene, const HybridSettings& h, int spp = 1024, b
     s.shutter = h.shutter;
     s.spp = spp;
     s.halves = halves;
-    return render_picture(scene, s).image;
+    return s;
+}
+
+/// The image of these rays.
+inline Image rays(const Scene& scene, const HybridSettings& h, int spp = 1024, bool halves = false) {
+    return render_picture(scene, by_rays(h, spp, halves)).image;
 }
 
 }  // namespace postlens::test
