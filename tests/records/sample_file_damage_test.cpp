@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 
 #include "core/error.h"
+#include "core/threads.h"
 #include "pictures/exr/exr_output.h"
 #include "records/file/record_scanline.h"
 #include "records/file/sample_file_header.h"
@@ -95,16 +96,24 @@ void write_byte(const fs::path& path, std::size_t at, char byte) {
     file.put(byte);
 }
 
+// Two scanlines are the fewest whose chunks can be confused.
+constexpr int small_width = 3, small_height = 2;
+
 void write_small_file(const fs::path& path, RecordCompression compression) {
     const RandomOptions options{
         .levels = 1, .probability = 0.3, .has_w = true, .has_layers = true, .keys = 1};
     std::mt19937 random(5);
-    const SampleHeader header = full_header(4, 3, 1, options);
+    const SampleHeader header = full_header(small_width, small_height, 1, options);
     SampleFileWriter writer(path, header, compression);
     writer.write(random_frame(random, header, options));
     writer.next_instant();
     writer.write(random_frame(random, header, options));
     writer.finish();
+}
+
+/// The position after the chunk tables. The first chunk belongs to part 1 and to the scanline at -1.
+std::size_t first_chunk_of(const std::string& bytes) {
+    return bytes.find(std::string("\1\0\0\0\xff\xff\xff\xff", 8));
 }
 
 TEST(DamagedSampleFile, EveryTruncationIsRefused) {
@@ -125,19 +134,26 @@ TEST(DamagedSampleFile, EveryTruncationIsRefused) {
 TEST(DamagedSampleFile, EveryFlippedByteIsRefusedOrHarmless) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
+    const ThreadLimit one(1);  // threads only cost time for files of two scanlines
     std::mt19937 random(11);
+    std::string first;
     for (const RecordCompression compression : all_compressions) {
         write_small_file(path, compression);
         const Content good = read_all(path);
         const std::string bytes = bytes_of(path);
-        std::size_t refused = 0;
+        if (first.empty()) first = bytes;
+        const std::size_t chunks = first_chunk_of(bytes);
+        std::size_t flipped = 0, refused = 0;
         for (std::size_t at = 0; at < bytes.size(); ++at) {
+            // The headers are the same but for the compression and checksums.
+            if (compression != all_compressions[0] && at < chunks && bytes[at] == first[at]) continue;
             write_byte(path, at, static_cast<char>(bytes[at] ^ (1 << (random() % 8))));
+            ++flipped;
             refused += refused_or_same(path, good, "byte " + std::to_string(at)) ? 1 : 0;
             write_byte(path, at, bytes[at]);
         }
-        // Only attributes that the reader does not use may change without an error.
-        EXPECT_GT(refused, bytes.size() * 85 / 100) << bytes.size();
+        // Only what the reader does not use may change without an error.
+        EXPECT_GT(refused, flipped * 85 / 100) << flipped;
     }
 }
 
@@ -152,10 +168,9 @@ TEST(DamagedSampleFile, ChunksOutOfPlaceAreRefused) {
         // must be detected.
         const SampleFileReader reader(path);
         const std::uint64_t rows = static_cast<std::uint64_t>(reader.y_end() - reader.y_begin());
-        const std::uint64_t picture_chunks = compression == RecordCompression::zips ? 1 : 3;
-        const std::uint64_t first_chunk = bytes.find(std::string("\1\0\0\0\xff\xff\xff\xff", 8));
+        const std::uint64_t picture_chunks = compression == RecordCompression::zips ? 1 : small_height;
         const std::uint64_t entries = 2 * reader.instants() * rows + picture_chunks;
-        const std::uint64_t table = first_chunk - 8 * entries;
+        const std::uint64_t table = first_chunk_of(bytes) - 8 * entries;
         for (std::uint64_t i = 0; i + 1 < entries; ++i) {
             std::string swapped = bytes;
             std::swap_ranges(swapped.begin() + static_cast<std::ptrdiff_t>(table + 8 * i),
@@ -332,6 +347,7 @@ long peak_kilobytes() {
 TEST(ForgedSampleFile, HugeSizesAreRefusedWithoutMemory) {
     const TemporaryFolder folder;
     const fs::path path = folder.path() / "a.exr";
+    const ThreadLimit one(1);
     const long before = peak_kilobytes();
     ForgedFile file;
     file.write(path);

@@ -289,7 +289,7 @@ TEST_F(SweepFolder, KeepsWhatIsStillAsItWasMade) {
 
 TEST_F(SweepFolder, AnInterruptedSweepGoesOn) {
     SweepSettings s = two_by_two();
-    for (int i = 0; i < 200; ++i) s.axes.focus_m.push_back(6 + i);
+    for (int i = 0; i < 50; ++i) s.axes.focus_m.push_back(6 + i);
     Job job;
     std::thread canceller([&] {
         while (!std::filesystem::exists(path_ / "out" / "f1.4_s6.exr"))
@@ -310,8 +310,8 @@ TEST_F(SweepFolder, AnInterruptedSweepGoesOn) {
     s.resume = true;
     const SweepResult r = run(s);
     EXPECT_GE(r.kept, 2U);
-    EXPECT_LT(r.kept, 404U);
-    EXPECT_EQ(r.kept + r.made, 404U);
+    EXPECT_LT(r.kept, 104U);
+    EXPECT_EQ(r.kept + r.made, 104U);
 }
 
 TEST_F(SweepFolder, SameBitsForAnyNumberOfThreads) {
