@@ -78,6 +78,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
     // deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
+    out.bias_mse = std::max(out.bias_mse, std::sqrt(measured.bias_variance));
     const double mse = out.mse();
     if (!(mse > 0)) return out;
     const double factor = std::exp(deviations * std::sqrt(out.variance) / mse);

@@ -126,9 +126,27 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
+/// Mean product of the residuals of two halves. Large residuals may be so rare that no pixel has two of them.
+/// The products are then 0, but their variance is not: it is at least the square of the mean squared
+/// residual.
+struct ProductMean : Mean {
+    double residuals = 0;  ///< sum of the mean squared residuals of both halves
+    void add(double value, const Residuals& r) {
+        Mean::add(value);
+        residuals += (product(r.a, r.a) + product(r.b, r.b)) / 2;
+    }
+    /// Variance of the sum.
+    [[nodiscard]] double sum_variance() const {
+        if (!(count > 1)) return 0;
+        return std::max(squares - sum * sum / count, residuals * residuals / count) * count / (count - 1);
+    }
+    [[nodiscard]] double variance() const { return count > 1 ? sum_variance() / (count * count) : 0; }
+};
+
 struct TileSums {
     TileError error;
-    Mean views, bias;  ///< errors of the records: in samples of views; also combined with highlights
+    ProductMean views;  ///< errors of the records in samples of views
+    Mean bias;          ///< also combined with highlights
     ChosenSum highlights;
     std::uint64_t check_rays = 0;
 };
@@ -197,7 +215,7 @@ class TileMeasurement {
         if (is_used) {
             const Residuals views = view_residuals(a_, b_, k);
             const double of_views = product(views.a, views.b);
-            out.views.add(of_views);
+            out.views.add(of_views, views);
             out.bias.add(of_views + product(views.a, lights.b) + product(lights.a, views.b));
         }
         if (chosen > 0) out.highlights.add(product(lights.a, lights.b), chosen);
@@ -222,18 +240,20 @@ MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std
     MeasuredError out;
     Mean bias;
     ChosenSum highlights;
-    double pixels = 0;
+    double pixels = 0, views_variance = 0;
     for (const TileSums& tile : sums) {
         out.tiles.push_back(tile.error);
         out.check_rays += tile.check_rays;
         bias.add(tile.bias);
+        views_variance += tile.views.sum_variance();
         highlights.add(tile.highlights);
         pixels += tile.error.pixels;
     }
     pixels = std::max(pixels, 1.0);
     out.highlights_mse = highlights.sum / pixels;
     out.bias_mse = bias.mean() + out.highlights_mse;
-    out.bias_variance = bias.variance() + highlights.variance / (pixels * pixels);
+    const double of_views = bias.count > 1 ? views_variance / (bias.count * bias.count) : 0;
+    out.bias_variance = std::max(bias.variance(), of_views) + highlights.variance / (pixels * pixels);
     return out;
 }
 

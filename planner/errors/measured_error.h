@@ -47,8 +47,9 @@ struct MeasuredError {
 /// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
 ///
 /// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
-/// so the expectation of their product is the squared error of the records. Residuals are converted to sRGB
-/// values by the slope of the sRGB curve at the image's value.
+/// so the expectation of their product is the squared error of the records. Its variance is at least the
+/// square of the tile's mean squared residual, also if large residuals are so rare that no pixel has two.
+/// Residuals are converted to sRGB values by the slope of the sRGB curve at the image's value.
 ///
 /// Other image: the noise of `a` and `b` is independent, so the product of the other image's differences from
 /// them has its squared difference from the expectation of the views as its own expectation.

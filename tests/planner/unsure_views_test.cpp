@@ -345,10 +345,19 @@ TEST(UnsureViews, AFaceWhosePlaneCutsTheLensIsLeftToRays) {
     FocusFrame focus(frame.file());
     const AutoResult got = auto_picture(focus, s);
     ASSERT_TRUE(got.hybrid.stated);
-    const double measured_db = db(got.hybrid.focus.image, rendered(b.scene, c, 50, 16384, 9));
+    const Image truth = rendered(b.scene, c, 50, 16384, 9);
+    const double measured_db = db(got.hybrid.focus.image, truth);
     // Where the highlights keep the face's light, the image has 41 dB, and 55 dB or more are stated.
     EXPECT_GT(measured_db, got.hybrid.stated->low_db());
     EXPECT_GT(measured_db, 48);
+
+    // Without more rays, few check rays meet the face, and never two in a pixel. What is stated is as
+    // uncertain.
+    s.hybrid.focus.views = 256;
+    const HybridResult few = hybrid_picture(focus, s.hybrid);
+    ASSERT_TRUE(few.stated);
+    EXPECT_LT(few.stated->low_db(), db(few.focus.image, truth));
+    EXPECT_GT(few.stated->high_db(), db(few.focus.image, truth));
 }
 
 // A light that a post hides from the pinhole is seen through the margin of the lens. It keeps its recorded
