@@ -61,7 +61,7 @@ double StatedError::width_db(double mse, double variance) {
 }
 
 StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix) {
-    StatedError out{.bias_mse = std::max(0.0, measured.bias_mse),
+    StatedError out{.bias_mse = std::max(measured.bias_mse, std::sqrt(measured.bias_variance)),
                     .highlights_mse = std::max(0.0, measured.highlights_mse),
                     .check_rays = measured.check_rays};
     double pixels = 0;
@@ -74,11 +74,10 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
         out.views_mse += share * of_tile.mse(tile);
         out.variance += share * share * tile.estimate_variance(of_tile.weight);
     }
-    // The estimate may be too small by chance, and even negative, so it is at least as large as its
+    // An estimate may be too small by chance, and even negative, so each is at least as large as its
     // deviation.
     out.views_mse = std::max(out.views_mse, std::sqrt(out.variance));
     out.variance += measured.bias_variance;
-    out.bias_mse = std::max(out.bias_mse, std::sqrt(measured.bias_variance));
     const double mse = out.mse();
     if (!(mse > 0)) return out;
     const double factor = std::exp(deviations * std::sqrt(out.variance) / mse);

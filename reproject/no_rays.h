@@ -22,7 +22,7 @@ class NoRays : public SightRays {
                          std::span<std::array<float, 3>> radiance) const override {
         trace(lines, less, radiance);
     }
-    void inverse_depths(std::span<const SightLine> /*lines*/, std::span<const std::uint32_t> /*of*/,
+    void inverse_depths(std::span<const SightLine> /*lines*/, std::uint32_t /*id*/,
                         std::span<glm::dvec3> inverse_z) const override {
         std::fill(inverse_z.begin(), inverse_z.end(), glm::dvec3(0));
     }

@@ -61,10 +61,9 @@ class SightRays {
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes, for each line, 1/z', 1/m, of the surface that it meets and its gradient over the raster, 1/m
-    /// per px. 0 where a line meets nothing, or an object whose id is not that in `of`. Not for scenes in
-    /// which something moves. Thread-safe.
-    virtual void inverse_depths(std::span<const SightLine> lines, std::span<const std::uint32_t> of,
+    /// Writes, for each line that meets the object with this id, 1/z', 1/m, of the point and its gradient
+    /// over the raster, 1/m per px; for other lines 0. Not for scenes in which something moves. Thread-safe.
+    virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs

@@ -159,12 +159,8 @@ void LayerSplats::find_reach(LayerCell& cell) {
     const std::span<LayerSplat> all =
         std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
     constexpr int step = LayerSplat::reach_step_px;
-    const auto below = [](int px) {
-        return static_cast<std::int16_t>((px - (px > 0 ? 0 : step - 1)) / step);
-    };
-    const auto above = [](int px) {
-        return static_cast<std::int16_t>((px + (px < 0 ? 0 : step - 1)) / step);
-    };
+    const auto below = [](int px) { return static_cast<std::int16_t>(std::floor(px / double{step})); };
+    const auto above = [](int px) { return static_cast<std::int16_t>(std::ceil(px / double{step})); };
     for (std::size_t i = 0; i < all.size(); ++i) {
         LayerSplat& s = all[i];
         const RasterWindow r = reach_of(s);

@@ -74,7 +74,6 @@ __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
         const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
         // Column of the anchor, relative to the block.
         const int x = s.x - pass.rows.x_begin;
-        if (x + kernel.x_end <= 0 || x + kernel.x_begin >= width) continue;
         const Values values(s, x, s.y - pass.rows.y_begin);
         const double inner = kernel.inner;
         const int first = std::max(pass.rows.y_begin, s.y + kernel.y_begin);

@@ -54,7 +54,7 @@ bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32
         lines[i] = {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
     }
     std::vector<glm::dvec3> inverse_z(probes);
-    rays.inverse_depths(lines, std::vector<std::uint32_t>(probes, id), inverse_z);
+    rays.inverse_depths(lines, id, inverse_z);
     std::size_t met = 0, steep = 0;
     for (const glm::dvec3& d : inverse_z) {
         if (d.x == 0) continue;

@@ -167,7 +167,7 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
         lines.push_back(sum.one);
     }
     std::vector<glm::dvec3> inverse_z(lines.size());
-    rays.inverse_depths(lines, std::vector<std::uint32_t>(lines.size(), id), inverse_z);
+    rays.inverse_depths(lines, id, inverse_z);
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (inverse_z[i].x == 0) continue;
         Highlight& light = out[i];

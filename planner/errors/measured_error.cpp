@@ -140,7 +140,7 @@ struct ProductMean : Mean {
         if (!(count > 1)) return 0;
         return std::max(squares - sum * sum / count, residuals * residuals / count) * count / (count - 1);
     }
-    [[nodiscard]] double variance() const { return count > 1 ? sum_variance() / (count * count) : 0; }
+    [[nodiscard]] double variance() const { return sum_variance() / std::max(count * count, 1.0); }
 };
 
 struct TileSums {
@@ -252,7 +252,7 @@ MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std
     pixels = std::max(pixels, 1.0);
     out.highlights_mse = highlights.sum / pixels;
     out.bias_mse = bias.mean() + out.highlights_mse;
-    const double of_views = bias.count > 1 ? views_variance / (bias.count * bias.count) : 0;
+    const double of_views = views_variance / std::max(bias.count * bias.count, 1.0);
     out.bias_variance = std::max(bias.variance(), of_views) + highlights.variance / (pixels * pixels);
     return out;
 }

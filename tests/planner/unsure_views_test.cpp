@@ -351,8 +351,8 @@ TEST(UnsureViews, AFaceWhosePlaneCutsTheLensIsLeftToRays) {
     EXPECT_GT(measured_db, got.hybrid.stated->low_db());
     EXPECT_GT(measured_db, 48);
 
-    // Without more rays, few check rays meet the face, and never two in a pixel. What is stated is as
-    // uncertain.
+    // Without more rays, few check rays meet the face, and never two in a pixel. The stated interval
+    // is accordingly wide.
     s.hybrid.focus.views = 256;
     const HybridResult few = hybrid_picture(focus, s.hybrid);
     ASSERT_TRUE(few.stated);

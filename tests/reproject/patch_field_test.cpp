@@ -223,7 +223,7 @@ class PartlyHidden : public SightRays {
             radiance[i].fill(is_seen ? 1 : 0);
         }
     }
-    void inverse_depths(std::span<const SightLine>, std::span<const std::uint32_t>,
+    void inverse_depths(std::span<const SightLine>, std::uint32_t,
                         std::span<glm::dvec3> inverse_z) const override {
         std::fill(inverse_z.begin(), inverse_z.end(), glm::dvec3(0));
     }

@@ -59,7 +59,7 @@ void SceneRays::trace_elsewhere(std::span<const SightLine> lines, std::span<cons
     store(eye, eye.left_out, radiance);
 }
 
-void SceneRays::inverse_depths(std::span<const SightLine> lines, std::span<const std::uint32_t> of,
+void SceneRays::inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                std::span<glm::dvec3> inverse_z) const {
     thread_local EyeRays eye;
     aim(lines, eye);
@@ -71,7 +71,7 @@ void SceneRays::inverse_depths(std::span<const SightLine> lines, std::span<const
         if (!b.hit(i).valid()) continue;
         const glm::dvec3 origin(b.ox[i], b.oy[i], b.oz[i]), direction(b.dx[i], b.dy[i], b.dz[i]);
         const SurfacePoint s = scene.surface(b.hit(i), origin, direction, static_cast<double>(b.t[i]), 0);
-        if (scene.scene().objects[s.object].id != of[i]) continue;
+        if (scene.scene().objects[s.object].id != id) continue;
         inverse_z[i] = setup_.camera().inverse_depth(s.position, s.geometric_normal);
     }
 }

@@ -20,7 +20,7 @@ class SceneRays : public SightRays {
                std::span<std::array<float, 3>> radiance) const override;
     void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                          const LightElsewhere& less, std::span<std::array<float, 3>> radiance) const override;
-    void inverse_depths(std::span<const SightLine> lines, std::span<const std::uint32_t> of,
+    void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
     /// Of 4, 32 and 100, tried on six scenes, 32 took about the least time on each. 4 took a tenth longer on
