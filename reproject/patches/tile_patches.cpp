@@ -107,6 +107,11 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
         bins[t].patches.reserve(order.size());
         bins[t].pixels.reserve(order.size());
         for (const auto& [key, i] : order) {
+            const NodePath path = mesh.sheet(mesh.patches[before.patches[i]]).key.path;
+            std::vector<PatchChain>& chains = bins[t].chains;
+            if (chains.empty() || chains.back().path != path)
+                chains.push_back({path, bins[t].patches.size(), bins[t].patches.size()});
+            ++chains.back().end;
             bins[t].patches.push_back(before.patches[i]);
             bins[t].pixels.push_back(before.pixels[i]);
         }
@@ -145,16 +150,13 @@ void PatchBins::gather_chains(std::size_t tile, const TileRect& rect, GatheredTi
         const Bin& bin = deeper_[i][tile];
         TilePatches& patches = out.deeper[i];
         begin(mesh, patches);
-        std::vector<PatchChain>& chains = out.chains[i];
-        for (std::size_t p = 0; p < bin.patches.size(); ++p) {
-            const NodePath path = mesh.sheet(mesh.patches[bin.patches[p]]).key.path;
-            if (chains.empty() || chains.back().path != path) {
-                out.paths.push_back(path);
-                chains.push_back({path, patches.reach.size(), patches.reach.size()});
+        for (const PatchChain& chain : bin.chains) {
+            out.paths.push_back(chain.path);
+            const std::size_t begin = patches.reach.size();
+            for (std::size_t p = chain.begin; p < chain.end; ++p) {
+                if (bin.pixels[p].meet(rect)) add(mesh, bin.patches[p], patches);
             }
-            if (!bin.pixels[p].meet(rect)) continue;
-            add(mesh, bin.patches[p], patches);
-            chains.back().end = patches.reach.size();
+            out.chains[i].push_back({chain.path, begin, patches.reach.size()});
         }
     }
     if (!out.paths.empty()) {

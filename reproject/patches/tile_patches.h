@@ -78,6 +78,7 @@ class PatchBins {
         };
         std::vector<std::uint32_t> patches;
         std::vector<Pixels> pixels;
+        std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
     /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
