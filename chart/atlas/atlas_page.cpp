@@ -64,32 +64,26 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Table rows for the tested method, for the method that corrects its error (if the case has one), and for
-/// the pinhole image.
+/// Table rows for the tested method, for the method that corrects its error (if the case has one), for the
+/// pinhole image, and for the noise of the reference.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
-    if (e.what.remedy && e.result.remedy) out.push_back(row(*e.what.remedy, *e.result.remedy, quote));
+    if (e.what.remedy && e.result.remedy) {
+        out.push_back(row(*e.what.remedy, *e.result.remedy, quote));
+        out.back().method = "remedy: " + out.back().method;
+    }
     out.push_back({"pinhole", fmt::format("{:.1f}", e.result.pinhole_db), "", "", "", ""});
+    out.push_back({"noise of the rays", fmt::format("{:.1f}", e.result.noise_db), "", "", "", ""});
     return out;
 }
 
-/// Names the four images of a case's strip.
-std::string cells_text(const AtlasCase& c) {
-    std::string out = fmt::format("From left to right: {} (the method that fails), ", label(c.method));
-    if (c.remedy) out += fmt::format("{} (the remedy), ", label(*c.remedy));
-    return out + "distributed rays, and the error of the method that fails";
-}
-
-std::string noise_text(const AtlasEntry& e) {
-    std::string out = fmt::format(
-        "The lens or the shutter changes {:.0f} % of the pixels. The column \"affected\" has the error of "
-        "these pixels "
-        "alone. The noise of the reference is {:.1f} dB.",
-        100 * e.result.affected_share, e.result.noise_db);
+/// Returns the case's view, the share of pixels whose errors are in the column "affected", and the share of
+/// the error that `compare --map-causes` attributes to the case's cause.
+std::string caption(const AtlasEntry& e) {
+    std::string out = fmt::format("{}; {:.0f} % of the pixels affected", view_text(e.what.view),
+                                  100 * e.result.affected_share);
     if (e.result.named_share)
-        out += fmt::format(
-            " `compare --map-causes` attributes {:.0f} % of the error to {}, the cause of this case.",
-            100 * *e.result.named_share, e.what.cause);
+        out += fmt::format("; {:.0f} % of the error named", 100 * *e.result.named_share);
     return out;
 }
 
@@ -147,17 +141,17 @@ std::string atlas_markdown(const AtlasRun& run) {
         std::string text;
         for_each(cause.word, [&](const AtlasEntry& e) {
             const AtlasCase& c = e.what;
-            text += fmt::format("### <a id=\"{}\"></a>{}\n\n![{}. {}]({})\n\n", c.name, c.title, c.title,
-                                cells_text(c), atlas_strip(c.name).generic_string());
-            text += fmt::format("*{}. {}.*\n\n{}\n\n- Detected: {}\n- What happens: {}\n\n",
-                                view_text(c.view), cells_text(c), c.why, c.detection, c.outcome);
+            text += fmt::format("### <a id=\"{}\"></a>{}\n\n![{}]({})\n\n", c.name, c.title, c.title,
+                                atlas_strip(c.name).generic_string());
+            text += fmt::format("*{}*\n\n{}\n\n- Detected: {}\n- What happens: {}\n\n", caption(e), c.why,
+                                c.detection, c.outcome);
             text +=
                 "| method | dB | affected, dB | energy | traced again | warnings |\n| --- | --- | --- | --- "
                 "| --- | --- |\n";
             for (const Row& r : rows(e, "`"))
                 text += fmt::format("| {} | {} | {} | {} | {} | {} |\n", r.method, r.whole, r.affected,
                                     r.energy, r.retraced, r.warnings);
-            text += fmt::format("\n{}\n\n", noise_text(e));
+            text += "\n";
         });
         if (!text.empty()) out += fmt::format("\n## {}\n\n{}\n\n{}", cause.word, cause.meaning, text);
     }
@@ -184,18 +178,18 @@ std::string atlas_html(const AtlasRun& run, const std::filesystem::path& folder)
                                    html_escaped(cause.meaning));
             is_first = false;
             out += fmt::format("<h3 id=\"{}\">{}</h3>\n<img alt=\"{}\" src=\"{}\">\n", html_escaped(c.name),
-                               html_escaped(c.title), html_escaped(cells_text(c)),
+                               html_escaped(c.title), html_escaped(c.title),
                                picture_url(folder / atlas_strip(c.name), "png"));
             out += fmt::format(
-                "<p class=\"view\">{}. {}.</p>\n<p>{}</p>\n<p><b>Detected:</b> {}</p>\n<p><b>What "
+                "<p class=\"view\">{}</p>\n<p>{}</p>\n<p><b>Detected:</b> {}</p>\n<p><b>What "
                 "happens:</b> {}</p>\n",
-                html_escaped(view_text(c.view)), html_escaped(cells_text(c)), html_escaped(c.why),
-                html_escaped(c.detection), html_escaped(c.outcome));
+                html_escaped(caption(e)), html_escaped(c.why), html_escaped(c.detection),
+                html_escaped(c.outcome));
             out += "<table><tr><th>method<th>dB<th>affected, dB<th>energy<th>traced again<th>warnings</tr>\n";
             for (const Row& r : rows(e, ""))
                 out += fmt::format("<tr><td>{}<td>{}<td>{}<td>{}<td>{}<td>{}</tr>\n", html_escaped(r.method),
                                    r.whole, r.affected, r.energy, r.retraced, html_escaped(r.warnings));
-            out += fmt::format("</table>\n<p>{}</p>\n", noise_text(e));
+            out += "</table>\n";
         }
     }
     return out + "</body></html>\n";
