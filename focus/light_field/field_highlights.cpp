@@ -34,7 +34,9 @@ constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// so that each highlight has at least least_moments sources.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance above which light is a highlight.
+/// A highlight is light that is brighter than white by at least this radiance, in any channel; all of its
+/// radiance above white is spread. Views show less bright light as they show white surfaces, with hardly more
+/// noise.
 constexpr float brightest = 1;
 /// Edge of the squares, px, in which all highlights share one computation of visibility.
 constexpr double group_px = 1.5;
@@ -61,6 +63,7 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens = patch_lens(geometry);
     rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
+        if (std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) < brightest * light.area) return false;
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
