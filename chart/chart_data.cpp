@@ -272,11 +272,10 @@ std::string chart_markdown(const ChartData& data) {
     if (data.record_floor)
         out += fmt::format(" The pinhole picture made from the records has {} dB against that made by rays.",
                            db_text(*data.record_floor));
-    out += "\n";
+    out += "\n\n| trace | s | million records | MB |\n|---|---|---|---|\n";
     for (const ChartTrace& t : data.traces) {
-        out += fmt::format("Trace \"{}\": {} s, {:.3g} million records, {:.3g} MB.\n", t.name,
-                           spread_text(t.seconds), static_cast<double>(t.records) / 1e6,
-                           static_cast<double>(t.bytes) / 1e6);
+        out += fmt::format("| {} | {} | {:.3g} | {:.3g} |\n", t.name, spread_text(t.seconds),
+                           static_cast<double>(t.records) / 1e6, static_cast<double>(t.bytes) / 1e6);
     }
     return out;
 }
