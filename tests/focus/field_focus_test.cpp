@@ -233,6 +233,25 @@ TEST(FieldFocus, AHighlightIsOneDiscForAnyNumberOfViews) {
     EXPECT_NEAR(x_mean / weight, 32, 0.05);
 }
 
+// Views show light of less than twice the radiance of white, so its image is proportional to its radiance.
+TEST(FieldFocus, OnlyLightTwiceAsBrightAsWhiteIsAHighlight) {
+    const auto picture = [](float radiance) {
+        SceneBuilder b;
+        b.add(board(-0.2, 0.2, -0.2, 0.2, 4), glowing({radiance, radiance / 2, 0}));
+        const TracedFrame frame(b.scene, for_lens(wide.f_number));
+        return focus_picture(frame.file(), by_field(0.9, 16)).image;
+    };
+    const Image white = picture(1);
+    const auto difference = [&](float radiance) {
+        Image expected = white;
+        for (float& v : expected.rgb) v *= radiance;
+        return largest_difference(picture(radiance), expected);
+    };
+    EXPECT_LT(difference(1.99F), 1e-5);
+    // The views' steps of 1/16 disappear from the half of the light that is spread.
+    EXPECT_GT(difference(2.01F), 0.5 / 16);
+}
+
 // A disc that is 10 % too wide is 20 % too dark, which only a light source shows.
 TEST(FieldFocus, SmallDiscsAreAsBrightAsTheyAreNarrow) {
     const SceneBuilder b = lamp_before(0);
