@@ -34,10 +34,11 @@ constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// so that each highlight has at least least_moments sources.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// A highlight is light that is brighter than white by at least this radiance, in any channel; all of its
-/// radiance above white is spread. Views show less bright light as they show white surfaces, with hardly more
-/// noise.
-constexpr float brightest = 1;
+/// Radiance of white. All that a highlight has above it is spread.
+constexpr float white = 1;
+/// Smallest radiance above white, in any channel, of a highlight that does not move. Views show dimmer light
+/// with hardly more noise than a white surface.
+constexpr float least_radiance = 1;
 /// Edge of the squares, px, in which all highlights share one computation of visibility.
 constexpr double group_px = 1.5;
 
@@ -59,11 +60,11 @@ glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const gl
 
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
     HighlightRule rule;
-    rule.above = brightest;
+    rule.above = white;
     if (aperture.varies_over_field() || aperture.spherical_per_m() != 0) return rule;
     const PatchLens lens = patch_lens(geometry);
     rule.takes = [lens](const Highlight& light, const SheetKey& key, const BrightSheet& sheet) {
-        if (std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) < brightest * light.area) return false;
+        if (!light.exceeds(least_radiance)) return false;
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;

@@ -29,8 +29,7 @@ HighlightMotion::HighlightMotion(std::function<bool(std::uint32_t id)> moves, Ma
     : moves_(std::move(moves)), map_(std::move(map)), lens_(std::move(lens)) {}
 
 bool HighlightMotion::takes(const Highlight& light, float area_px2) {
-    return area_px2 < largest_px2 &&
-           std::max({light.rgb[0], light.rgb[1], light.rgb[2]}) >= least_radiance * light.area;
+    return area_px2 < largest_px2 && light.exceeds(least_radiance);
 }
 
 std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t id, int count) const {

@@ -107,7 +107,7 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
         bins[t].patches.reserve(order.size());
         bins[t].pixels.reserve(order.size());
         for (const auto& [key, i] : order) {
-            const NodePath path = mesh.sheet(mesh.patches[before.patches[i]]).key.path;
+            const NodePath path(static_cast<std::uint32_t>(key >> 32U));  // as order_key packs it
             std::vector<PatchChain>& chains = bins[t].chains;
             if (chains.empty() || chains.back().path != path)
                 chains.push_back({path, bins[t].patches.size(), bins[t].patches.size()});

@@ -2,6 +2,7 @@
 // square of the raster. For each pixel it stores a quadtree of uniform colours and a plane of depths.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -96,6 +97,11 @@ struct Highlight {
     glm::vec2 slope{0};
     std::uint32_t sheet = 0;
     Hides hides = Hides::nothing;
+
+    /// Whether its radiance, above the limit for highlights, is at least `radiance` in any channel.
+    [[nodiscard]] bool exceeds(float radiance) const {
+        return std::max({rgb[0], rgb[1], rgb[2]}) >= radiance * area;
+    }
 };
 
 /// A texel (colour of one quadtree leaf) whose radiance exceeds the limit for highlights.
