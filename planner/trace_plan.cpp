@@ -176,8 +176,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     // wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
-    const SmallThings things(scene, camera, asked.time_s.value_or(scene.time_s), 0, camera.width, 0,
-                             camera.height);
+    const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
+                             camera.width, 0, camera.height);
     // Dividing a cell into four adds samples.
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +

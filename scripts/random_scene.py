@@ -4,7 +4,7 @@ scene.
 Each scene has a camera, 3 to 12 objects at distances of 1 to 12 m from it, one to three lights, and in most cases a
 floor. The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an
 extent), gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter
-is open from 0 to 1 s).
+is open from 0 to 1 s). A further kind, only where it is asked for, is leaves (trees whose leaves are one mesh).
 """
 
 import dataclasses
@@ -119,11 +119,28 @@ class Maker:
             self.lines += [f"keys = [{{ time_s = 0 }}, {{ time_s = 1, translate_m = {by}"
                            + (f", {turn}" if self.chance(0.3) else "") + " }]"]
 
+    def leaves(self, material, centre, size):
+        positions, faces = [], []
+        count, leaf = round(10 ** self.between(1.5, 3)), size * 10 ** self.between(-2, -0.7)
+        for i in range(count):
+            out = self.between(0.3, 1) * size
+            at = [c + out * d for c, d in zip(centre, self.direction())]
+            u, v = self.direction(), self.direction()
+            along = sum(a * b for a, b in zip(u, v))
+            v = [b - along * a for a, b in zip(u, v)]
+            for by_u, by_v in ((-leaf, 0), (0, -leaf / 2), (leaf, 0), (0, leaf / 2)):
+                positions.append(vector(*(p + by_u * a + by_v * b for p, a, b in zip(at, u, v))))
+            faces.append(f"[{4 * i}, {4 * i + 1}, {4 * i + 2}, {4 * i + 3}]")
+        self.thing(material, ['shape = "mesh"', f"positions_m = [{', '.join(positions)}]", f"faces = [{', '.join(faces)}]"])
+
     def body(self, material):
         z = -1 / self.between(1 / 12, 1 / 1.1)
         reach, size = -0.36 * z, -self.between(0.04, 0.16) * z
         centre = (self.between(-reach, reach), self.between(-0.6 * reach, 0.6 * reach), z)
         axis = self.direction()
+        if self.kind == "leaves" and self.chance(0.5):
+            self.leaves(material, centre, 2 * size)
+            return
         end = tuple(c + 2.5 * size * a for c, a in zip(centre, axis))
         shape = self.random.choice(["sphere", "box", "cylinder", "cone", "disc", "rectangle", "joint"])
         if shape == "sphere":

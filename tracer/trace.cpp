@@ -282,6 +282,8 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     check(asked);
     TraceSettings settings = asked;
     settings.whitted.lens_radius_m = lens_radius_m(scene, asked);
+    const ObjectParts parts(scene);
+    if (parts.any()) settings.whitted.parts = &parts;
     if (asked.for_f_number) settings.whitted.bend_radius_m = settings.whitted.lens_radius_m;
     if (asked.for_f_number && asked.subdivide_for_lens) {
         settings.subdivision.colour_levels = asked.subdivision.levels;
@@ -317,8 +319,8 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
         std::min(settings.subdivision.colour_levels, settings.subdivision.levels);
     for (std::size_t i = 0; settings.seek_small_things && i < small_things.size(); ++i) {
         const CameraModel at(of, result.instants_s[i], settings.camera);
-        SmallThings things(scene, at, result.instants_s[i], window.x_begin, window.x_end + 1, window.y_begin,
-                           window.y_end + 1);
+        SmallThings things(scene, parts, at, result.instants_s[i], window.x_begin, window.x_end + 1,
+                           window.y_begin, window.y_end + 1);
         const bool sought = asked.subdivision.levels > 0;
         result.too_narrow_objects =
             std::max(result.too_narrow_objects, things.lost() + (sought ? 0 : things.objects()));
@@ -331,7 +333,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.has_bend = instant->tracer().measures_bends();
-    header.has_marks = instant->tracer().has_textures();
+    header.has_marks = instant->tracer().has_textures() || instant->tracer().has_parts();
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
     if (settings.on_expected_bytes) {

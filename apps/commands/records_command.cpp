@@ -45,7 +45,8 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     const bool isotropic = r.w.xx == r.w.yy && r.w.xy == 0 && r.w.yx == 0;
     line += isotropic ? fmt::format("  W {:.5g}", r.w.xx)
                       : fmt::format("  W {:.5g} {:.5g} / {:.5g} {:.5g}", r.w.xx, r.w.xy, r.w.yx, r.w.yy);
-    if (r.mark != 0) line += "  fine texture";
+    if ((r.mark & RecordMark::fine_texture) != 0) line += "  fine texture";
+    if ((r.mark & RecordMark::gap) != 0) line += "  gap";
     if (r.w_bend != 0) line += fmt::format("  bend {:.4g}", r.w_bend);
     if (lens) {
         const CocAxes coc = coc_axes(*lens, r.w);

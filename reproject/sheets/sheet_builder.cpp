@@ -40,9 +40,10 @@ bool SheetBuilder::has_contrast(const LeafPiece& piece) const {
     return false;
 }
 
-bool SheetBuilder::is_marked(const LeafPiece& piece) const {
-    return std::all_of(piece.node.begin(), piece.node.end(),
-                       [&](std::uint32_t n) { return node(n).mark != 0; });
+std::uint8_t SheetBuilder::marks(const LeafPiece& piece) const {
+    std::uint8_t out = RecordMark::all;
+    for (const std::uint32_t n : piece.node) out &= node(n).mark;
+    return out;
 }
 
 bool SheetBuilder::has_contrast_below(const LeafPiece& piece) const {
@@ -133,6 +134,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
     Texel t;
     const float share = 1.0F / static_cast<float>(piece.corners);
     const bool whole = piece.corners == 4;
+    const std::uint8_t marked = whole ? marks(piece) : std::uint8_t{0};
     for (int k = 0; k < piece.corners; ++k) {
         const TreeSurface& s = node(piece.node[static_cast<std::size_t>(k)]);
         std::array<float, 3> colour = s.rgb, excess{};
@@ -171,7 +173,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
     t.b = rgb[2];
     t.info = Texel::info_of(
         drafts_[sheet].number, children,
-        (!whole || has_contrast(piece) || is_marked(piece) ? Texel::unsure_bit : 0U) |
+        (!whole || has_contrast(piece) || marked != 0 ? Texel::unsure_bit : 0U) |
             (children != 0 && (!whole || has_contrast_below(piece)) ? Texel::unsure_below_bit : 0U));
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
@@ -189,6 +191,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
         }
     }
     mean_.children |= children;
+    mean_.may_have_gap |= (marked & RecordMark::gap) != 0;
     mean_.area += area;
     ++mean_.texels;
     return SheetNode::leaf | static_cast<std::uint32_t>(out_.texels.size() - 1);
@@ -203,9 +206,10 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const LeafPiece* const>
     draft.fine.push_back(add_tree(sheet, tree_pieces_, 0, tree_pieces_.size(), 0, 0, 1, 0));
     draft.coarse.push_back(draft.fine.back());
     if (mean_.texels > 1 && mean_.area > 1 - 1e-9) {
-        out_.texels.push_back({static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
-                               static_cast<float>(mean_.rgb[2]),
-                               Texel::info_of(draft.number, mean_.children)});
+        out_.texels.push_back(
+            {static_cast<float>(mean_.rgb[0]), static_cast<float>(mean_.rgb[1]),
+             static_cast<float>(mean_.rgb[2]),
+             Texel::info_of(draft.number, mean_.children, mean_.may_have_gap ? Texel::unsure_bit : 0U)});
         note_bright(first_light, 1);
         if (!out_.below.empty()) {
             out_.below.resize(out_.texels.size());

@@ -30,9 +30,9 @@ class SheetBuilder {
     /// Whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or texture
     /// must cross the leaf.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// Whether the records at all corners are marked, for example because their texture is finer than the
-    /// samples (RecordMark).
-    [[nodiscard]] bool is_marked(const LeafPiece& piece) const;
+    /// The marks that the records at all corners have (RecordMark), for example because their texture is
+    /// finer than the samples.
+    [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
     [[nodiscard]] bool has_contrast_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -75,6 +75,7 @@ class SheetBuilder {
         std::array<double, 3> rgb{};
         std::array<std::array<double, 3>, 2> below{};
         std::uint8_t children = 0;
+        bool may_have_gap = false;  ///< RecordMark::gap
         double area = 0;
         std::size_t texels = 0;
     } mean_;

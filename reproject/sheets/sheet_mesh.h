@@ -48,8 +48,8 @@ struct Texel {
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
     /// Bits (child_bit) for the presence of a reflected and of a transmitted child node.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
-    /// Whether an edge crosses the quadtree leaf: the outline of the surface, or the edge of a shadow or
-    /// texture. The colours at the leaf's corners then do not determine the colour of the leaf.
+    /// Whether an edge may cross the quadtree leaf: the outline of the surface, a gap in it, or the edge of a
+    /// shadow or texture. The colours at the leaf's corners then do not determine the colour of the leaf.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
     /// Whether the edge of a shadow or a texture crosses the quadtree leaf, in light that reaches its surface
     /// by reflection or transmission.

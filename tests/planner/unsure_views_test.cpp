@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <random>
 #include <string>
 
 #include "compare/metrics/pixel_errors.h"
@@ -105,6 +106,36 @@ INSTANTIATE_TEST_SUITE_P(Scenes, UnsureViews,
                              return p.param.scene.substr(0, p.param.scene.find('.')) + "_" +
                                     std::to_string(std::lround(10 * p.param.f_number));
                          });
+
+// The leaves of a tree are one mesh, as modelling programs export them. Many are narrower than a pixel, and
+// there are gaps between them that no corner sees.
+TEST(UnsureViews, LeavesOfOneMeshAreAsRightAsRays) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal;
+    const auto direction = [&] {
+        return glm::normalize(dvec3(normal(random), normal(random), normal(random)));
+    };
+    Mesh leaves;
+    for (int i = 0; i < 300; ++i) {
+        const dvec3 at = dvec3(0, 0, -5.5) + 0.9 * direction(), u = 0.03 * direction(),
+                    v = 0.015 * glm::normalize(glm::cross(u, direction()));
+        const auto first = static_cast<std::uint32_t>(leaves.positions.size());
+        for (const dvec3& p : {at - u, at - v, at + u, at + v}) leaves.positions.emplace_back(p);
+        leaves.triangles.emplace_back(first, first + 1, first + 2);
+        leaves.triangles.emplace_back(first, first + 2, first + 3);
+    }
+    SceneBuilder b;
+    b.scene.background = dvec3(0.45, 0.6, 0.9);
+    b.add(std::make_shared<const Mesh>(leaves), glowing(dvec3(0.05, 0.2, 0.04)));
+    const Case c{"", 1.4, 5};
+    const TracedFrame frame(b.scene, traced_for(c));
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const Image truth = rendered(b.scene, c, 50, 1024, 9);
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) - 0.5);
+    EXPECT_LT(got.retraced_share, 0.5);
+}
 
 // A rectangle brighter than white in front of a cone that passes through its depth. The rectangle has a lobe:
 // a record includes the lobe's mean, while rays sample it. The radiance above white is added as a highlight,

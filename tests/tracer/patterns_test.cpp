@@ -172,6 +172,53 @@ TEST(CornersAndPatterns, TextureFinerThanTheSamplesIsMarked) {
     EXPECT_FALSE(TracedFrame(plain.scene).file().header().has_marks);
 }
 
+/// A wall at 4 m of two boards of one object. Their gap is 0.4 px wide and lies between two columns of
+/// corners.
+Scene boards_with_gap(bool of_one_mesh) {
+    SceneBuilder b;
+    const double px = 4 * 36 / 50.0 / 64, left = 0.3 * px, right = 0.7 * px;
+    const auto quad = [](double x0, double x1) {
+        Mesh out;
+        for (const double x : {x0, x1}) {
+            out.positions.emplace_back(x, -10, -4);
+            out.positions.emplace_back(x, 10, -4);
+        }
+        out.triangles = {{0, 2, 1}, {1, 2, 3}};
+        return out;
+    };
+    if (of_one_mesh) {
+        Mesh both = quad(-10, left);
+        const Mesh other = quad(right, 10);
+        both.positions.insert(both.positions.end(), other.positions.begin(), other.positions.end());
+        for (const glm::uvec3& t : other.triangles) both.triangles.push_back(t + glm::uvec3(4));
+        b.add(std::make_shared<const Mesh>(both), glowing(dvec3(0.5)));
+    } else {
+        b.add(std::make_shared<const Mesh>(quad(-10, left)), glowing(dvec3(0.5)));
+        b.add(std::make_shared<const Mesh>(quad(right, 10)), glowing(dvec3(0.5)));
+        b.scene.objects[1].id = b.scene.objects[0].id;
+    }
+    return b.scene;
+}
+
+// All corners show one object and one colour, but there is a gap between its parts.
+TEST(CornersAndPatterns, AGapBetweenThePartsOfAnObjectIsDividedOrMarked) {
+    for (const bool of_one_mesh : {true, false}) {
+        const Scene scene = boards_with_gap(of_one_mesh);
+        TraceSettings settings;
+        settings.subdivision.levels = 4;
+        const Image picture = TracedFrame(scene, settings).file().picture();
+        // Each of the gap's two edges is known to half of 1/16 px.
+        for (int y = 0; y < picture.height; ++y) EXPECT_NEAR(*picture.pixel(32, y), 0.6F * 0.5F, 0.5F / 16);
+        settings.subdivision.levels = 0;
+        const TracedFrame frame(scene, settings);
+        EXPECT_TRUE(frame.file().header().has_marks);
+        RecordBand band;
+        frame.file().read(frame.file().y_begin(), frame.file().y_end(), band);
+        for (const Record& r : band.records)
+            EXPECT_EQ(r.mark, r.x == 32 || r.x == 33 ? RecordMark::gap : 0) << r.x << " " << r.y;
+    }
+}
+
 // A strip in front of a wall, narrower than a pixel and between two corners, with a light on each side. Each
 // corner is in the shadow of one light, and both have the same colour. The wall between them is lit by both
 // lights.

@@ -2,6 +2,7 @@
 #include "tracer/recording/small_things.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ dvec3 point_at(const dvec2& px) {
 }
 
 SmallThings things_of(const Scene& scene) {
-    return {scene, CameraModel(scene.cameras[0], scene.time_s), scene.time_s, 0, width, 0, height};
+    return {scene, ObjectParts(scene), CameraModel(scene.cameras[0], scene.time_s), scene.time_s, 0, width, 0,
+            height};
 }
 
 struct Sampled {
@@ -229,6 +231,64 @@ TEST(SmallThings, BoxesDiscsAndMeshesAreFoundToo) {
     const Sampled s = sample(b.scene, things_of(b.scene));
     for (const std::uint32_t id : {1U, 2U, 3U, 4U}) EXPECT_TRUE(s.hits.contains(id)) << id;
     EXPECT_EQ(sample(b.scene, {}).hits.size(), 1U);  // none of them is hit by chance
+}
+
+/// Quads of half a pixel, far apart and turned in all directions.
+std::vector<std::array<dvec3, 4>> leaves() {
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    const auto direction = [&] {
+        return glm::normalize(dvec3(normal(random), normal(random), normal(random)));
+    };
+    std::vector<std::array<dvec3, 4>> out;
+    for (int y = 2; y < height; y += 5) {
+        for (int x = 2; x < width; x += 5) {
+            const dvec3 at = point_at({x + 0.4, y + 0.3}), u = direction() * 0.25 * pixel_m,
+                        v = glm::normalize(glm::cross(u, direction())) * 0.1 * pixel_m;
+            out.push_back({at - u, at - v, at + u, at + v});
+        }
+    }
+    return out;
+}
+
+Mesh mesh_of(const std::vector<std::array<dvec3, 4>>& quads) {
+    Mesh out;
+    for (const std::array<dvec3, 4>& q : quads) {
+        const auto first = static_cast<std::uint32_t>(out.positions.size());
+        for (const dvec3& p : q) out.positions.emplace_back(p);
+        out.triangles.emplace_back(first, first + 1, first + 2);
+        out.triangles.emplace_back(first, first + 2, first + 3);
+    }
+    return out;
+}
+
+TEST(SmallThings, ThePartsOfAMeshAreFoundLikeObjects) {
+    SceneBuilder together, apart;
+    together.add(std::make_shared<const Mesh>(mesh_of(leaves())), glowing(dvec3(1)));
+    for (const auto& quad : leaves())
+        apart.add(std::make_shared<const Mesh>(mesh_of({quad})), glowing(dvec3(1)));
+    const Sampled a = sample(together.scene, things_of(together.scene)),
+                  b = sample(apart.scene, things_of(apart.scene));
+    EXPECT_EQ(a.counts.eye, b.counts.eye);
+    EXPECT_EQ(a.light, b.light);
+    // Nearly edge-on ones are narrower than 1/128 px, and may be missed.
+    EXPECT_GT(b.hits.size(), 0.95 * static_cast<double>(leaves().size()));
+    EXPECT_LT(sample(apart.scene, {}).hits.size(), 0.2 * static_cast<double>(leaves().size()));
+}
+
+TEST(SmallThings, AMeshIsAsNarrowAsItLooksInAnyDirection) {
+    // Ribbons of 10 px by 0.2 px, whose boxes along the coordinate axes are wide.
+    for (const double angle : {0.3, 0.8, 1.2}) {
+        const dvec3 along(std::cos(angle), std::sin(angle), 0), aside(-along.y, along.x, 0);
+        const dvec3 at = point_at({30.3, 20.6}), u = along * 5.0 * pixel_m, v = aside * 0.1 * pixel_m;
+        SceneBuilder b;
+        b.add(std::make_shared<const Mesh>(mesh_of({{at - u - v, at + u - v, at + u + v, at - u + v}})),
+              glowing(dvec3(1)));
+        const Sampled s = sample(b.scene, things_of(b.scene));
+        double light = 0;
+        for (const double pixel : s.light) light += pixel;
+        EXPECT_NEAR(light, 10 * 0.2, 0.1 * 10 * 0.2) << angle;
+    }
 }
 
 TEST(SmallThings, WideAndInfiniteThingsAskForNothing) {

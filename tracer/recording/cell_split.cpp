@@ -12,10 +12,12 @@ bool CellSplit::has_contrast(double lo, double hi) const {
 
 bool CellSplit::differ(const CornerCell& c, const Seen* s, int count) const {
     for (int i = 1; i < count; ++i) {
-        if (s[i].id != s[0].id)
-            return c.size > grid_.unit >> std::min(settings_.edge_levels, settings_.levels);
+        if (s[i].id != s[0].id) return is_larger(c, settings_.edge_levels);
     }
-    if (c.size <= grid_.unit >> std::min(settings_.colour_levels, settings_.levels)) return false;
+    for (int i = 1; i < count; ++i) {
+        if (s[i].part != s[0].part && is_larger(c, settings_.edge_levels)) return true;
+    }
+    if (!is_larger(c, settings_.colour_levels)) return false;
     for (std::size_t channel = 0; channel < 3; ++channel) {
         float lo = s[0].rgb[channel], hi = lo;
         for (int i = 1; i < count; ++i) {
@@ -37,30 +39,45 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    if (!tracer_.has_textures() ||
-        c.size > std::max(1U, grid_.unit >> std::min(settings_.colour_levels, settings_.levels)))
-        return;
-    // Textures are compared with the nodes of the first corner. If none of these nodes has a texture, nothing
-    // is marked.
-    const CornerSample& first = samples_[c.corner[0]];
-    const ColourSource* sources = chunks_[first.chunk].sources.data() + first.first;
-    if (std::none_of(sources, sources + first.count,
-                     [](const ColourSource& s) { return s.texture != nullptr; }))
-        return;
+    const bool is_last = c.size == 1,
+               parts = tracer_.has_parts() && (is_last || !is_larger(c, settings_.edge_levels));
+    bool textures = tracer_.has_textures() && (is_last || !is_larger(c, settings_.colour_levels));
+    if (textures) {
+        // Textures are compared with the nodes of the first corner.
+        const CornerSample& first = samples_[c.corner[0]];
+        const ColourSource* sources = chunks_[first.chunk].sources.data() + first.first;
+        textures = std::any_of(sources, sources + first.count,
+                               [](const ColourSource& s) { return s.texture != nullptr; });
+    }
+    if (!textures && !parts) return;
     std::array<Seen, 4> seen;
     std::array<std::uint32_t, 4> at{};
+    const auto mark = [&] {
+        if (textures) mark_textures(seen, marks);
+        if (parts) mark_parts(seen, marks);
+    };
     for (std::size_t i = 0; i < 4; ++i) {
         const CornerSample& s = samples_[c.corner[i]];
         seen[i] = visible_layer(s);
         at[i] = s.visible;
     }
-    mark_textures(seen, marks);
+    mark();
     while (std::all_of(at.begin(), at.end(), [&, i = std::size_t{0}](std::uint32_t a) mutable {
         return a < samples_[c.corner[i++]].count;
     })) {
         for (std::size_t i = 0; i < 4; ++i) seen[i] = take_layer(samples_[c.corner[i]], at[i]);
-        mark_textures(seen, marks);
+        mark();
     }
+}
+
+void CellSplit::mark_parts(const std::array<Seen, 4>& s, Marks& marks) const {
+    for (const Seen& other : s) {
+        if (other.id != s[0].id) return;
+    }
+    if (std::all_of(s.begin(), s.end(), [&](const Seen& other) { return other.part == s[0].part; })) return;
+    for (const Seen& corner : s)
+        marks.push_back(
+            {static_cast<std::uint32_t>(corner.chunk - chunks_.data()), corner.first, RecordMark::gap});
 }
 
 void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const {
@@ -69,7 +86,8 @@ void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const 
         const auto node = nodes_like(s.data(), 4, n);
         if (!node || !texture_differs(s.data(), *node, 4)) continue;
         for (std::size_t i = 0; i < 4; ++i)
-            marks.emplace_back(static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), (*node)[i]);
+            marks.push_back({static_cast<std::uint32_t>(s[i].chunk - chunks_.data()), (*node)[i],
+                             RecordMark::fine_texture});
     }
 }
 
@@ -144,7 +162,8 @@ CellSplit::Seen CellSplit::take_layer(const CornerSample& s, std::uint32_t& at) 
     const TracedSamples& chunk = chunks_[s.chunk];
     const Record* r = chunk.records.data() + s.first;
     const std::uint32_t layer = r[at].layer;
-    Seen out{r[at].id, {}, &chunk, s.first + at, 0};
+    Seen out{r[at].id, chunk.sources.empty() ? 0 : chunk.sources[s.first + at].part, {}, &chunk, s.first + at,
+             0};
     for (; at < s.count && r[at].layer == layer; ++at) {
         const glm::vec3 c = steady_radiance(chunk, s.first + at);
         out.rgb[0] += c.r;

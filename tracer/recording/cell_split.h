@@ -30,18 +30,22 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// List of records. Each is identified by the index of its chunk and its index in that chunk.
-    using Marks = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    /// A record, given by the index of its chunk and its index in that chunk, and its RecordMark.
+    struct Mark {
+        std::uint32_t chunk = 0, record = 0;
+        std::uint8_t mark = 0;
+    };
+    using Marks = std::vector<Mark>;
     /// Appends to `marks` the nodes at the corners of an undivided cell if their texture has contrast between
-    /// the corners. Cells that colour contrast could have divided further are ignored
-    /// (SubdivisionSettings::colour_levels).
+    /// the corners, or if they show several parts of one mesh. Cells that colour contrast or edges could have
+    /// divided further are ignored (SubdivisionSettings).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
     /// The properties of one layer of a sample that determine subdivision. The nodes of the layer are the
     /// records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
-        std::uint32_t id = 0;
+        std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
         const TracedSamples* chunk = nullptr;
         std::uint32_t first = 0, count = 0;
@@ -54,6 +58,11 @@ class CellSplit {
     /// between the corners, or the corners are shadowed from different lights.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
+    void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
+    /// Whether the cell is at least as large as the smallest cells of a criterion that divides to `levels`.
+    [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
+        return c.size > grid_.unit >> std::min(levels, settings_.levels);
+    }
     /// Returns the n-th node of the first corner, and the node with the same path and id at each other
     /// corner. Empty if a corner has no such node.
     [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
@@ -71,7 +80,7 @@ class CellSplit {
     [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
                                        int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
-        return {s.id, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
+        return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
     /// Returns the layer that begins at `at`, an index into the records of the sample. Sets `at` to the end
     /// of the layer.

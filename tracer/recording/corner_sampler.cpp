@@ -97,6 +97,7 @@ class BandSampler {
                        end - first,
                        0,
                        chunk.records[first].id,
+                       chunk.sources.empty() ? 0 : chunk.sources[first].part,
                        chunk.records[first].z,
                        0,
                        0,
@@ -169,8 +170,7 @@ class BandSampler {
         marks_.assign(static_cast<std::size_t>(y_end - y_begin), {});
         refine_cells(y_begin, y_end);
         for (const auto& row : marks_) {
-            for (const auto& [chunk, record] : row)
-                chunks_[chunk].records[record].mark |= RecordMark::fine_texture;
+            for (const CellSplit::Mark& m : row) chunks_[m.chunk].records[m.record].mark |= m.mark;
         }
     }
 
@@ -344,7 +344,7 @@ class BandSampler {
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
-    /// For each row of pixels, the (chunk, record) of each record that is marked for fine texture.
+    /// Of each row of pixels.
     std::vector<CellSplit::Marks> marks_;
     CellSplit cells_;
     CornerRecords records_;

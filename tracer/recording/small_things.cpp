@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <optional>
+#include <map>
 
 #include "scene/object_pose.h"
 #include "scene/shape_bounds.h"
@@ -12,6 +13,7 @@
 namespace postlens {
 namespace {
 
+using glm::dmat3;
 using glm::dvec2;
 using glm::dvec3;
 
@@ -22,54 +24,107 @@ constexpr int pieces = 16;
 // Objects narrower than the smallest cells may be missed by all corners.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// The ellipsoid that approximates an object in the world, given by its centre and three half axes.
+// The ellipsoid that approximates an object, given by its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
     // Widths at the two ends of the first axis, as factors of half[1] and half[2].
     dvec2 ends{1};
+
+    [[nodiscard]] Axes moved(const glm::dmat4& m) const {
+        const auto vector = [&](const dvec3& v) { return dvec3(m * glm::dvec4(v, 0)); };
+        return {dvec3(m * glm::dvec4(centre, 1)), {vector(half[0]), vector(half[1]), vector(half[2])}, ends};
+    }
 };
 
+/// Returns two unit vectors that are perpendicular to `axis` and to each other.
+std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
+    const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
+    const dvec3 u = glm::normalize(glm::cross(axis, other));
+    return {u, glm::normalize(glm::cross(axis, u))};
+}
+
+/// Axes of a box. Its sides have the directions of the columns of `turn`, a rotation, and the ranges `sides`.
+Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
+    const dvec3 h = (sides.max - sides.min) / 2.0;
+    return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
+}
+
+/// Axes of a box around all points: of two boxes, the one with the smaller surface. One has the directions of
+/// the coordinate axes. The other has a side towards the point farthest from the centre, and one towards the
+/// point farthest from this line, so that it fits flat and long objects of any direction.
+Axes box_around(const std::vector<glm::vec3>& points) {
+    const auto sides = [&](const dmat3& turn) {
+        Bounds out;
+        for (const glm::vec3& p : points) out.add(dvec3(p) * turn);
+        return out;
+    };
+    const auto surface = [](const Bounds& b) {
+        const dvec3 size = b.max - b.min;
+        return size.x * size.y + size.y * size.z + size.z * size.x;
+    };
+    const Bounds straight = sides(dmat3(1));
+    const dvec3 centre = (straight.min + straight.max) / 2.0;
+    const auto longest = [&](const auto& vector) {
+        dvec3 out(0);
+        for (const glm::vec3& p : points) {
+            const dvec3 v = vector(dvec3(p) - centre);
+            if (glm::dot(v, v) > glm::dot(out, out)) out = v;
+        }
+        return out;
+    };
+    const dvec3 first = longest([](const dvec3& v) { return v; });
+    const double length = glm::length(first);
+    if (!(length > 0)) return box(straight);
+    const dvec3 u = first / length, second = longest([&](const dvec3&v) { return v - glm::dot(v, u) * u; });
+    const bool is_line = glm::length(second) <= 1e-6 * length;
+    const dvec3 v = is_line ? perpendicular_to(u)[0] : glm::normalize(second);
+    const dmat3 turn(u, v, glm::cross(u, v));
+    const Bounds turned = sides(turn);
+    return surface(turned) < surface(straight) ? box(turned, turn) : box(straight);
+}
+
+/// The boxes around the parts of a mesh (ObjectParts::of_mesh).
+std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t>& parts) {
+    const std::uint32_t last = parts.empty() ? 0 : *std::max_element(parts.begin(), parts.end());
+    std::vector<std::vector<glm::vec3>> points(mesh.triangles.empty() ? 0 : std::size_t{last} + 1);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        for (int k = 0; k < 3; ++k)
+            points[parts.empty() ? 0 : parts[t]].push_back(mesh.positions[mesh.triangles[t][k]]);
+    }
+    std::vector<Axes> out;
+    std::transform(points.begin(), points.end(), std::back_inserter(out), box_around);
+    return out;
+}
+
+/// In object space, of each part of the shape. Planes have none.
 struct AxesOf {
-    const glm::dmat4& m;
+    const std::vector<std::uint32_t>& parts;
+    std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
 
-    [[nodiscard]] dvec3 point(const dvec3& p) const { return dvec3(m * glm::dvec4(p, 1)); }
-    [[nodiscard]] dvec3 vector(const dvec3& v) const { return dvec3(m * glm::dvec4(v, 0)); }
-    [[nodiscard]] Axes box(const dvec3& low, const dvec3& high) const {
-        const dvec3 h = (high - low) / 2.0;
-        return {point((low + high) / 2.0), {vector({h.x, 0, 0}), vector({0, h.y, 0}), vector({0, 0, h.z})}};
+    std::vector<Axes> operator()(const Plane&) const { return {}; }
+    std::vector<Axes> operator()(const Sphere& s) const {
+        return {box({s.centre - dvec3(s.radius), s.centre + dvec3(s.radius)})};
     }
-    /// Returns two unit vectors that are perpendicular to `axis` and to each other.
-    [[nodiscard]] static std::array<dvec3, 2> across(const dvec3& axis) {
-        const dvec3 other = std::abs(axis.x) < 0.9 * glm::length(axis) ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
-        const dvec3 u = glm::normalize(glm::cross(axis, other));
-        return {u, glm::normalize(glm::cross(axis, u))};
+    std::vector<Axes> operator()(const Box& b) const { return {box({b.min, b.max})}; }
+    std::vector<Axes> operator()(const Disc& d) const {
+        const auto [u, v] = perpendicular_to(d.normal);
+        return {{d.centre, {u * d.radius, v * d.radius, dvec3(0)}}};
     }
-
-    std::optional<Axes> operator()(const Sphere& s) const {
-        return box(s.centre - dvec3(s.radius), s.centre + dvec3(s.radius));
+    std::vector<Axes> operator()(const Rectangle& r) const {
+        return {{r.corner + (r.edge_u + r.edge_v) / 2.0, {r.edge_u / 2.0, r.edge_v / 2.0, dvec3(0)}}};
     }
-    std::optional<Axes> operator()(const Box& b) const { return box(b.min, b.max); }
-    std::optional<Axes> operator()(const Disc& d) const {
-        const auto [u, v] = across(d.normal);
-        return Axes{point(d.centre), {vector(u * d.radius), vector(v * d.radius), dvec3(0)}};
-    }
-    std::optional<Axes> operator()(const Rectangle& r) const {
-        return Axes{point(r.corner + (r.edge_u + r.edge_v) / 2.0),
-                    {vector(r.edge_u / 2.0), vector(r.edge_v / 2.0), dvec3(0)}};
-    }
-    std::optional<Axes> operator()(const Plane&) const { return std::nullopt; }
-    std::optional<Axes> operator()(const Cone& c) const {
-        const auto [u, v] = across(c.apex - c.base);
+    std::vector<Axes> operator()(const Cone& c) const {
+        const auto [u, v] = perpendicular_to(c.apex - c.base);
         const double radius = std::max(std::abs(c.base_radius), std::abs(c.apex_radius));
-        return Axes{point((c.base + c.apex) / 2.0),
-                    {vector((c.apex - c.base) / 2.0), vector(u * radius), vector(v * radius)},
-                    radius > 0 ? dvec2(std::abs(c.base_radius), std::abs(c.apex_radius)) / radius : dvec2(1)};
+        return {{(c.base + c.apex) / 2.0,
+                 {(c.apex - c.base) / 2.0, u * radius, v * radius},
+                 radius > 0 ? dvec2(std::abs(c.base_radius), std::abs(c.apex_radius)) / radius : dvec2(1)}};
     }
-    std::optional<Axes> operator()(const std::shared_ptr<const Mesh>& mesh) const {
-        const Bounds b = shape_bounds(mesh, glm::dmat4(1));
-        if (b.empty()) return std::nullopt;
-        return box(b.min, b.max);
+    std::vector<Axes> operator()(const std::shared_ptr<const Mesh>& mesh) const {
+        const auto [at, is_new] = of_meshes.try_emplace(mesh.get());
+        if (is_new) at->second = boxes_around(*mesh, parts);
+        return at->second;
     }
 };
 
@@ -125,13 +180,39 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (narrow > 1e-9 * std::sqrt(longest))
         second /= narrow;
     else
-        second = AxesOf::across(first)[0];
+        second = perpendicular_to(first)[0];
     const dvec3 third = glm::cross(first, second);
     const auto turned = [half = axes.half](const dvec3& w) {
         return w.x * half[0] + w.y * half[1] + w.z * half[2];
     };
     axes.half = {turned(first), turned(second), turned(third)};
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
+}
+
+/// Divides the ellipsoid into straight pieces: `take(from, to, half)` gets the ends of each piece's axis and
+/// its half axes.
+template <typename Take>
+void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
+    const bool tapers = axes.ends.x != axes.ends.y;
+    if (!tapers) {
+        std::sort(axes.half.begin(), axes.half.end(),
+                  [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) > glm::dot(b, b); });
+    }
+    if (!tapers && glm::length(axes.half[0]) <= 4 * glm::length(axes.half[1])) {
+        const double narrower = turn_to_sight(camera, axes);
+        // An object whose image is at most four times as long as wide is treated as a single piece without an
+        // axis.
+        if (!(narrower > 4)) {
+            take(axes.centre, axes.centre, axes.half);
+            return;
+        }
+    }
+    const dvec3& axis = axes.half[0];
+    for (int i = 0; i < pieces; ++i) {
+        const double width = glm::mix(axes.ends.x, axes.ends.y, (i + 0.5) / pieces);
+        take(axes.centre + axis * (2.0 * i / pieces - 1), axes.centre + axis * (2.0 * (i + 1) / pieces - 1),
+             std::array{axis, width * axes.half[1], width * axes.half[2]});
+    }
 }
 
 double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
@@ -143,17 +224,24 @@ double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
 
 }  // namespace
 
-SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin,
-                         double x_end, double y_begin, double y_end)
+SmallThings::SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
+                         double time_s, double x_begin, double x_end, double y_begin, double y_end)
     : x_begin_(x_begin),
       x_end_(x_end),
       y_begin_(y_begin),
       y_end_(y_end),
       images_(scene, time_s, most_cells_per_pixel * raster_px()) {
+    std::map<const Mesh*, std::vector<Axes>> of_meshes;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& o = scene.objects[i];
         const dvec3& emission = scene.materials[o.material].emission;
-        add(o, i, std::max({emission.x, emission.y, emission.z}), camera, time_s);
+        const double brightness = std::max({emission.x, emission.y, emission.z});
+        for (const Axes& axes : std::visit(AxesOf{parts.of_mesh(i), of_meshes}, o.shape)) {
+            each_piece(axes.moved(world_at(o, time_s)), camera,
+                       [&](const dvec3& from, const dvec3& to, const std::array<dvec3, 3>& half) {
+                           add_piece(from, to, half, brightness, i, camera);
+                       });
+        }
     }
     keep_affordable();
     for (const Piece& r : pieces_) {
@@ -163,34 +251,6 @@ SmallThings::SmallThings(const Scene& scene, const CameraModel& camera, double t
     if (!images_.empty()) levels_ = std::max(levels_, BrightImages::most_levels);
     levels_ = std::clamp(levels_, 0, most_levels);
     index_tiles();
-}
-
-void SmallThings::add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,
-                      double time_s) {
-    const glm::dmat4 world = world_at(object, time_s);
-    std::optional<Axes> axes = std::visit(AxesOf{world}, object.shape);
-    if (!axes) return;
-    const bool tapers = axes->ends.x != axes->ends.y;
-    if (!tapers) {
-        std::sort(axes->half.begin(), axes->half.end(),
-                  [](const dvec3& a, const dvec3& b) { return glm::dot(a, a) > glm::dot(b, b); });
-    }
-    if (!tapers && glm::length(axes->half[0]) <= 4 * glm::length(axes->half[1])) {
-        const double narrower = turn_to_sight(camera, *axes);
-        // An object whose image is at most four times as long as wide is treated as a single piece without an
-        // axis.
-        if (!(narrower > 4)) {
-            add_piece(axes->centre, axes->centre, axes->half, brightness, index, camera);
-            return;
-        }
-    }
-    const dvec3& axis = axes->half[0];
-    for (int i = 0; i < pieces; ++i) {
-        const double width = glm::mix(axes->ends.x, axes->ends.y, (i + 0.5) / pieces);
-        add_piece(axes->centre + axis * (2.0 * i / pieces - 1),
-                  axes->centre + axis * (2.0 * (i + 1) / pieces - 1),
-                  {axis, width * axes->half[1], width * axes->half[2]}, brightness, index, camera);
-    }
 }
 
 void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array<dvec3, 3>& half,

@@ -10,14 +10,15 @@
 #include <set>
 #include <vector>
 
+#include "scene/object_parts.h"
 #include "scene/scene.h"
 #include "tracer/camera_model.h"
 #include "tracer/recording/bright_images.h"
 
 namespace postlens {
 
-/// Narrow objects that are seen directly, and bright ones that are seen in mirrors and glass (`images`).
-/// Planes, and meshes with a wide part, are not included.
+/// Narrow objects that are seen directly, and bright ones that are seen in mirrors and glass (`images`). Each
+/// part of a mesh counts as an object of its own. Planes, and wide parts, are not included.
 class SmallThings {
   public:
     /// Width, px, above which an object is not narrow, because it cannot lie between the corners of pixels.
@@ -38,9 +39,9 @@ class SmallThings {
     /// Contains no narrow objects; used to sample without a scene.
     SmallThings() = default;
     /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
-    /// [y_begin, y_end], px.
-    SmallThings(const Scene& scene, const CameraModel& camera, double time_s, double x_begin, double x_end,
-                double y_begin, double y_end);
+    /// [y_begin, y_end], px. `parts`: of the scene.
+    SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
+                double x_begin, double x_end, double y_begin, double y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
@@ -71,8 +72,6 @@ class SmallThings {
         /// Approximate number of cells that this piece needs.
         [[nodiscard]] double cells() const;
     };
-    void add(const Object& object, std::uint32_t index, double brightness, const CameraModel& camera,
-             double time_s);
     void add_piece(const glm::dvec3& from, const glm::dvec3& to, const std::array<glm::dvec3, 3>& half,
                    double brightness, std::uint32_t object, const CameraModel& camera);
     [[nodiscard]] double raster_px() const {

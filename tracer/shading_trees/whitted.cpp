@@ -99,6 +99,7 @@ void WhittedTracer::Impl::hit(const PathRay& ray, const SurfacePoint& s, const H
     n.arrival.length = static_cast<float>(s.t);
     n.source.texture = m.colour_texture ? m.colour_texture.get() : m.emission_texture.get();
     if (n.source.texture != nullptr) n.source.place = n.source.texture->place(s.object_position, s.uv);
+    if (settings.parts != nullptr) n.source.part = settings.parts->part(s.object, key.primitive);
     light(ray, s, f, key, m, colour, w, counts);
     spawn(ray, s, f, key, m, w, counts);
 }
@@ -305,7 +306,7 @@ WhittedTracer::WhittedTracer(const RayScene& scene, const CameraModel& camera,
     const auto has_texture = [](const Material& m) { return m.colour_texture || m.emission_texture; };
     impl_->has_textures =
         std::any_of(scene.scene().materials.begin(), scene.scene().materials.end(), has_texture);
-    impl_->has_sources = !impl_->lights.empty() || impl_->has_textures;
+    impl_->has_sources = !impl_->lights.empty() || impl_->has_textures || impl_->settings.parts != nullptr;
     const auto is_bright = [](const Material& m) { return largest(m.emission) > 1; };
     impl_->has_arrivals = impl_->deeper_nodes && std::any_of(scene.scene().materials.begin(),
                                                              scene.scene().materials.end(), is_bright);
@@ -319,6 +320,10 @@ bool WhittedTracer::has_deeper_nodes() const {
 
 bool WhittedTracer::has_textures() const {
     return impl_->has_textures;
+}
+
+bool WhittedTracer::has_parts() const {
+    return impl_->settings.parts != nullptr;
 }
 
 bool WhittedTracer::measures_bends() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "records/record.h"
+#include "scene/object_parts.h"
 #include "tracer/camera_model.h"
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading_trees/bend_around.h"
@@ -27,7 +28,8 @@ struct WhittedSettings {
     /// recorded with the mean radiance over its lobe. Other surfaces are recorded with the radiance of the
     /// exact direction. 0: all lobes are averaged.
     double lens_radius_m = 0;
-    bool lit = true;  ///< false: ignore lights, for callers that need only positions
+    bool lit = true;                     ///< false: ignore lights, for callers that need only positions
+    const ObjectParts* parts = nullptr;  ///< of the scene; null: not recorded in ColourSource::part
 };
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden`: rays that
@@ -55,12 +57,14 @@ struct Arrival {
     std::uint32_t parent = 0;  ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture and the shadows that determine the colour of a record. They show edges of textures and
-/// shadows, at which cells are subdivided even if the colours at their corners are equal.
+/// The texture and the shadows that determine the colour of a record, and the part of the mesh that it shows.
+/// They show edges of textures, shadows and parts, at which cells are subdivided even if the colours at their
+/// corners are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, else emission texture; null: none
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
     std::uint32_t shadows = 0;         ///< bit i is set if a light whose index modulo 32 is i is occluded
+    std::uint32_t part = 0;            ///< of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
 /// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]), sorted by layer,
@@ -71,7 +75,7 @@ struct TracedSamples {
     /// For each record, the part of r, g, b that has sampling noise: the radiance from lobes, and in
     /// penumbrae the difference from half of the unshadowed light. Empty if no record has such a part.
     std::vector<glm::vec3> noisy;
-    /// One per record. Empty if the scene has neither textures nor lights.
+    /// One per record. Empty if the scene has neither textures nor lights nor WhittedSettings::parts.
     std::vector<ColourSource> sources;
     /// One per record; only those of nodes after bounces are set. Empty if the scene has no mirror, no glass,
     /// or nothing brighter than white.
@@ -106,6 +110,8 @@ class WhittedTracer {
     [[nodiscard]] bool measures_bends() const;
     /// True if a material has a texture.
     [[nodiscard]] bool has_textures() const;
+    /// Whether the parts of meshes are recorded (WhittedSettings::parts).
+    [[nodiscard]] bool has_parts() const;
 
   private:
     struct Impl;

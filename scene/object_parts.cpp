@@ -1,0 +1,99 @@
+#include "scene/object_parts.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <set>
+#include <tuple>
+
+#include "core/threads.h"
+
+namespace postlens {
+namespace {
+
+/// Returns for each position the first index in the order of coordinates at which the same position occurs.
+std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& positions) {
+    std::vector<std::uint32_t> order(positions.size());
+    std::iota(order.begin(), order.end(), 0U);
+    const auto place = [&](std::uint32_t i) {
+        return std::tie(positions[i].x, positions[i].y, positions[i].z);
+    };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return place(a) != place(b) ? place(a) < place(b) : a < b;
+    });
+    std::vector<std::uint32_t> first(positions.size());
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const bool is_same = i > 0 && place(order[i]) == place(order[i - 1]);
+        first[order[i]] = is_same ? first[order[i - 1]] : order[i];
+    }
+    return first;
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
+    // The edges, in the order of their lower ends.
+    struct Edge {
+        std::uint32_t high_end = 0, triangle = 0;
+    };
+    const std::vector<std::uint32_t> position = same_positions(mesh.positions);
+    const auto each_edge = [&](const auto& take) {
+        for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+            for (int k = 0; k < 3; ++k) {
+                const std::uint32_t a = position[mesh.triangles[t][k]],
+                                    b = position[mesh.triangles[t][(k + 1) % 3]];
+                take(std::min(a, b), Edge{std::max(a, b), t});
+            }
+        }
+    };
+    std::vector<std::size_t> end(mesh.positions.size() + 1, 0);
+    each_edge([&](std::uint32_t low, const Edge&) { ++end[low + 1]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Edge> edges(3 * mesh.triangles.size());
+    each_edge([&](std::uint32_t low, const Edge& edge) { edges[end[low]++] = edge; });
+    // Connected triangles form a tree, whose root is the first of them.
+    std::vector<std::uint32_t> parent(mesh.triangles.size());
+    std::iota(parent.begin(), parent.end(), 0U);
+    const auto root = [&](std::uint32_t t) {
+        while (parent[t] != t) t = parent[t] = parent[parent[t]];
+        return t;
+    };
+    for (std::size_t low = 0, first = 0; low < mesh.positions.size(); first = end[low++]) {
+        const auto begin = edges.begin() + static_cast<std::ptrdiff_t>(first),
+                   last = edges.begin() + static_cast<std::ptrdiff_t>(end[low]);
+        std::sort(begin, last, [](const Edge& a, const Edge& b) { return a.high_end < b.high_end; });
+        for (auto e = begin; e != last; ++e) {
+            if (e == begin || e->high_end != (e - 1)->high_end) continue;
+            const std::uint32_t a = root((e - 1)->triangle), b = root(e->triangle);
+            parent[std::max(a, b)] = std::min(a, b);
+        }
+    }
+    std::vector<std::uint32_t> parts(mesh.triangles.size());
+    std::uint32_t count = 0;
+    for (std::uint32_t t = 0; t < parts.size(); ++t) parts[t] = root(t) == t ? count++ : parts[root(t)];
+    return count > 1 ? parts : std::vector<std::uint32_t>();
+}
+
+ObjectParts::ObjectParts(const Scene& scene) : mesh_(scene.objects.size(), 0) {
+    std::map<const Mesh*, std::size_t> index;
+    std::vector<const Mesh*> meshes;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&scene.objects[i].shape);
+        if (mesh == nullptr) continue;
+        const auto [at, is_new] = index.try_emplace(mesh->get(), meshes.size() + 1);
+        if (is_new) meshes.push_back(mesh->get());
+        mesh_[i] = at->second;
+    }
+    meshes_.resize(meshes.size() + 1);
+    parallel_for(meshes.size(), [&](std::size_t i) { meshes_[i + 1] = parts_of(*meshes[i]); });
+    std::set<std::uint32_t> ids;
+    std::uint32_t next = 0;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const std::vector<std::uint32_t>& parts = of_mesh(i);
+        first_.push_back(next);
+        next += parts.empty() ? 1 : *std::max_element(parts.begin(), parts.end()) + 1;
+        any_ = any_ || !parts.empty() || !ids.insert(scene.objects[i].id).second;
+    }
+}
+
+}  // namespace postlens

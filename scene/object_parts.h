@@ -1,0 +1,44 @@
+// The parts of objects: the shapes of a compound object, and the connected parts of a mesh, such as the
+// leaves of a tree. They have one id, but there may be gaps between them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "scene/scene.h"
+
+namespace postlens {
+
+/// Returns the part to which each triangle of the mesh belongs, numbered from 0 in the order of the parts'
+/// first triangles. Two triangles belong to one part if they share an edge, or if other triangles connect
+/// them in this way. Edges are the same if their ends have equal positions. Empty if the mesh has a single
+/// part.
+[[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh);
+
+/// The parts of all objects of a scene, each with its own number.
+class ObjectParts {
+  public:
+    explicit ObjectParts(const Scene& scene);
+    /// Whether an object has several parts.
+    [[nodiscard]] bool any() const { return any_; }
+    /// Returns the number of a part. `object`: index into Scene::objects. `triangle`: of its mesh, if it is
+    /// one.
+    [[nodiscard]] std::uint32_t part(std::size_t object, std::size_t triangle) const {
+        const std::vector<std::uint32_t>& parts = of_mesh(object);
+        return first_[object] + (parts.empty() ? 0 : parts[triangle]);
+    }
+    /// Returns parts_of() the object's mesh. Empty if the object is no mesh.
+    [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
+        return meshes_[mesh_[object]];
+    }
+
+  private:
+    bool any_ = false;
+    std::vector<std::uint32_t> first_;  ///< per object: number of its first part
+    std::vector<std::size_t> mesh_;     ///< per object: index into meshes_
+    /// The parts of each different mesh. The first is empty, for objects that are none.
+    std::vector<std::vector<std::uint32_t>> meshes_;
+};
+
+}  // namespace postlens
