@@ -69,8 +69,8 @@ struct RecordMark {
     /// The surface's texture varies between this sample and its neighbours, although they are at the finest
     /// subdivision.
     static constexpr std::uint8_t fine_texture = 1;
-    /// This sample and its neighbours, at the finest subdivision, show several parts of one mesh, which are
-    /// not connected, so there may be a gap between them.
+    /// This sample and its neighbours, at the finest subdivision, show parts of one object that are not
+    /// connected, so there may be a gap between them.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };

@@ -276,6 +276,27 @@ TEST(SmallThings, ThePartsOfAMeshAreFoundLikeObjects) {
     EXPECT_LT(sample(apart.scene, {}).hits.size(), 0.2 * static_cast<double>(leaves().size()));
 }
 
+// More parts than pieces are kept while a mesh is read: the widest, which come last, are among those.
+TEST(SmallThings, OfManyThousandPartsTheWiderComeFirst) {
+    const auto quad = [](const dvec2& at, double width_px) {
+        const double half = width_px / 2;
+        return std::array{point_at(at + dvec2(-half, -half)), point_at(at + dvec2(half, -half)),
+                          point_at(at + dvec2(half, half)), point_at(at + dvec2(-half, half))};
+    };
+    std::vector<std::array<dvec3, 4>> quads;
+    for (int i = 0; i < 90000; ++i)
+        quads.push_back(quad({0.2 * (i % 300) + 0.1, 0.15 * (i / 300) + 0.1}, 0.03));
+    for (int i = 0; i < 10; ++i) quads.push_back(quad({6.0 * i + 3, 47}, 0.5));
+    SceneBuilder b;
+    b.add(std::make_shared<const Mesh>(mesh_of(quads)), glowing(dvec3(1)));
+    const SmallThings things = things_of(b.scene);
+    EXPECT_LE(things.cells(), SmallThings::most_cells_per_pixel * width * height);
+    EXPECT_GT(things.cells(), 0.9 * SmallThings::most_cells_per_pixel * width * height);
+    EXPECT_EQ(things.lost(), 1U);
+    for (int i = 0; i < 10; ++i)
+        EXPECT_TRUE(things.wanted(6.0 * i + 2.5, 46.5, 1, INFINITY).divide(1, false)) << i;
+}
+
 TEST(SmallThings, AMeshIsAsNarrowAsItLooksInAnyDirection) {
     // Ribbons of 10 px by 0.2 px, whose boxes along the coordinate axes are wide.
     for (const double angle : {0.3, 0.8, 1.2}) {

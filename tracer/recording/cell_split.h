@@ -37,8 +37,8 @@ class CellSplit {
     };
     using Marks = std::vector<Mark>;
     /// Appends to `marks` the nodes at the corners of an undivided cell if their texture has contrast between
-    /// the corners, or if they show several parts of one mesh. Cells that colour contrast or edges could have
-    /// divided further are ignored (SubdivisionSettings).
+    /// the corners, or if they show several parts of one object. Cells that colour contrast or edges could
+    /// have divided further are ignored (SubdivisionSettings).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
@@ -59,7 +59,7 @@ class CellSplit {
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// Whether the cell is at least as large as the smallest cells of a criterion that divides to `levels`.
+    /// Whether the cell is larger than the smallest cells of a criterion that divides to `levels`.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }

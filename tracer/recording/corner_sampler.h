@@ -29,7 +29,7 @@ struct SampledWindow {
 
 /// Traces the window in bands of rows and passes each complete band to `take`, from top to bottom. A cell is
 /// divided
-/// - if the primary ids of its corners differ, down to `edge_levels`;
+/// - if the primary ids of its corners differ, or the parts of the object, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 /// `colour_levels`;
 /// - if its corners are shadowed from different lights, down to `colour_levels`;

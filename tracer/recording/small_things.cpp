@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "scene/object_pose.h"
 #include "scene/shape_bounds.h"
@@ -86,14 +86,20 @@ Axes box_around(const std::vector<glm::vec3>& points) {
 
 /// The boxes around the parts of a mesh (ObjectParts::of_mesh).
 std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t>& parts) {
-    const std::uint32_t last = parts.empty() ? 0 : *std::max_element(parts.begin(), parts.end());
-    std::vector<std::vector<glm::vec3>> points(mesh.triangles.empty() ? 0 : std::size_t{last} + 1);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        for (int k = 0; k < 3; ++k)
-            points[parts.empty() ? 0 : parts[t]].push_back(mesh.positions[mesh.triangles[t][k]]);
-    }
+    if (mesh.triangles.empty()) return {};
+    const auto part_of = [&](std::uint32_t triangle) { return parts.empty() ? 0 : parts[triangle]; };
+    std::vector<std::uint32_t> order(mesh.triangles.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return part_of(a) < part_of(b); });
     std::vector<Axes> out;
-    std::transform(points.begin(), points.end(), std::back_inserter(out), box_around);
+    std::vector<glm::vec3> points;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        for (int k = 0; k < 3; ++k) points.push_back(mesh.positions[mesh.triangles[order[i]][k]]);
+        if (i + 1 < order.size() && part_of(order[i + 1]) == part_of(order[i])) continue;
+        out.push_back(box_around(points));
+        points.clear();
+    }
     return out;
 }
 
@@ -284,7 +290,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         r.width > widest_px)
         return;
     r.object = object;
-    if (r.width < narrowest_px) {
+    if (r.width < (brightness > 1 ? narrowest_px : std::max(narrowest_px, affordable_px_))) {
         lost_.insert(object);
         return;
     }
@@ -296,6 +302,9 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
+    // A piece needs at least three cells, so two thirds of this number are kept at most.
+    if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
+        keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
@@ -328,6 +337,7 @@ void SmallThings::keep_affordable() {
     std::size_t kept = 0;
     while (kept < pieces_.size() && pieces_[kept].cells() <= left) left -= pieces_[kept++].cells();
     for (std::size_t i = kept; i < pieces_.size(); ++i) lost_.insert(pieces_[i].object);
+    if (kept > 0 && !(pieces_[kept - 1].brightness > 1)) affordable_px_ = pieces_[kept - 1].width;
     pieces_.resize(kept);
 }
 

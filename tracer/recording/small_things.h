@@ -82,6 +82,7 @@ class SmallThings {
 
     double x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
     int columns_ = 0, rows_ = 0, levels_ = 0;
+    double affordable_px_ = 0;  ///< narrower pieces are not kept, unless they are bright
     std::vector<Piece> pieces_;
     BrightImages images_;
     std::set<std::uint32_t> lost_;
