@@ -4,7 +4,7 @@ scene.
 Each scene has a camera, 3 to 12 objects at distances of 1 to 12 m from it, one to three lights, and in most cases a
 floor. The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an
 extent), gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter
-is open from 0 to 1 s). A further kind, only where it is asked for, is leaves (trees whose leaves are one mesh).
+is open from 0 to 1 s). A further kind, leaves (trees whose leaves are one mesh), is made only on request.
 """
 
 import dataclasses
