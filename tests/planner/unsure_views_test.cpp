@@ -7,12 +7,14 @@
 #include <gtest/gtest.h>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "compare/metrics/pixel_errors.h"
 #include "planner/auto_picture.h"
 #include "planner/hybrid.h"
 #include "planner/views/tile_grid.h"
 #include "tests/support/motion_frame.h"
+#include "tests/support/quads.h"
 #include "tests/support/reference.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/distributed/render_setup.h"
@@ -115,18 +117,15 @@ TEST(UnsureViews, LeavesOfOneMeshAreAsRightAsRays) {
     const auto direction = [&] {
         return glm::normalize(dvec3(normal(random), normal(random), normal(random)));
     };
-    Mesh leaves;
+    std::vector<Quad> leaves;
     for (int i = 0; i < 300; ++i) {
         const dvec3 at = dvec3(0, 0, -5.5) + 0.9 * direction(), u = 0.03 * direction(),
                     v = 0.015 * glm::normalize(glm::cross(u, direction()));
-        const auto first = static_cast<std::uint32_t>(leaves.positions.size());
-        for (const dvec3& p : {at - u, at - v, at + u, at + v}) leaves.positions.emplace_back(p);
-        leaves.triangles.emplace_back(first, first + 1, first + 2);
-        leaves.triangles.emplace_back(first, first + 2, first + 3);
+        leaves.push_back({at - u, at - v, at + u, at + v});
     }
     SceneBuilder b;
     b.scene.background = dvec3(0.45, 0.6, 0.9);
-    b.add(std::make_shared<const Mesh>(leaves), glowing(dvec3(0.05, 0.2, 0.04)));
+    b.add(mesh_of(leaves), glowing(dvec3(0.05, 0.2, 0.04)));
     const Case c{"", 1.4, 5};
     const TracedFrame frame(b.scene, traced_for(c));
     HybridSettings s = hybrid_of(c, 50, 64);

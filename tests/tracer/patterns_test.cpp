@@ -6,6 +6,7 @@
 #include "records/sample_file.h"
 #include "scene/texel_ranges.h"
 #include "tests/support/motion_frame.h"
+#include "tests/support/quads.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/recording/corner_sampler.h"
@@ -178,23 +179,13 @@ Scene boards_with_gap(bool of_one_mesh) {
     SceneBuilder b;
     const double px = 4 * 36 / 50.0 / 64, left = 0.3 * px, right = 0.7 * px;
     const auto quad = [](double x0, double x1) {
-        Mesh out;
-        for (const double x : {x0, x1}) {
-            out.positions.emplace_back(x, -10, -4);
-            out.positions.emplace_back(x, 10, -4);
-        }
-        out.triangles = {{0, 2, 1}, {1, 2, 3}};
-        return out;
+        return Quad{dvec3(x0, -10, -4), dvec3(x1, -10, -4), dvec3(x1, 10, -4), dvec3(x0, 10, -4)};
     };
     if (of_one_mesh) {
-        Mesh both = quad(-10, left);
-        const Mesh other = quad(right, 10);
-        both.positions.insert(both.positions.end(), other.positions.begin(), other.positions.end());
-        for (const glm::uvec3& t : other.triangles) both.triangles.push_back(t + glm::uvec3(4));
-        b.add(std::make_shared<const Mesh>(both), glowing(dvec3(0.5)));
+        b.add(mesh_of({quad(-10, left), quad(right, 10)}), glowing(dvec3(0.5)));
     } else {
-        b.add(std::make_shared<const Mesh>(quad(-10, left)), glowing(dvec3(0.5)));
-        b.add(std::make_shared<const Mesh>(quad(right, 10)), glowing(dvec3(0.5)));
+        b.add(mesh_of({quad(-10, left)}), glowing(dvec3(0.5)));
+        b.add(mesh_of({quad(right, 10)}), glowing(dvec3(0.5)));
         b.scene.objects[1].id = b.scene.objects[0].id;
     }
     return b.scene;

@@ -2,7 +2,6 @@
 #include "tracer/recording/small_things.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>
@@ -13,6 +12,7 @@
 
 #include "records/quadtree.h"
 #include "records/sample_file.h"
+#include "tests/support/quads.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/recording/corner_sampler.h"
@@ -234,13 +234,13 @@ TEST(SmallThings, BoxesDiscsAndMeshesAreFoundToo) {
 }
 
 /// Quads of half a pixel, far apart and turned in all directions.
-std::vector<std::array<dvec3, 4>> leaves() {
+std::vector<Quad> leaves() {
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
     const auto direction = [&] {
         return glm::normalize(dvec3(normal(random), normal(random), normal(random)));
     };
-    std::vector<std::array<dvec3, 4>> out;
+    std::vector<Quad> out;
     for (int y = 2; y < height; y += 5) {
         for (int x = 2; x < width; x += 5) {
             const dvec3 at = point_at({x + 0.4, y + 0.3}), u = direction() * 0.25 * pixel_m,
@@ -251,22 +251,10 @@ std::vector<std::array<dvec3, 4>> leaves() {
     return out;
 }
 
-Mesh mesh_of(const std::vector<std::array<dvec3, 4>>& quads) {
-    Mesh out;
-    for (const std::array<dvec3, 4>& q : quads) {
-        const auto first = static_cast<std::uint32_t>(out.positions.size());
-        for (const dvec3& p : q) out.positions.emplace_back(p);
-        out.triangles.emplace_back(first, first + 1, first + 2);
-        out.triangles.emplace_back(first, first + 2, first + 3);
-    }
-    return out;
-}
-
 TEST(SmallThings, ThePartsOfAMeshAreFoundLikeObjects) {
     SceneBuilder together, apart;
-    together.add(std::make_shared<const Mesh>(mesh_of(leaves())), glowing(dvec3(1)));
-    for (const auto& quad : leaves())
-        apart.add(std::make_shared<const Mesh>(mesh_of({quad})), glowing(dvec3(1)));
+    together.add(mesh_of(leaves()), glowing(dvec3(1)));
+    for (const Quad& quad : leaves()) apart.add(mesh_of({quad}), glowing(dvec3(1)));
     const Sampled a = sample(together.scene, things_of(together.scene)),
                   b = sample(apart.scene, things_of(apart.scene));
     EXPECT_EQ(a.counts.eye, b.counts.eye);
@@ -280,15 +268,15 @@ TEST(SmallThings, ThePartsOfAMeshAreFoundLikeObjects) {
 TEST(SmallThings, OfManyThousandPartsTheWiderComeFirst) {
     const auto quad = [](const dvec2& at, double width_px) {
         const double half = width_px / 2;
-        return std::array{point_at(at + dvec2(-half, -half)), point_at(at + dvec2(half, -half)),
-                          point_at(at + dvec2(half, half)), point_at(at + dvec2(-half, half))};
+        return Quad{point_at(at + dvec2(-half, -half)), point_at(at + dvec2(half, -half)),
+                    point_at(at + dvec2(half, half)), point_at(at + dvec2(-half, half))};
     };
-    std::vector<std::array<dvec3, 4>> quads;
+    std::vector<Quad> quads;
     for (int i = 0; i < 90000; ++i)
         quads.push_back(quad({0.2 * (i % 300) + 0.1, 0.15 * (i / 300) + 0.1}, 0.03));
     for (int i = 0; i < 10; ++i) quads.push_back(quad({6.0 * i + 3, 47}, 0.5));
     SceneBuilder b;
-    b.add(std::make_shared<const Mesh>(mesh_of(quads)), glowing(dvec3(1)));
+    b.add(mesh_of(quads), glowing(dvec3(1)));
     const SmallThings things = things_of(b.scene);
     EXPECT_LE(things.cells(), SmallThings::most_cells_per_pixel * width * height);
     EXPECT_GT(things.cells(), 0.9 * SmallThings::most_cells_per_pixel * width * height);
@@ -303,8 +291,7 @@ TEST(SmallThings, AMeshIsAsNarrowAsItLooksInAnyDirection) {
         const dvec3 along(std::cos(angle), std::sin(angle), 0), aside(-along.y, along.x, 0);
         const dvec3 at = point_at({30.3, 20.6}), u = along * 5.0 * pixel_m, v = aside * 0.1 * pixel_m;
         SceneBuilder b;
-        b.add(std::make_shared<const Mesh>(mesh_of({{at - u - v, at + u - v, at + u + v, at - u + v}})),
-              glowing(dvec3(1)));
+        b.add(mesh_of({{at - u - v, at + u - v, at + u + v, at - u + v}}), glowing(dvec3(1)));
         const Sampled s = sample(b.scene, things_of(b.scene));
         double light = 0;
         for (const double pixel : s.light) light += pixel;

@@ -39,9 +39,8 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    const bool is_last = c.size == 1,
-               parts = tracer_.has_parts() && (is_last || !is_larger(c, settings_.edge_levels));
-    bool textures = tracer_.has_textures() && (is_last || !is_larger(c, settings_.colour_levels));
+    const bool parts = tracer_.has_parts() && !is_larger(c, settings_.edge_levels);
+    bool textures = tracer_.has_textures() && !is_larger(c, settings_.colour_levels);
     if (textures) {
         // Textures are compared with the nodes of the first corner.
         const CornerSample& first = samples_[c.corner[0]];
