@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Compares `--method hybrid` with as many rays per pixel as it has views: a table of docs/light_field.md.
 
-    hybrid_table.py BUILD OUT [--size 480x270] [--views 64,256] [--reference-spp 512] [--spd DIR]
+    hybrid_table.py BUILD OUT [--size 480x270] [--views 64,256] [--reference-spp 512] [--spd DIR] [--trees SEEDS]
 
 BUILD is a build folder (build/release). Each sample scene is traced with `--for-rays`; `focus` or `shoot` makes an image
 by `hybrid`, `render --halves` another of as many rays, also in two independent halves. Both are compared with a render
 of 2 x REFERENCE-SPP rays a pixel, whose noise is subtracted. Seconds are of whole processes, each run once. Nothing else
 should run on the machine. DIR holds `balls.nff` and `mount.nff` of the Standard Procedural Databases at their default
-sizes; without it, these two rows are left out. OUT receives hybrid.md.
+sizes; without it, these two rows are left out. With --trees (such as 1001-1012), random scenes with trees
+(random_scene.py) take the place of all these. OUT receives hybrid.md.
 """
 
 import argparse
@@ -40,6 +41,7 @@ def main():
     parser.add_argument("--views", default="64,256")
     parser.add_argument("--reference-spp", default="512")
     parser.add_argument("--spd")
+    parser.add_argument("--trees")
     o = parser.parse_args()
     os.makedirs(o.out, exist_ok=True)
     bench = certify.Bench(o.build, o.out)
@@ -50,10 +52,14 @@ def main():
 
     lines = ["| | views | trace, s | `hybrid`, s | dB | stated | rays, of all view samples | as many rays: s | dB |",
              "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
-    rows = [(certify.SCENES, *row) for row in ROWS] + [(o.spd, *row) for row in SPD_ROWS if o.spd]
-    for folder, name, f_number, focus_m, shutter in rows:
-        scene, lens = os.path.join(folder, name), ["--f-number", f_number, "--focus", focus_m]
-        size, of_spd = o.size, folder == o.spd
+    rows = [(os.path.join(certify.SCENES, row[0]), *row) for row in ROWS]
+    rows += [(os.path.join(o.spd, row[0]), *row) for row in SPD_ROWS if o.spd]
+    if o.trees:  # each file is made when its row is reached
+        rows = ((path, seed, f"{made.f_number:g}", f"{made.focus_m:.6g}", made.shutter)
+                for seed, path, _, made in certify.random_scenes(bench, o.trees, ("leaves",)))  # fmt: skip
+    for scene, name, f_number, focus_m, shutter in rows:
+        lens = ["--f-number", f_number, "--focus", focus_m]
+        size, of_spd = o.size, name in (row[0] for row in SPD_ROWS)
         if of_spd:
             size = SPD_SIZE
             lens += ["--focal-length", SPD_FOCAL_LENGTH_MM]
