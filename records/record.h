@@ -70,7 +70,8 @@ struct RecordMark {
     /// subdivision.
     static constexpr std::uint8_t fine_texture = 1;
     /// This sample and its neighbours, at the finest subdivision, show parts of one object that are not
-    /// connected, so there may be a gap between them.
+    /// connected, so there may be a gap between them. Or a part of a mesh that none of them shows is between
+    /// them.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };

@@ -31,26 +31,46 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 
 }  // namespace
 
-std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
-    // The edges, in the order of their lower ends.
-    struct Edge {
+std::vector<MeshEdge> edges_of(const Mesh& mesh) {
+    // The sides of all triangles, in the order of their lower ends.
+    struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };
     const std::vector<std::uint32_t> position = same_positions(mesh.positions);
-    const auto each_edge = [&](const auto& take) {
+    const auto each_side = [&](const auto& take) {
         for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
             for (int k = 0; k < 3; ++k) {
                 const std::uint32_t a = position[mesh.triangles[t][k]],
                                     b = position[mesh.triangles[t][(k + 1) % 3]];
-                take(std::min(a, b), Edge{std::max(a, b), t});
+                take(std::min(a, b), Side{std::max(a, b), t});
             }
         }
     };
     std::vector<std::size_t> end(mesh.positions.size() + 1, 0);
-    each_edge([&](std::uint32_t low, const Edge&) { ++end[low + 1]; });
+    each_side([&](std::uint32_t low, const Side&) { ++end[low + 1]; });
     std::partial_sum(end.begin(), end.end(), end.begin());
-    std::vector<Edge> edges(3 * mesh.triangles.size());
-    each_edge([&](std::uint32_t low, const Edge& edge) { edges[end[low]++] = edge; });
+    std::vector<Side> sides(3 * mesh.triangles.size());
+    each_side([&](std::uint32_t low, const Side& side) { sides[end[low]++] = side; });
+    std::vector<MeshEdge> out;
+    for (std::uint32_t low = 0; low < mesh.positions.size(); ++low) {
+        const auto begin = sides.begin() + static_cast<std::ptrdiff_t>(low > 0 ? end[low - 1] : 0),
+                   last = sides.begin() + static_cast<std::ptrdiff_t>(end[low]);
+        std::sort(begin, last, [](const Side& a, const Side& b) {
+            return a.high_end != b.high_end ? a.high_end < b.high_end : a.triangle < b.triangle;
+        });
+        for (auto s = begin; s != last; ++s) {
+            const bool has_next = s + 1 != last && (s + 1)->high_end == s->high_end;
+            const bool has_previous = s != begin && (s - 1)->high_end == s->high_end;
+            if (has_next)
+                out.push_back({low, s->high_end, s->triangle, (s + 1)->triangle});
+            else if (!has_previous)
+                out.push_back({low, s->high_end, s->triangle, MeshEdge::none});
+        }
+    }
+    return out;
+}
+
+std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges) {
     // Connected triangles form a tree, whose root is the first of them.
     std::vector<std::uint32_t> parent(mesh.triangles.size());
     std::iota(parent.begin(), parent.end(), 0U);
@@ -58,15 +78,10 @@ std::vector<std::uint32_t> parts_of(const Mesh& mesh) {
         while (parent[t] != t) t = parent[t] = parent[parent[t]];
         return t;
     };
-    for (std::size_t low = 0, first = 0; low < mesh.positions.size(); first = end[low++]) {
-        const auto begin = edges.begin() + static_cast<std::ptrdiff_t>(first),
-                   last = edges.begin() + static_cast<std::ptrdiff_t>(end[low]);
-        std::sort(begin, last, [](const Edge& a, const Edge& b) { return a.high_end < b.high_end; });
-        for (auto e = begin; e != last; ++e) {
-            if (e == begin || e->high_end != (e - 1)->high_end) continue;
-            const std::uint32_t a = root((e - 1)->triangle), b = root(e->triangle);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+    for (const MeshEdge& edge : edges) {
+        if (edge.other == MeshEdge::none) continue;
+        const std::uint32_t a = root(edge.triangle), b = root(edge.other);
+        parent[std::max(a, b)] = std::min(a, b);
     }
     std::vector<std::uint32_t> parts(mesh.triangles.size());
     std::uint32_t count = 0;
@@ -85,7 +100,11 @@ ObjectParts::ObjectParts(const Scene& scene) : mesh_(scene.objects.size(), 0) {
         mesh_[i] = at->second;
     }
     meshes_.resize(meshes.size() + 1);
-    parallel_for(meshes.size(), [&](std::size_t i) { meshes_[i + 1] = parts_of(*meshes[i]); });
+    parallel_for(meshes.size(), [&](std::size_t i) {
+        OfMesh& of = meshes_[i + 1];
+        of.edges = edges_of(*meshes[i]);
+        of.parts = parts_of(*meshes[i], of.edges);
+    });
     std::set<std::uint32_t> ids;
     std::uint32_t next = 0;
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {

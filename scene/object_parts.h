@@ -10,11 +10,23 @@
 
 namespace postlens {
 
+/// An edge of a mesh, with the triangles on its two sides.
+struct MeshEdge {
+    static constexpr std::uint32_t none = 0xFFFFFFFFU;
+    std::uint32_t low_end = 0, high_end = 0;  ///< indices of its ends' positions
+    std::uint32_t triangle = 0, other = none;
+    friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
+};
+
+/// Returns the edges of the mesh. Edges are the same if their ends have equal positions; the lowest index of
+/// each position counts. An edge with more than two triangles is listed once for each pair of successive
+/// triangles.
+[[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
+
 /// Returns the part to which each triangle of the mesh belongs, numbered from 0 in the order of the parts'
 /// first triangles. Two triangles belong to one part if they share an edge, or if other triangles connect
-/// them in this way. Edges are the same if their ends have equal positions. Empty if the mesh has a single
-/// part.
-[[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh);
+/// them in this way. Empty if the mesh has a single part. `edges`: edges_of() the mesh.
+[[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
 /// The parts of all objects of a scene, each with its own number.
 class ObjectParts {
@@ -30,15 +42,22 @@ class ObjectParts {
     }
     /// Returns parts_of() the object's mesh. Empty if the object is no mesh.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
-        return meshes_[mesh_[object]];
+        return meshes_[mesh_[object]].parts;
+    }
+    /// Returns edges_of() the object's mesh. Empty if the object is no mesh.
+    [[nodiscard]] const std::vector<MeshEdge>& edges(std::size_t object) const {
+        return meshes_[mesh_[object]].edges;
     }
 
   private:
     bool any_ = false;
     std::vector<std::uint32_t> first_;  ///< per object: number of its first part
     std::vector<std::size_t> mesh_;     ///< per object: index into meshes_
-    /// The parts of each different mesh. The first is empty, for objects that are none.
-    std::vector<std::vector<std::uint32_t>> meshes_;
+    struct OfMesh {
+        std::vector<std::uint32_t> parts;
+        std::vector<MeshEdge> edges;
+    };
+    std::vector<OfMesh> meshes_;  ///< each different mesh; the first is empty, for objects that are none
 };
 
 }  // namespace postlens

@@ -324,8 +324,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
         const bool sought = asked.subdivision.levels > 0;
         result.too_narrow_objects =
             std::max(result.too_narrow_objects, things.lost() + (sought ? 0 : things.objects()));
-        if (!sought) continue;
-        settings.subdivision.levels = std::max(settings.subdivision.levels, things.levels());
+        if (sought) settings.subdivision.levels = std::max(settings.subdivision.levels, things.levels());
         small_things[i] = std::move(things);
     }
     instant->look_through_lens(settings, window);
@@ -333,7 +332,9 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.has_bend = instant->tracer().measures_bends();
-    header.has_marks = instant->tracer().has_textures() || instant->tracer().has_parts();
+    header.has_marks = instant->tracer().has_textures() || instant->tracer().has_parts() ||
+                       std::any_of(small_things.begin(), small_things.end(),
+                                   [](const SmallThings& things) { return !things.outlines().empty(); });
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
     if (settings.on_expected_bytes) {

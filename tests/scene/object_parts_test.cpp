@@ -19,16 +19,20 @@ Mesh grid(std::vector<glm::uvec3> triangles) {
     return out;
 }
 
+Parts parts_in(const Mesh& mesh) {
+    return parts_of(mesh, edges_of(mesh));
+}
+
 TEST(ObjectParts, TrianglesOfOnePartShareEdges) {
-    EXPECT_EQ(parts_of(grid({{0, 1, 4}, {1, 5, 4}, {1, 2, 5}})), Parts());
-    EXPECT_EQ(parts_of(Mesh()), Parts());
+    EXPECT_EQ(parts_in(grid({{0, 1, 4}, {1, 5, 4}, {1, 2, 5}})), Parts());
+    EXPECT_EQ(parts_in(Mesh()), Parts());
     // The last triangle connects the first two.
-    EXPECT_EQ(parts_of(grid({{0, 1, 4}, {1, 2, 5}, {1, 5, 4}})), Parts());
+    EXPECT_EQ(parts_in(grid({{0, 1, 4}, {1, 2, 5}, {1, 5, 4}})), Parts());
 }
 
 TEST(ObjectParts, ACornerConnectsNothing) {
-    EXPECT_EQ(parts_of(grid({{0, 1, 4}, {1, 2, 6}})), Parts({0, 1}));
-    EXPECT_EQ(parts_of(grid({{10, 11, 14}, {0, 1, 4}, {11, 15, 14}, {1, 5, 4}, {2, 3, 7}})),
+    EXPECT_EQ(parts_in(grid({{0, 1, 4}, {1, 2, 6}})), Parts({0, 1}));
+    EXPECT_EQ(parts_in(grid({{10, 11, 14}, {0, 1, 4}, {11, 15, 14}, {1, 5, 4}, {2, 3, 7}})),
               Parts({0, 1, 0, 1, 2}));
 }
 
@@ -38,9 +42,25 @@ TEST(ObjectParts, EqualPositionsAreOneWhateverTheirIndices) {
                                glm::vec3(1, 1, 0), glm::vec3(-0.0F, 1, 0)})
         apart.positions.push_back(p);
     apart.triangles = {{0, 1, 2}, {3, 4, 5}};
-    EXPECT_EQ(parts_of(apart), Parts());
+    EXPECT_EQ(parts_in(apart), Parts());
     apart.positions[5].x = 1e-6F;
-    EXPECT_EQ(parts_of(apart), Parts({0, 1}));
+    EXPECT_EQ(parts_in(apart), Parts({0, 1}));
+}
+
+TEST(ObjectParts, EdgesKnowTheTrianglesOnBothSides) {
+    constexpr std::uint32_t none = MeshEdge::none;
+    using Edges = std::vector<MeshEdge>;
+    EXPECT_EQ(edges_of(grid({{0, 1, 4}, {5, 4, 1}})),
+              Edges({{0, 1, 0, none}, {0, 4, 0, none}, {1, 4, 0, 1}, {1, 5, 1, none}, {4, 5, 1, none}}));
+    // Three triangles at the edge from 0 to 1.
+    EXPECT_EQ(edges_of(grid({{0, 1, 4}, {1, 0, 5}, {0, 1, 9}})), Edges({{0, 1, 0, 1},
+                                                                        {0, 1, 1, 2},
+                                                                        {0, 4, 0, none},
+                                                                        {0, 5, 1, none},
+                                                                        {0, 9, 2, none},
+                                                                        {1, 4, 0, none},
+                                                                        {1, 5, 1, none},
+                                                                        {1, 9, 2, none}}));
 }
 
 TEST(ObjectParts, HaveNumbersOfTheirOwnInAScene) {

@@ -39,6 +39,10 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
+    if (outline_between(c)) {
+        for (const std::uint32_t corner : c.corner)
+            marks.push_back({samples_[corner].chunk, samples_[corner].first, RecordMark::gap});
+    }
     const bool parts = tracer_.has_parts() && !is_larger(c, settings_.edge_levels);
     bool textures = tracer_.has_textures() && !is_larger(c, settings_.colour_levels);
     if (textures) {
@@ -183,6 +187,7 @@ bool CellSplit::splits(const CornerCell& c) const {
     }
     return differ(c, seen.data(), 4) || (hidden && hidden_layers_differ(c)) ||
            (!things_.empty() && small_things_ask(c, hidden)) ||
+           (is_larger(c, settings_.edge_levels) && outline_between(c)) ||
            (!things_.images().empty() && bright_images_ask(c, seen));
 }
 
@@ -199,6 +204,19 @@ bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {
     const WantedCells wanted = things_.wanted(
         at.x, at.y, size, hidden ? std::numeric_limits<double>::infinity() : static_cast<double>(farthest));
     return wanted.divide(size, edge);
+}
+
+bool CellSplit::outline_between(const CornerCell& c) const {
+    if (things_.outlines().empty()) return false;
+    const CornerSample& first = samples_[c.corner[0]];
+    MeshOutlines::Shown shown{first.id, first.part, {}};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const CornerSample& s = samples_[c.corner[i]];
+        if (s.id != first.id || s.part != first.part) return false;
+        shown.z_m[i] = s.z;
+    }
+    const glm::dvec2 at = grid_.position(CornerGrid::key(c.x, c.y));
+    return things_.outlines().cross(at.x, at.y, static_cast<double>(c.size) / grid_.unit, shown);
 }
 
 bool CellSplit::bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const {

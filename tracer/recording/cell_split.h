@@ -37,8 +37,8 @@ class CellSplit {
     };
     using Marks = std::vector<Mark>;
     /// Appends to `marks` the nodes at the corners of an undivided cell if their texture has contrast between
-    /// the corners, or if they show several parts of one object. Cells that colour contrast or edges could
-    /// have divided further are ignored (SubdivisionSettings).
+    /// the corners, if they show several parts of one object, or if a part lies between them. Cells that
+    /// colour contrast or edges could have divided further are ignored (SubdivisionSettings).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
@@ -88,6 +88,9 @@ class CellSplit {
     /// True if the cell may contain a narrow object, which all of its corners can miss. Objects behind the
     /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
+    /// True if all corners of the cell show one part of an object, and the outline of another one is in
+    /// front.
+    [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s`: the visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;

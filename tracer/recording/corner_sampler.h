@@ -32,10 +32,12 @@ struct SampledWindow {
 /// - if the primary ids of its corners differ, or the parts of the object, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 /// `colour_levels`;
+/// - if the outline of a part of a mesh that no corner shows crosses it in front of what the corners show,
+/// down to `edge_levels`;
 /// - if its corners are shadowed from different lights, down to `colour_levels`;
 /// - if the narrow objects in `things` require it, down to `levels`.
-/// The first three criteria also apply to every hidden layer. Needs memory for one band only. The result does
-/// not depend on the number of threads. Returns the number of rays.
+/// The criteria of ids, contrast and shadows also apply to every hidden layer. Needs memory for one band
+/// only. The result does not depend on the number of threads. Returns the number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});

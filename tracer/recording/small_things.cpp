@@ -231,12 +231,13 @@ double distance_to_segment(const dvec2& p, const dvec2& a, const dvec2& b) {
 }  // namespace
 
 SmallThings::SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
-                         double time_s, double x_begin, double x_end, double y_begin, double y_end)
+                         double time_s, int x_begin, int x_end, int y_begin, int y_end)
     : x_begin_(x_begin),
       x_end_(x_end),
       y_begin_(y_begin),
       y_end_(y_end),
-      images_(scene, time_s, most_cells_per_pixel * raster_px()) {
+      images_(scene, time_s, most_cells_per_pixel * raster_px()),
+      outlines_(scene, parts, camera, time_s, x_begin, x_end, y_begin, y_end) {
     std::map<const Mesh*, std::vector<Axes>> of_meshes;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& o = scene.objects[i];

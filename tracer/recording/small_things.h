@@ -14,6 +14,7 @@
 #include "scene/scene.h"
 #include "tracer/camera_model.h"
 #include "tracer/recording/bright_images.h"
+#include "tracer/recording/mesh_outlines.h"
 
 namespace postlens {
 
@@ -41,11 +42,13 @@ class SmallThings {
     /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
     /// [y_begin, y_end], px. `parts`: of the scene.
     SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
-                double x_begin, double x_end, double y_begin, double y_end);
+                int x_begin, int x_end, int y_begin, int y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
+    /// Outlines of meshes, whose parts may lie between corners.
+    [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
     /// Levels of subdivision that the narrow objects need, at most `most_levels`; 0 if there are none.
     [[nodiscard]] int levels() const { return levels_; }
     /// Approximate number of cells needed.
@@ -85,6 +88,7 @@ class SmallThings {
     double affordable_px_ = 0;  ///< narrower pieces are not kept, unless they are bright
     std::vector<Piece> pieces_;
     BrightImages images_;
+    MeshOutlines outlines_;
     std::set<std::uint32_t> lost_;
     std::vector<std::uint32_t> tile_offsets_, tile_pieces_;
 };

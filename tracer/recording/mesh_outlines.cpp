@@ -1,0 +1,161 @@
+#include "tracer/recording/mesh_outlines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/threads.h"
+#include "scene/object_pose.h"
+
+namespace postlens {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+/// Part of a segment, as fractions of its length.
+struct Range {
+    double begin = 0, end = 1;
+};
+
+/// Returns the part of the segment that lies in a box, if any.
+std::optional<Range> clip(const dvec2& from, const dvec2& to, const dvec2& low, const dvec2& high) {
+    Range out;
+    for (int axis = 0; axis < 2; ++axis) {
+        const double step = to[axis] - from[axis];
+        if (step == 0) {
+            if (from[axis] < low[axis] || from[axis] > high[axis]) return std::nullopt;
+            continue;
+        }
+        double enters = (low[axis] - from[axis]) / step, leaves = (high[axis] - from[axis]) / step;
+        if (enters > leaves) std::swap(enters, leaves);
+        out.begin = std::max(out.begin, enters);
+        out.end = std::min(out.end, leaves);
+    }
+    if (!(out.begin <= out.end)) return std::nullopt;
+    return out;
+}
+
+}  // namespace
+
+MeshOutlines::MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
+                           double time_s, int x_begin, int x_end, int y_begin, int y_end)
+    : orthographic_(camera.projection == Camera::Projection::orthographic),
+      x_begin_(x_begin),
+      x_end_(x_end),
+      y_begin_(y_begin),
+      y_end_(y_end) {
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+        const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&scene.objects[i].shape);
+        if (mesh != nullptr) add_mesh(scene.objects[i], **mesh, i, parts, camera, time_s);
+    }
+    index_pixels();
+}
+
+void MeshOutlines::add_mesh(const Object& object, const Mesh& mesh, std::size_t index,
+                            const ObjectParts& parts, const CameraModel& camera, double time_s) {
+    const glm::dmat4 world = world_at(object, time_s);
+    struct Place {
+        dvec2 at{std::numeric_limits<double>::quiet_NaN()};  ///< NaN: behind the pinhole
+        double nearness = 0;
+    };
+    std::vector<Place> places(mesh.positions.size());
+    constexpr std::size_t chunk = 4096;
+    parallel_for((places.size() + chunk - 1) / chunk, [&](std::size_t c) {
+        for (std::size_t i = c * chunk; i < std::min((c + 1) * chunk, places.size()); ++i) {
+            const dvec3 point(world * glm::dvec4(dvec3(mesh.positions[i]), 1));
+            const auto at = camera.place(point);
+            if (at) places[i] = {*at, nearness(glm::dot(point - camera.position, camera.forward))};
+        }
+    });
+    // Twice the area of a triangle's image; the sign tells from which side the camera sees the triangle.
+    const auto area = [&](std::uint32_t triangle) {
+        const glm::uvec3& t = mesh.triangles[triangle];
+        const dvec2 u = places[t[1]].at - places[t[0]].at, v = places[t[2]].at - places[t[0]].at;
+        return u.x * v.y - u.y * v.x;
+    };
+    const dvec2 low(x_begin_, y_begin_), high(x_end_, y_end_);
+    for (const MeshEdge& edge : parts.edges(index)) {
+        if (edge.other != MeshEdge::none && area(edge.triangle) * area(edge.other) > 0) continue;
+        const Place &a = places[edge.low_end], &b = places[edge.high_end];
+        if (!(std::isfinite(a.at.x) && std::isfinite(b.at.x)) || !clip(a.at, b.at, low, high)) continue;
+        edges_.push_back({a.at, b.at, a.nearness, b.nearness, object.id,
+                          parts.any() ? parts.part(index, edge.triangle) : 0});
+    }
+}
+
+template <typename Take>
+void MeshOutlines::each_pixel(const Edge& edge, const Take& take) const {
+    const auto pixel = [](double at, int begin, int end) {
+        return static_cast<int>(std::clamp(std::floor(at), static_cast<double>(begin), end - 1.0));
+    };
+    const int top = pixel(std::min(edge.from.y, edge.to.y), y_begin_, y_end_),
+              bottom = pixel(std::max(edge.from.y, edge.to.y), y_begin_, y_end_);
+    for (int y = top; y <= bottom; ++y) {
+        const auto in = clip(edge.from, edge.to, dvec2(x_begin_, y), dvec2(x_end_, y + 1));
+        if (!in) continue;
+        const double a = glm::mix(edge.from.x, edge.to.x, in->begin),
+                     b = glm::mix(edge.from.x, edge.to.x, in->end);
+        const int right = pixel(std::max(a, b), x_begin_, x_end_);
+        for (int x = pixel(std::min(a, b), x_begin_, x_end_); x <= right; ++x) {
+            take(static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(x_end_ - x_begin_) +
+                 static_cast<std::size_t>(x - x_begin_));
+        }
+    }
+}
+
+void MeshOutlines::index_pixels() {
+    if (edges_.empty()) return;
+    std::stable_sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) {
+        return a.from_nearness + a.to_nearness > b.from_nearness + b.to_nearness;
+    });
+    const std::size_t pixels =
+        static_cast<std::size_t>(x_end_ - x_begin_) * static_cast<std::size_t>(y_end_ - y_begin_);
+    const auto most = static_cast<std::size_t>(most_per_pixel * static_cast<double>(pixels));
+    std::vector<std::uint32_t> count(pixels + 1, 0);
+    std::size_t all = 0, kept = 0;
+    for (; kept < edges_.size() && all < most; ++kept) {
+        each_pixel(edges_[kept], [&](std::size_t pixel) {
+            ++count[pixel + 1];
+            ++all;
+        });
+    }
+    edges_.resize(kept);
+    for (std::size_t i = 0; i < pixels; ++i) count[i + 1] += count[i];
+    pixel_begin_ = count;
+    pixel_edges_.resize(all);
+    for (std::uint32_t i = 0; i < edges_.size(); ++i)
+        each_pixel(edges_[i], [&](std::size_t pixel) { pixel_edges_[count[pixel]++] = i; });
+}
+
+bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) const {
+    const int column = static_cast<int>(std::floor(x)) - x_begin_,
+              row = static_cast<int>(std::floor(y)) - y_begin_;
+    if (empty() || column < 0 || row < 0 || column >= x_end_ - x_begin_ || row >= y_end_ - y_begin_)
+        return false;
+    const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(x_end_ - x_begin_) +
+                       static_cast<std::size_t>(column);
+    // An edge along the side of the square is not inside it.
+    const double margin = size / 64;
+    const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
+    for (std::uint32_t i = pixel_begin_[pixel]; i < pixel_begin_[pixel + 1]; ++i) {
+        const Edge& edge = edges_[pixel_edges_[i]];
+        if (edge.id == shown.id && edge.part == shown.part) continue;
+        const auto in = clip(edge.from, edge.to, low, high);
+        if (!in) continue;
+        const double t = (in->begin + in->end) / 2;
+        const dvec2 at = (glm::mix(edge.from, edge.to, t) - dvec2(x, y)) / size;
+        const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
+        const double behind =
+            glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
+        // An edge in the plane of what the corners show is not in front of it.
+        constexpr double in_plane = 1e-4;
+        if (!std::isfinite(behind) ||
+            glm::mix(edge.from_nearness, edge.to_nearness, t) > behind + in_plane * std::abs(behind))
+            return true;
+    }
+    return false;
+}
+
+}  // namespace postlens

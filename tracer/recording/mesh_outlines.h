@@ -1,0 +1,60 @@
+// The outlines of meshes on the film. Parts of a mesh may lie between the corners of a cell, such as the tips
+// of leaves: an outline inside the cell then belongs to a part that no corner of the cell has met.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/object_parts.h"
+#include "scene/scene.h"
+#include "tracer/camera_model.h"
+
+namespace postlens {
+
+/// The edges at which a mesh ends, or at which it turns away from the camera.
+class MeshOutlines {
+  public:
+    /// Limit of the number of edges per pixel of the raster, on average. The farthest ones are omitted.
+    static constexpr double most_per_pixel = 16;
+
+    MeshOutlines() = default;
+    /// Finds the outlines of the scene's meshes at an instant, at raster positions [x_begin, x_end] x
+    /// [y_begin, y_end], px. `parts`: of the scene.
+    MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
+                 int x_begin, int x_end, int y_begin, int y_end);
+
+    [[nodiscard]] bool empty() const { return pixel_edges_.empty(); }
+
+    /// What all corners of a cell show: one part of one object.
+    struct Shown {
+        std::uint32_t id = 0, part = 0;
+        std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
+    };
+    /// Whether the outline of another part crosses the square of `size` px with the upper left corner
+    /// (x, y), in front of what the corners show. The square must lie within one pixel.
+    [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
+
+  private:
+    struct Edge {
+        glm::dvec2 from{0}, to{0};                  ///< px
+        double from_nearness = 0, to_nearness = 0;  ///< nearness() of the ends
+        std::uint32_t id = 0, part = 0;
+    };
+    void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
+                  const CameraModel& camera, double time_s);
+    void index_pixels();
+    /// 1/z', or -z' if the camera is orthographic: linear along an edge and on a plane.
+    [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
+    template <typename Take>
+    void each_pixel(const Edge& edge, const Take& take) const;
+
+    bool orthographic_ = false;
+    int x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
+    std::vector<Edge> edges_;
+    /// Per pixel, where its indices of edges begin in `pixel_edges_`.
+    std::vector<std::uint32_t> pixel_begin_, pixel_edges_;
+};
+
+}  // namespace postlens
