@@ -1,6 +1,7 @@
 // Textures and shadows between the corners of a cell that none of the corners shows.
 #include <cmath>
 #include <gtest/gtest.h>
+#include <numbers>
 #include <random>
 
 #include "records/sample_file.h"
@@ -241,6 +242,47 @@ TEST(CornersAndPatterns, ShadowsOfTwoLightsAreToldApart) {
         for (const Record& r : band.records) divided = divided || r.x == 32.5F;
     });
     EXPECT_TRUE(divided);
+}
+
+/// A wall at 10 m with round shadows of discs outside the frame, px: centre and radius.
+Scene spotted_wall(const std::vector<glm::dvec3>& shadows) {
+    SceneBuilder b;
+    const double px = 10 * 36 / 50.0 / 64;
+    const dvec3 lamp(0, 20, 0);
+    b.add(square({0, 0, -10}, {0, 0, 1}, 20), matte(dvec3(0.5)));
+    b.scene.lights.push_back({.kind = Light::Kind::point, .position = lamp});
+    for (const dvec3& s : shadows) {
+        const dvec3 on_wall((s.x - 32) * px, (24 - s.y) * px, -10);
+        b.add(Disc{(lamp + on_wall) / 2.0, {0, 0, 1}, s.z * px / 2}, matte(dvec3(0.5)));
+    }
+    return b.scene;
+}
+
+// The four corners around the small shadow are lit. Its pixel is compared at its centre only beside a pixel
+// that is divided, here by a larger shadow.
+TEST(CornersAndPatterns, AShadowBetweenCornersIsFoundBesideAnEdge) {
+    const dvec3 small(30.5, 20.5, 0.45), large(32.5, 20.5, 1);
+    TraceSettings settings;
+    settings.subdivision.levels = 4;
+    const Image lit = TracedFrame(spotted_wall({}), settings).file().picture(),
+                both = TracedFrame(spotted_wall({small, large}), settings).file().picture(),
+                alone = TracedFrame(spotted_wall({small}), settings).file().picture();
+    const auto darkened = [&](const Image& picture, int x, int y) {
+        return 1 - *picture.pixel(x, y) / *lit.pixel(x, y);
+    };
+    // The material reflects ambient light as well, so no shadow is black. The outline of the small one
+    // crosses 8 * 0.45 * 16 cells of 1/256 px^2. Each has a standard error of at most 0.3 times its area, and
+    // their sum one of 0.009. Three of these are allowed.
+    const double black = darkened(both, 32, 20);
+    EXPECT_GT(black, 0.5);
+    EXPECT_NEAR(darkened(both, 30, 20), black * std::numbers::pi * 0.45 * 0.45, 3 * 0.009);
+    EXPECT_EQ(darkened(alone, 30, 20), 0);
+    // What the centres show is not recorded.
+    settings.subdivision.levels = 1;
+    const TracedFrame coarse(spotted_wall({large}), settings);
+    RecordBand band;
+    coarse.file().read(coarse.file().y_begin(), coarse.file().y_end(), band);
+    for (const Record& r : band.records) EXPECT_FALSE(r.x == 30.5F && r.y == 20.5F);
 }
 
 // A checkered floor whose cells become arbitrarily small towards the horizon. If only the corners' colours

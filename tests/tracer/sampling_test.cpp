@@ -93,7 +93,16 @@ TEST(CornerSampler, EachPointOnceAndIdsSplitToTheLastLevel) {
             id[{r.y, r.x}] = r.id;
         }
         EXPECT_EQ(primaries, id.size());
-        EXPECT_EQ(primaries, s.counts.eye);
+        // Only the centres of pixels beside divided ones are traced and not recorded.
+        const auto is_divided = [&](int x, int y) {
+            return id.contains({static_cast<float>(y) + 0.5F, static_cast<float>(x) + 0.5F});
+        };
+        std::uint64_t beside = 0;
+        for (int y = 0; y < 200; ++y) {
+            for (int x = 0; x < 64; ++x) beside += is_divided(x - 1, y) || is_divided(x + 1, y) ? 1 : 0;
+        }
+        EXPECT_GT(s.counts.eye, primaries);
+        EXPECT_LE(s.counts.eye, primaries + beside);
         EXPECT_GT(s.bands.size(), 2U);
         // Walks the quadtree as a reader does: no leaf above the last level has corners of different ids, and
         // no corner is missing.

@@ -30,6 +30,8 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
+    /// Whether the visible layer of a sample at the cell's centre divides it.
+    [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// A record, given by the index of its chunk and its index in that chunk, and its RecordMark.
     struct Mark {
         std::uint32_t chunk = 0, record = 0;
@@ -65,7 +67,7 @@ class CellSplit {
     }
     /// Returns the n-th node of the first corner, and the node with the same path and id at each other
     /// corner. Empty if a corner has no such node.
-    [[nodiscard]] static std::optional<std::array<std::uint32_t, 4>> nodes_like(const Seen* s, int count,
+    [[nodiscard]] static std::optional<std::array<std::uint32_t, 5>> nodes_like(const Seen* s, int count,
                                                                                 std::uint32_t n);
     /// Returns the node with the path. Tests the node with index `guess` first, because most corners of a
     /// cell have the same tree.
@@ -74,10 +76,10 @@ class CellSplit {
     /// Returns the node with the path and the id of `wanted`, as node_of_path does.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
-    [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 4>& node,
+    [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 5>& node,
                                              int count);
     /// True if the lit texture has contrast between the texture positions of the corners.
-    [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 4>& node,
+    [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 5>& node,
                                        int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};

@@ -87,6 +87,20 @@ class BandSampler {
         for (const RayCounts& c : spent) counts += c;
     }
 
+    // Traces points and appends their samples in order.
+    void trace(const std::vector<CornerKey>& points,
+               const std::function<SamplesAround(CornerKey)>& around = {}) {
+        std::vector<std::uint32_t> sizes;
+        for (std::size_t i = 0; i < points.size(); i += batch_size)
+            sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, points.size() - i)));
+        const auto fill = [&](std::size_t i, std::vector<CornerKey>& keys) {
+            const auto first = points.begin() + static_cast<std::ptrdiff_t>(i * batch_size);
+            keys.assign(first, first + sizes[i]);
+        };
+        trace(
+            sizes, fill, [](std::uint32_t, const CornerSample&) {}, around);
+    }
+
     [[nodiscard]] static CornerSample summary(CornerKey k, const TracedSamples& chunk,
                                               std::uint32_t chunk_index, std::uint32_t at) {
         const std::uint32_t first = chunk.offsets[at], end = chunk.offsets[at + 1];
@@ -186,24 +200,63 @@ class BandSampler {
         }
     }
 
+    [[nodiscard]] CornerCell pixel(int x, int row, int y_begin) const {
+        return {static_cast<std::uint32_t>(x) * grid_.unit,
+                grid_.row(y_begin + row),
+                grid_.unit,
+                {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
+    }
+
+    // Returns the pixels that are divided. All four corners of a pixel may miss something, most often near an
+    // edge. So the centre of a pixel beside a divided one of the same row is compared with its corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
-        CellRows cells(static_cast<std::size_t>(y_end - y_begin));
+        CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         parallel_for(cells.size(), [&](std::size_t r) {
-            const int row = static_cast<int>(r);
-            for (int x = 0; x + 1 < grid_.columns; ++x) {
-                const CornerCell c{
-                    static_cast<std::uint32_t>(x) * grid_.unit,
-                    grid_.row(y_begin + row),
-                    grid_.unit,
-                    {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
-                if (settings_.levels > 0 && cells_.splits(c)) {
-                    cells[r].push_back(c);
-                } else {
+            const int row = static_cast<int>(r), columns = grid_.columns - 1;
+            std::vector<bool> divided(static_cast<std::size_t>(columns) + 2, false);
+            for (int x = 0; settings_.levels > 0 && x < columns; ++x) {
+                const CornerCell c = pixel(x, row, y_begin);
+                if (!cells_.splits(c)) continue;
+                cells[r].push_back(c);
+                divided[static_cast<std::size_t>(x) + 1] = true;
+            }
+            for (int x = 0; x < columns; ++x) {
+                const auto i = static_cast<std::size_t>(x) + 1;
+                if (divided[i]) continue;
+                const CornerCell c = pixel(x, row, y_begin);
+                if (divided[i - 1] || divided[i + 1])
+                    beside[r].push_back(c);
+                else
                     cells_.mark_leaf(c, marks_[r]);
-                }
             }
         });
+        compare_centres(beside, cells);
         return cells;
+    }
+
+    // Adds to `divided` the cells whose centre differs from their corners. The samples of the centres are not
+    // kept.
+    void compare_centres(const CellRows& cells, CellRows& divided) {
+        std::vector<CornerKey> centres;
+        std::vector<std::size_t> first_of_row;
+        for (const auto& row : cells) {
+            first_of_row.push_back(centres.size());
+            for (const CornerCell& c : row)
+                centres.push_back(CornerGrid::key(c.x + c.size / 2, c.y + c.size / 2));
+        }
+        const std::size_t samples = samples_.size(), chunks = used_chunks_;
+        trace(centres);
+        parallel_for(cells.size(), [&](std::size_t r) {
+            for (std::size_t k = 0; k < cells[r].size(); ++k) {
+                const CornerCell& c = cells[r][k];
+                if (cells_.centre_differs(c, static_cast<std::uint32_t>(samples + first_of_row[r] + k)))
+                    divided[r].push_back(c);
+                else
+                    cells_.mark_leaf(c, marks_[r]);
+            }
+        });
+        samples_.resize(samples);
+        used_chunks_ = chunks;
     }
 
     // Traces the centre and the midpoints of the sides of every cell. Midpoints that neighbouring cells share
@@ -235,18 +288,8 @@ class BandSampler {
             wanted_.insert(wanted_.end(), keys.begin(), keys.end());
             wanted_rows_.push_back(wanted_.size());
         }
-        std::vector<std::uint32_t> sizes;
-        for (std::size_t i = 0; i < wanted_.size(); i += batch_size) {
-            sizes.push_back(static_cast<std::uint32_t>(std::min(batch_size, wanted_.size() - i)));
-        }
-        const auto fill = [&](std::size_t i, std::vector<CornerKey>& keys) {
-            const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(i * batch_size);
-            keys.assign(first, first + sizes[i]);
-        };
         first_wanted_ = static_cast<std::uint32_t>(samples_.size());
-        trace(
-            sizes, fill, [](std::uint32_t, const CornerSample&) {},
-            [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
+        trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
     // Returns the sample at the centre or a midpoint of a cell in this row of pixels.

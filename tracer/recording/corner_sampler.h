@@ -35,6 +35,7 @@ struct SampledWindow {
 /// - if the outline of a part of a mesh that no corner shows crosses it in front of what the corners show,
 /// down to `edge_levels`;
 /// - if its corners are shadowed from different lights, down to `colour_levels`;
+/// - if it is a pixel beside a divided one, and its centre differs from its corners by these criteria;
 /// - if the narrow objects in `things` require it, down to `levels`.
 /// The criteria of ids, contrast and shadows also apply to every hidden layer. Needs memory for one band
 /// only. The result does not depend on the number of threads. Returns the number of rays.
