@@ -237,6 +237,12 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
     fail(ExitCode::wrong_arguments, "--camera: no such camera (got {}; expected one of: {})", name, known);
 }
 
+bool has_meshes(const Scene& scene) {
+    return std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) {
+        return std::holds_alternative<std::shared_ptr<const Mesh>>(o.shape);
+    });
+}
+
 SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, const CameraModel& camera,
                            double time_s, int overscan_px) {
     const Camera& of = find_camera(scene, settings.camera_name);
@@ -332,11 +338,15 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.has_bend = instant->tracer().measures_bends();
-    header.has_marks = instant->tracer().has_textures() || instant->tracer().has_parts() ||
-                       std::any_of(small_things.begin(), small_things.end(),
-                                   [](const SmallThings& things) { return !things.outlines().empty(); });
+    header.has_marks = instant->tracer().has_textures() || instant->tracer().has_parts() || has_meshes(scene);
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
+    const auto find_outlines = [&](std::size_t i) {
+        const double at_s = result.instants_s[i];
+        if (settings.seek_small_things)
+            small_things[i].find_outlines(scene, parts, CameraModel(of, at_s, settings.camera), at_s);
+    };
+    find_outlines(0);
     if (settings.on_expected_bytes) {
         settings.on_expected_bytes(expected_file_bytes(instant->tracer(), window, settings.subdivision,
                                                        small_things[0], header, settings.compression,
@@ -350,6 +360,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
             instant.reset();  // frees the memory of this instant before the next one is built
             instant = instant_at(result.instants_s[i]);
             instant->look_through_lens(settings, window);
+            find_outlines(i);
             writer.next_instant();
         }
         const auto take = [&](const RecordBand& band) {
@@ -363,6 +374,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
             settings.share
                 ? sample_share(*settings.share, tracer, window, settings.subdivision, take, small_things[i])
                 : sample_corners(tracer, window, settings.subdivision, take, small_things[i]);
+        small_things[i] = {};
     }
     result.bytes = writer.finish();
     return result;

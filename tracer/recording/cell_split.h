@@ -30,7 +30,8 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Whether the visible layer of a sample at the cell's centre divides it.
+    /// Whether the cell is divided because the sample at its centre, given by its index, differs from its
+    /// corners. Only the visible layers are compared.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// A record, given by the index of its chunk and its index in that chunk, and its RecordMark.
     struct Mark {
@@ -90,8 +91,8 @@ class CellSplit {
     /// True if the cell may contain a narrow object, which all of its corners can miss. Objects behind the
     /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
-    /// True if all corners of the cell show one part of an object, and the outline of another one is in
-    /// front.
+    /// True if all corners of the cell show one part of an object, and the outline of another part crosses
+    /// the cell in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
     /// True if the cell may contain the image of a small bright object in a mirror or in glass.
     /// `s`: the visible layers of its corners.

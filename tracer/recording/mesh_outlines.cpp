@@ -50,7 +50,7 @@ MeshOutlines::MeshOutlines(const Scene& scene, const ObjectParts& parts, const C
         const auto* mesh = std::get_if<std::shared_ptr<const Mesh>>(&scene.objects[i].shape);
         if (mesh != nullptr) add_mesh(scene.objects[i], **mesh, i, parts, camera, time_s);
     }
-    index_pixels();
+    index_rows();
 }
 
 void MeshOutlines::add_mesh(const Object& object, const Mesh& mesh, std::size_t index,
@@ -79,80 +79,92 @@ void MeshOutlines::add_mesh(const Object& object, const Mesh& mesh, std::size_t 
     for (const MeshEdge& edge : parts.edges(index)) {
         if (edge.other != MeshEdge::none && area(edge.triangle) * area(edge.other) > 0) continue;
         const Place &a = places[edge.low_end], &b = places[edge.high_end];
-        if (!(std::isfinite(a.at.x) && std::isfinite(b.at.x)) || !clip(a.at, b.at, low, high)) continue;
-        edges_.push_back({a.at, b.at, a.nearness, b.nearness, object.id,
+        const double length = glm::length(b.at - a.at);
+        const auto in = std::isfinite(length) ? clip(a.at, b.at, low, high) : std::nullopt;
+        if (!in) continue;
+        const auto nearness_at = [&](double t) {
+            return static_cast<float>(glm::mix(a.nearness, b.nearness, t));
+        };
+        edges_.push_back({glm::mix(a.at, b.at, in->begin), glm::mix(a.at, b.at, in->end),
+                          nearness_at(in->begin), nearness_at(in->end), object.id,
                           parts.any() ? parts.part(index, edge.triangle) : 0});
     }
 }
 
 template <typename Take>
 void MeshOutlines::each_pixel(const Edge& edge, const Take& take) const {
+    const dvec2 from(edge.from), to(edge.to);
     const auto pixel = [](double at, int begin, int end) {
         return static_cast<int>(std::clamp(std::floor(at), static_cast<double>(begin), end - 1.0));
     };
-    const int top = pixel(std::min(edge.from.y, edge.to.y), y_begin_, y_end_),
-              bottom = pixel(std::max(edge.from.y, edge.to.y), y_begin_, y_end_);
+    const int top = pixel(std::min(from.y, to.y), y_begin_, y_end_),
+              bottom = pixel(std::max(from.y, to.y), y_begin_, y_end_);
     for (int y = top; y <= bottom; ++y) {
-        const auto in = clip(edge.from, edge.to, dvec2(x_begin_, y), dvec2(x_end_, y + 1));
+        const auto in = clip(from, to, dvec2(x_begin_, y), dvec2(x_end_, y + 1));
         if (!in) continue;
-        const double a = glm::mix(edge.from.x, edge.to.x, in->begin),
-                     b = glm::mix(edge.from.x, edge.to.x, in->end);
+        const double a = glm::mix(from.x, to.x, in->begin), b = glm::mix(from.x, to.x, in->end);
         const int right = pixel(std::max(a, b), x_begin_, x_end_);
-        for (int x = pixel(std::min(a, b), x_begin_, x_end_); x <= right; ++x) {
-            take(static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(x_end_ - x_begin_) +
-                 static_cast<std::size_t>(x - x_begin_));
-        }
+        for (int x = pixel(std::min(a, b), x_begin_, x_end_); x <= right; ++x) take(x, y);
     }
 }
 
-void MeshOutlines::index_pixels() {
-    if (edges_.empty()) return;
+void MeshOutlines::index_rows() {
     std::stable_sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) {
         return a.from_nearness + a.to_nearness > b.from_nearness + b.to_nearness;
     });
-    const std::size_t pixels =
-        static_cast<std::size_t>(x_end_ - x_begin_) * static_cast<std::size_t>(y_end_ - y_begin_);
-    const auto most = static_cast<std::size_t>(most_per_pixel * static_cast<double>(pixels));
-    std::vector<std::uint32_t> count(pixels + 1, 0);
-    std::size_t all = 0, kept = 0;
-    for (; kept < edges_.size() && all < most; ++kept) {
-        each_pixel(edges_[kept], [&](std::size_t pixel) {
-            ++count[pixel + 1];
-            ++all;
+    const auto rows = static_cast<std::size_t>(y_end_ - y_begin_);
+    const auto most = static_cast<std::size_t>(most_per_pixel * (x_end_ - x_begin_) * (y_end_ - y_begin_));
+    row_begin_.assign(rows + 1, 0);
+    std::size_t crossings = 0, kept = 0;
+    for (; kept < edges_.size() && crossings < most; ++kept) {
+        each_pixel(edges_[kept], [&](int, int y) {
+            ++row_begin_[static_cast<std::size_t>(y - y_begin_) + 1];
+            ++crossings;
         });
     }
     edges_.resize(kept);
-    for (std::size_t i = 0; i < pixels; ++i) count[i + 1] += count[i];
-    pixel_begin_ = count;
-    pixel_edges_.resize(all);
+    edges_.shrink_to_fit();
+    for (std::size_t row = 0; row < rows; ++row) row_begin_[row + 1] += row_begin_[row];
+    crossings_.resize(crossings);
+    std::vector<std::size_t> next(row_begin_.begin(), row_begin_.end() - 1);
     for (std::uint32_t i = 0; i < edges_.size(); ++i)
-        each_pixel(edges_[i], [&](std::size_t pixel) { pixel_edges_[count[pixel]++] = i; });
+        each_pixel(edges_[i], [&](int x, int y) {
+            crossings_[next[static_cast<std::size_t>(y - y_begin_)]++] = {x, i};
+        });
+    parallel_for(rows, [&](std::size_t row) {
+        std::sort(crossings_.begin() + static_cast<std::ptrdiff_t>(row_begin_[row]),
+                  crossings_.begin() + static_cast<std::ptrdiff_t>(row_begin_[row + 1]),
+                  [](const Crossing& a, const Crossing& b) { return a.x < b.x; });
+    });
 }
 
 bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) const {
-    const int column = static_cast<int>(std::floor(x)) - x_begin_,
-              row = static_cast<int>(std::floor(y)) - y_begin_;
-    if (empty() || column < 0 || row < 0 || column >= x_end_ - x_begin_ || row >= y_end_ - y_begin_)
-        return false;
-    const auto pixel = static_cast<std::size_t>(row) * static_cast<std::size_t>(x_end_ - x_begin_) +
-                       static_cast<std::size_t>(column);
+    const int column = static_cast<int>(std::floor(x)), row = static_cast<int>(std::floor(y));
+    if (empty() || row < y_begin_ || row >= y_end_) return false;
+    const auto first = crossings_.begin() +
+                       static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_)]),
+               last = crossings_.begin() +
+                      static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_) + 1]);
     // An edge along the side of the square is not inside it.
     const double margin = size / 64;
     const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
-    for (std::uint32_t i = pixel_begin_[pixel]; i < pixel_begin_[pixel + 1]; ++i) {
-        const Edge& edge = edges_[pixel_edges_[i]];
+    for (auto c = std::lower_bound(first, last, column, [](const Crossing&a, int to) { return a.x < to; });
+         c != last && c->x == column; ++c) {
+        const Edge& edge = edges_[c->edge];
         if (edge.id == shown.id && edge.part == shown.part) continue;
-        const auto in = clip(edge.from, edge.to, low, high);
+        const dvec2 from(edge.from), to(edge.to);
+        const auto in = clip(from, to, low, high);
         if (!in) continue;
         const double t = (in->begin + in->end) / 2;
-        const dvec2 at = (glm::mix(edge.from, edge.to, t) - dvec2(x, y)) / size;
+        const dvec2 at = (glm::mix(from, to, t) - dvec2(x, y)) / size;
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
         // An edge in the plane of what the corners show is not in front of it.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
-            glm::mix(edge.from_nearness, edge.to_nearness, t) > behind + in_plane * std::abs(behind))
+            glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >
+                behind + in_plane * std::abs(behind))
             return true;
     }
     return false;

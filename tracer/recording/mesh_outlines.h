@@ -17,7 +17,7 @@ namespace postlens {
 class MeshOutlines {
   public:
     /// Limit of the number of edges per pixel of the raster, on average. The farthest ones are omitted.
-    static constexpr double most_per_pixel = 16;
+    static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
     /// Finds the outlines of the scene's meshes at an instant, at raster positions [x_begin, x_end] x
@@ -25,7 +25,7 @@ class MeshOutlines {
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 
-    [[nodiscard]] bool empty() const { return pixel_edges_.empty(); }
+    [[nodiscard]] bool empty() const { return crossings_.empty(); }
 
     /// What all corners of a cell show: one part of one object.
     struct Shown {
@@ -37,14 +37,20 @@ class MeshOutlines {
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
+    /// The part of an edge that is inside the raster.
     struct Edge {
-        glm::dvec2 from{0}, to{0};                  ///< px
-        double from_nearness = 0, to_nearness = 0;  ///< nearness() of the ends
+        glm::vec2 from{0}, to{0};                  ///< px
+        float from_nearness = 0, to_nearness = 0;  ///< nearness() of the ends
         std::uint32_t id = 0, part = 0;
+    };
+    /// An edge that crosses a pixel of a row.
+    struct Crossing {
+        std::int32_t x = 0;
+        std::uint32_t edge = 0;
     };
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
-    void index_pixels();
+    void index_rows();
     /// 1/z', or -z' if the camera is orthographic: linear along an edge and on a plane.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
@@ -53,8 +59,8 @@ class MeshOutlines {
     bool orthographic_ = false;
     int x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
     std::vector<Edge> edges_;
-    /// Per pixel, where its indices of edges begin in `pixel_edges_`.
-    std::vector<std::uint32_t> pixel_begin_, pixel_edges_;
+    std::vector<Crossing> crossings_;     ///< by row, and then by column
+    std::vector<std::size_t> row_begin_;  ///< per row, and at the end of the last one
 };
 
 }  // namespace postlens

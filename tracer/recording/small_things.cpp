@@ -236,8 +236,7 @@ SmallThings::SmallThings(const Scene& scene, const ObjectParts& parts, const Cam
       x_end_(x_end),
       y_begin_(y_begin),
       y_end_(y_end),
-      images_(scene, time_s, most_cells_per_pixel * raster_px()),
-      outlines_(scene, parts, camera, time_s, x_begin, x_end, y_begin, y_end) {
+      images_(scene, time_s, most_cells_per_pixel * raster_px()) {
     std::map<const Mesh*, std::vector<Axes>> of_meshes;
     for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
         const Object& o = scene.objects[i];
@@ -258,6 +257,18 @@ SmallThings::SmallThings(const Scene& scene, const ObjectParts& parts, const Cam
     if (!images_.empty()) levels_ = std::max(levels_, BrightImages::most_levels);
     levels_ = std::clamp(levels_, 0, most_levels);
     index_tiles();
+}
+
+void SmallThings::find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
+                                double time_s) {
+    outlines_ = {scene,
+                 parts,
+                 camera,
+                 time_s,
+                 static_cast<int>(x_begin_),
+                 static_cast<int>(x_end_),
+                 static_cast<int>(y_begin_),
+                 static_cast<int>(y_end_)};
 }
 
 void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array<dvec3, 3>& half,

@@ -47,7 +47,11 @@ class SmallThings {
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Outlines of meshes, whose parts may lie between corners.
+    /// Finds the outlines of meshes, whose parts may lie between corners; the arguments are the
+    /// constructor's. They need up to 160 bytes for each pixel of the raster.
+    void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
+                       double time_s);
+    /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
     /// Levels of subdivision that the narrow objects need, at most `most_levels`; 0 if there are none.
     [[nodiscard]] int levels() const { return levels_; }
