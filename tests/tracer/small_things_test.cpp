@@ -192,6 +192,22 @@ TEST(SmallThings, AConeIsFoundToItsTip) {
     EXPECT_NEAR(light / (of_triangle(apex.x - 44) - of_triangle(apex.x - 60)), 1, 0.05);
 }
 
+// A cone 40 px wide at its base. Its last 2.5 px lie between two rows of corners.
+TEST(SmallThings, AWideConeIsFoundToItsTip) {
+    SceneBuilder b;
+    const double tip = 40.8;
+    b.add(Cone{point_at({tip - 100, 20.5}), point_at({tip, 20.5}), 20 * pixel_m, 0}, glowing(dvec3(1)));
+    const auto columns = [&](const SmallThings& things) {
+        const Sampled s = sample(b.scene, things);
+        return std::array{s.light[20 * width + 39], s.light[20 * width + 40]};
+    };
+    EXPECT_EQ(columns({})[1], 0);
+    const auto [before, last] = columns(things_of(b.scene));
+    // Of two triangles, both 0.2 px wide on either side of the axis for each px of length.
+    EXPECT_NEAR(before, 0.2 * (1.8 * 1.8 - 0.8 * 0.8), 0.03);
+    EXPECT_NEAR(last, 0.2 * 0.8 * 0.8, 0.03);
+}
+
 TEST(SmallThings, WhatStandsBehindAWallCostsNothing) {
     SceneBuilder b;
     b.add(square(point_at({32, 24}) + dvec3(0, 0, 2), {0, 0, 1}, 100), matte(dvec3(0.5)));

@@ -21,6 +21,8 @@ constexpr int tile_px = 16;
 // Long objects are divided along their axis into this many pieces. Each piece is treated as if its width and
 // depth were constant.
 constexpr int pieces = 16;
+// The piece at a tip is halved this often, so that a cone as wide as the largest raster is narrow at its tip.
+constexpr int most_halves = 16;
 // Objects narrower than the smallest cells may be missed by all corners.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
@@ -214,10 +216,28 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
         }
     }
     const dvec3& axis = axes.half[0];
-    for (int i = 0; i < pieces; ++i) {
-        const double width = glm::mix(axes.ends.x, axes.ends.y, (i + 0.5) / pieces);
-        take(axes.centre + axis * (2.0 * i / pieces - 1), axes.centre + axis * (2.0 * (i + 1) / pieces - 1),
+    const auto width_at = [&](double along) { return glm::mix(axes.ends.x, axes.ends.y, along); };
+    const auto take_between = [&](double begin, double end) {
+        const double width = width_at((begin + end) / 2);
+        take(axes.centre + axis * (2 * begin - 1), axes.centre + axis * (2 * end - 1),
              std::array{axis, width * axes.half[1], width * axes.half[2]});
+    };
+    for (int i = 0; i < pieces; ++i) {
+        double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
+        // The last piece before a tip is divided further, because the width is not nearly constant there.
+        for (int k = 0; k < most_halves; ++k) {
+            const double middle = (begin + end) / 2;
+            if (width_at(begin) > 2 * width_at(end)) {
+                take_between(begin, middle);
+                begin = middle;
+            } else if (width_at(end) > 2 * width_at(begin)) {
+                take_between(middle, end);
+                end = middle;
+            } else {
+                break;
+            }
+        }
+        take_between(begin, end);
     }
 }
 
