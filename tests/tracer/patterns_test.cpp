@@ -248,12 +248,12 @@ TEST(CornersAndPatterns, ShadowsOfTwoLightsAreToldApart) {
 Scene spotted_wall(const std::vector<glm::dvec3>& shadows) {
     SceneBuilder b;
     const double px = 10 * 36 / 50.0 / 64;
-    const dvec3 lamp(0, 20, 0);
+    const dvec3 light(0, 20, 0);
     b.add(square({0, 0, -10}, {0, 0, 1}, 20), matte(dvec3(0.5)));
-    b.scene.lights.push_back({.kind = Light::Kind::point, .position = lamp});
+    b.scene.lights.push_back({.kind = Light::Kind::point, .position = light});
     for (const dvec3& s : shadows) {
         const dvec3 on_wall((s.x - 32) * px, (24 - s.y) * px, -10);
-        b.add(Disc{(lamp + on_wall) / 2.0, {0, 0, 1}, s.z * px / 2}, matte(dvec3(0.5)));
+        b.add(Disc{(light + on_wall) / 2.0, {0, 0, 1}, s.z * px / 2}, matte(dvec3(0.5)));
     }
     return b.scene;
 }
