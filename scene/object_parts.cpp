@@ -52,6 +52,7 @@ std::vector<MeshEdge> edges_of(const Mesh& mesh) {
     std::vector<Side> sides(3 * mesh.triangles.size());
     each_side([&](std::uint32_t low, const Side& side) { sides[end[low]++] = side; });
     std::vector<MeshEdge> out;
+    out.reserve(sides.size() / 2);
     for (std::uint32_t low = 0; low < mesh.positions.size(); ++low) {
         const auto begin = sides.begin() + static_cast<std::ptrdiff_t>(low > 0 ? end[low - 1] : 0),
                    last = sides.begin() + static_cast<std::ptrdiff_t>(end[low]);

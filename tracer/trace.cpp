@@ -199,6 +199,12 @@ void require_trace_memory(const CameraModel& camera, int overscan_px, const Trac
                                camera.height + 2 * overscan_px));
 }
 
+bool has_meshes(const Scene& scene) {
+    return std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) {
+        return std::holds_alternative<std::shared_ptr<const Mesh>>(o.shape);
+    });
+}
+
 }  // namespace
 
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
@@ -235,12 +241,6 @@ const Camera& find_camera(const Scene& scene, const std::string& name) {
         known += (known.empty() ? "" : ", ") + c.name;
     }
     fail(ExitCode::wrong_arguments, "--camera: no such camera (got {}; expected one of: {})", name, known);
-}
-
-bool has_meshes(const Scene& scene) {
-    return std::any_of(scene.objects.begin(), scene.objects.end(), [](const Object& o) {
-        return std::holds_alternative<std::shared_ptr<const Mesh>>(o.shape);
-    });
 }
 
 SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, const CameraModel& camera,
@@ -342,9 +342,8 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     header.key_times_s = keys_s;
     SampleFileWriter writer(path, header, settings.compression);
     const auto find_outlines = [&](std::size_t i) {
-        const double at_s = result.instants_s[i];
         if (settings.seek_small_things)
-            small_things[i].find_outlines(scene, parts, CameraModel(of, at_s, settings.camera), at_s);
+            small_things[i].find_outlines(scene, parts, instant->camera(), result.instants_s[i]);
     };
     find_outlines(0);
     if (settings.on_expected_bytes) {

@@ -2,6 +2,7 @@
 #include "tracer/recording/small_things.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <gtest/gtest.h>

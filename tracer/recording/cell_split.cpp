@@ -39,11 +39,13 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    if (outline_between(c)) {
+    // Outlines divide larger cells, so these have none.
+    const bool ends_edges = !is_larger(c, settings_.edge_levels);
+    if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
             marks.push_back({samples_[corner].chunk, samples_[corner].first, RecordMark::gap});
     }
-    const bool parts = tracer_.has_parts() && !is_larger(c, settings_.edge_levels);
+    const bool parts = tracer_.has_parts() && ends_edges;
     bool textures = tracer_.has_textures() && !is_larger(c, settings_.colour_levels);
     if (textures) {
         // Textures are compared with the nodes of the first corner.
@@ -94,8 +96,8 @@ void CellSplit::mark_textures(const std::array<Seen, 4>& s, Marks& marks) const 
     }
 }
 
-std::optional<std::array<std::uint32_t, 5>> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
-    std::array<std::uint32_t, 5> node{s[0].first + n};
+std::optional<CellSplit::NodeOfEach> CellSplit::nodes_like(const Seen* s, int count, std::uint32_t n) {
+    NodeOfEach node{s[0].first + n};
     for (int i = 1; i < count; ++i) {
         const auto found = node_like(s[0].chunk->records[node[0]], s[i], n);
         if (!found) return std::nullopt;
@@ -118,7 +120,7 @@ std::optional<std::uint32_t> CellSplit::node_like(const Record& wanted, const Se
     return node && in.chunk->records[*node].id == wanted.id ? node : std::nullopt;
 }
 
-bool CellSplit::shadows_differ(const Seen* s, const std::array<std::uint32_t, 5>& node, int count) {
+bool CellSplit::shadows_differ(const Seen* s, const NodeOfEach& node, int count) {
     for (int i = 1; i < count; ++i) {
         if (s[i].chunk->sources[node[static_cast<std::size_t>(i)]].shadows !=
             s[0].chunk->sources[node[0]].shadows)
@@ -127,7 +129,7 @@ bool CellSplit::shadows_differ(const Seen* s, const std::array<std::uint32_t, 5>
     return false;
 }
 
-bool CellSplit::texture_differs(const Seen* s, const std::array<std::uint32_t, 5>& node, int count) const {
+bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count) const {
     const Texture* texture = s[0].chunk->sources[node[0]].texture;
     if (texture == nullptr) return false;
     glm::vec3 low = s[0].chunk->sources[node[0]].place, high = low;
@@ -142,7 +144,7 @@ bool CellSplit::texture_differs(const Seen* s, const std::array<std::uint32_t, 5
     for (int channel = 0; channel < 3; ++channel) {
         // The radiance is modelled as plus + times * texel, where texel is the colour of the texture.
         double times = 0, plus = HUGE_VAL;
-        std::array<double, 5> texel{};
+        std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {
             const auto k = static_cast<std::size_t>(i);
             texel[k] = texture->colour_at(s[i].chunk->sources[node[k]].place)[channel];
@@ -192,10 +194,10 @@ bool CellSplit::splits(const CornerCell& c) const {
 }
 
 bool CellSplit::centre_differs(const CornerCell& c, std::uint32_t centre) const {
-    std::array<Seen, 5> seen;
+    std::array<Seen, most_samples> seen;
     for (std::size_t i = 0; i < 4; ++i) seen[i] = visible_layer(samples_[c.corner[i]]);
     seen[4] = visible_layer(samples_[centre]);
-    return differ(c, seen.data(), 5);
+    return differ(c, seen.data(), most_samples);
 }
 
 bool CellSplit::small_things_ask(const CornerCell& c, bool hidden) const {

@@ -53,6 +53,9 @@ class CellSplit {
         const TracedSamples* chunk = nullptr;
         std::uint32_t first = 0, count = 0;
     };
+    static constexpr int most_samples = 5;  ///< that are compared: at the corners and the centre of a cell
+    /// A node of each sample, as an index into its chunk.
+    using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
     /// Contrast as in [mitchell1987]. The term 0.05 prevents small differences of dark colours from dividing
     /// a cell.
@@ -68,8 +71,7 @@ class CellSplit {
     }
     /// Returns the n-th node of the first corner, and the node with the same path and id at each other
     /// corner. Empty if a corner has no such node.
-    [[nodiscard]] static std::optional<std::array<std::uint32_t, 5>> nodes_like(const Seen* s, int count,
-                                                                                std::uint32_t n);
+    [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the node with the path. Tests the node with index `guess` first, because most corners of a
     /// cell have the same tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
@@ -77,11 +79,9 @@ class CellSplit {
     /// Returns the node with the path and the id of `wanted`, as node_of_path does.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
-    [[nodiscard]] static bool shadows_differ(const Seen* s, const std::array<std::uint32_t, 5>& node,
-                                             int count);
+    [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
     /// True if the lit texture has contrast between the texture positions of the corners.
-    [[nodiscard]] bool texture_differs(const Seen* s, const std::array<std::uint32_t, 5>& node,
-                                       int count) const;
+    [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }

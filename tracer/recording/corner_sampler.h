@@ -32,8 +32,8 @@ struct SampledWindow {
 /// - if the primary ids of its corners differ, or the parts of the object, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 /// `colour_levels`;
-/// - if the outline of a part of a mesh that no corner shows crosses it in front of what the corners show,
-/// down to `edge_levels`;
+/// - if the outline of a part of a mesh that no corner shows crosses it, in front of the surface that they
+/// show, down to `edge_levels`;
 /// - if its corners are shadowed from different lights, down to `colour_levels`;
 /// - if it is a pixel beside a divided one, and its centre differs from its corners by these criteria;
 /// - if the narrow objects in `things` require it, down to `levels`.

@@ -27,13 +27,13 @@ class MeshOutlines {
 
     [[nodiscard]] bool empty() const { return crossings_.empty(); }
 
-    /// What all corners of a cell show: one part of one object.
+    /// The part of an object that all corners of a cell show.
     struct Shown {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
     /// Whether the outline of another part crosses the square of `size` px with the upper left corner
-    /// (x, y), in front of what the corners show. The square must lie within one pixel.
+    /// (x, y), in front of the part that the corners show. The square must lie within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
