@@ -14,6 +14,11 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
+# By default, GCC collects garbage in its own memory from 128 MB on. Files of this size compile 10 % faster if it waits.
+if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+  add_compile_options(--param=ggc-min-heapsize=524288)
+endif()
+
 # Saves most of the link time of tests and benchmarks, where it is installed (it comes with GNU's own linker).
 find_program(POSTLENS_GOLD ld.gold)
 if(POSTLENS_GOLD AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -49,9 +54,11 @@ if(POSTLENS_SANITIZE)
   target_compile_definitions(postlens_options INTERFACE POSTLENS_NO_MULTIVERSION)
 endif()
 
-# One library per folder: postlens_library(NAME SOURCES sources... LINK libraries... PRIVATE libraries... PRECOMPILED set)
+# One library per folder: postlens_library(NAME [FEW_LOOPS] SOURCES sources... LINK libraries... PRIVATE libraries...
+# PRECOMPILED set). FEW_LOOPS: nothing in the folder takes long, so optimising it is not worth the time of the compiler.
+set(few_loops_options $<$<CONFIG:Release>:-O1>)
 function(postlens_library name)
-  cmake_parse_arguments(arg "" "PRECOMPILED" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "FEW_LOOPS" "PRECOMPILED" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(postlens_${name} STATIC ${arg_SOURCES})
   add_library(postlens::${name} ALIAS postlens_${name})
   target_link_libraries(postlens_${name} PUBLIC postlens_options ${arg_LINK} PRIVATE ${arg_PRIVATE})
@@ -60,4 +67,7 @@ function(postlens_library name)
   endif()
   postlens_use_precompiled(postlens_${name} ${arg_PRECOMPILED})
   postlens_compile_together(postlens_${name})
+  if(arg_FEW_LOOPS)
+    target_compile_options(postlens_${name} PRIVATE ${few_loops_options})
+  endif()
 endfunction()
