@@ -120,7 +120,7 @@ void clear(SheetMesh& m) {
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t least = 4, most = 64;
-    constexpr std::uint64_t enough = 1U << 18U, too_many = 1U << 20U;
+    constexpr std::uint64_t enough = 1U << 16U, too_many = 1U << 20U;
     const auto rows = file.scanlines(instant).subspan(static_cast<std::size_t>(y - file.y_begin()));
     std::uint64_t records = 0;
     std::size_t strips = 0;
