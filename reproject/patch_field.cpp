@@ -58,39 +58,38 @@ class Field {
     }
 
     void draw(std::span<PatchPicture> out) {
-        const std::size_t tiles =
-            static_cast<std::size_t>(bins_.columns()) * static_cast<std::size_t>(bins_.rows());
-        Progress progress("views", tiles);
-        parallel_for(tiles, [&](std::size_t tile) {
+        const int tiles = bins_.columns() * bins_.rows();
+        // The pieces of a tile are separate tasks, because a few tiles often take most of the time.
+        const int along = (SeenTile::edge + field_.piece_px - 1) / field_.piece_px, per_tile = along * along;
+        const auto tasks = static_cast<std::size_t>(tiles) * static_cast<std::size_t>(per_tile);
+        Progress progress("views", tasks);
+        parallel_for(tasks, [&](std::size_t task) {
             thread_local std::unique_ptr<Workplace> w;
             if (!w) w = std::make_unique<Workplace>();
-            draw_tile(tile, *w, out);
+            const int tile = static_cast<int>(task) / per_tile, piece = static_cast<int>(task) % per_tile;
+            draw_piece(static_cast<std::size_t>(tile), piece % along * field_.piece_px,
+                       piece / along * field_.piece_px, *w, out);
             progress.advance();
         });
     }
 
   private:
-    void draw_tile(std::size_t tile, Workplace& w, std::span<PatchPicture> out) const {
-        const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge,
-                  y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge;
-        const TilePlace at{field_.x + x0, field_.y + y0, std::min(SeenTile::edge, field_.width - x0),
-                           std::min(SeenTile::edge, field_.height - y0)};
+    /// Draws the piece of a tile whose upper left corner is (x, y), px from the tile's corner.
+    void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
+        const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
+                  y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
+        const TilePlace piece{field_.x + x0, field_.y + y0, std::min(field_.piece_px, field_.width - x0),
+                              std::min(field_.piece_px, field_.height - y0)};
+        if (piece.width <= 0 || piece.height <= 0) return;
         if (marks_.any() && !has_wanted_marks(tile)) return;
-        const int edge = field_.piece_px;
-        for (int y = 0; y < at.height; y += edge) {
-            for (int x = 0; x < at.width; x += edge) {
-                const TilePlace piece{at.x + x, at.y + y, std::min(edge, at.width - x),
-                                      std::min(edge, at.height - y)};
-                const TileRect rect{x, x + piece.width, y, y + piece.height};
-                w.gathered = false;
-                w.is_crowded.reset();
-                for (std::size_t set = 0; set < field_.sets.size(); ++set) {
-                    const auto& wanted = field_.sets[set].wanted;
-                    if (wanted && !wanted(x0 + x, y0 + y, piece.width, piece.height)) continue;
-                    gather(tile, rect, field_.sets[set].rays, w);
-                    draw_set(set, piece, w, out[field_.sets[set].picture]);
-                }
-            }
+        const TileRect rect{x, x + piece.width, y, y + piece.height};
+        w.gathered = false;
+        w.is_crowded.reset();
+        for (std::size_t set = 0; set < field_.sets.size(); ++set) {
+            const auto& wanted = field_.sets[set].wanted;
+            if (wanted && !wanted(x0, y0, piece.width, piece.height)) continue;
+            gather(tile, rect, field_.sets[set].rays, w);
+            draw_set(set, piece, w, out[field_.sets[set].picture]);
         }
     }
 

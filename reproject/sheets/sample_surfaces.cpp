@@ -170,7 +170,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
     }
     // Growing the lists step by step would touch several times the memory.
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
-    const std::size_t most = band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
+    const std::size_t most =
+        band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
     primary.nodes.reserve(most);
     deeper.nodes.reserve(most);
     std::vector<std::uint32_t> parents;
