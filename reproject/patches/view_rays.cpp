@@ -23,22 +23,43 @@ void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weig
     weight_.push_back(weight);
 }
 
+void RaySamples::find_doubtful(const ShownView& shown) {
+    const bool all = whole_tile || shown.view.uses.size() != 1;
+    const SeenTile& seen = shown.seen[0];
+    const Texel* texels = shown.mesh(0).sheets->texels.data();
+    const std::uint32_t doubts =
+        Texel::unsure_bit | Texel::unsure_below_bit | (parents_too ? Texel::children_bits : 0U);
+    std::size_t count = 0;
+    for (int y = 0; y < shown.at.height; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
+        for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
+            const std::uint32_t number = seen.texel[k];
+            // As in add_seen_light: a branch would often be mispredicted.
+            doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
+            count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
+                             (texels[number].info & doubts) != 0
+                         ? 1
+                         : 0;
+        }
+    }
+    doubtful_.count = count;
+}
+
 void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
     const PatchView& v = shown.view;
-    for (int y = 0; y < shown.at.height; ++y) {
-        for (int x = 0; x < shown.at.width; ++x) {
-            const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
-            bool sure_of_all = !whole_tile;
-            for (std::size_t u = 0; u < v.uses.size(); ++u) {
-                sure_of_all = sure_of_all && sure(shown, u, k) &&
-                              !(parents_too && shown.mesh(u).drawn_children(shown.seen[u].texel[k]) != 0);
-            }
-            if (sure_of_all && v.uses.size() == 2) sure_of_all = shown.id(0, k) == shown.id(1, k);
-            uses[k] = 0;
-            if (sure_of_all) continue;
-            leave_to_rays(shown, x, y, v.weight, recorded);
-            for (std::size_t u = 0; u < v.uses.size(); ++u) shown.seen[u].texel[k] = SeenTile::no_texel;
+    fill_pixels(shown.at, uses, 0);
+    find_doubtful(shown);
+    for (const std::size_t k : doubtful_) {
+        bool sure_of_all = !whole_tile;
+        for (std::size_t u = 0; u < v.uses.size(); ++u) {
+            sure_of_all = sure_of_all && sure(shown, u, k) &&
+                          !(parents_too && shown.mesh(u).drawn_children(shown.seen[u].texel[k]) != 0);
         }
+        if (sure_of_all && v.uses.size() == 2) sure_of_all = shown.id(0, k) == shown.id(1, k);
+        if (sure_of_all) continue;
+        leave_to_rays(shown, static_cast<int>(k % SeenTile::edge), static_cast<int>(k / SeenTile::edge),
+                      v.weight, recorded);
+        for (std::size_t u = 0; u < v.uses.size(); ++u) shown.seen[u].texel[k] = SeenTile::no_texel;
     }
 }
 

@@ -80,9 +80,13 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
+    /// Lists the pixels in which the view's sample may have to become a ray. Most pixels are excluded by a
+    /// test that is faster than that of set_aside.
+    void find_doubtful(const ShownView& shown);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
 
+    PixelList doubtful_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
     std::vector<double> weight_;

@@ -44,10 +44,10 @@ struct Texel {
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
     }
-    static constexpr std::uint32_t sheet_shift = 4, unsure_bit = 4, unsure_below_bit = 8;
+    static constexpr std::uint32_t sheet_shift = 4, children_bits = 3, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
     /// Bits (child_bit) for the presence of a reflected and of a transmitted child node.
-    [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & 3U); }
+    [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
     /// Whether an edge may cross the quadtree leaf: the outline of the surface, a gap in it, or the edge of a
     /// shadow or texture. The colours at the leaf's corners then do not determine the colour of the leaf.
     [[nodiscard]] bool unsure() const { return (info & unsure_bit) != 0; }
