@@ -16,8 +16,8 @@ namespace postlens {
 /// rounds or the choice of points.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the files of earlier charts whose measurements a run keeps: the charts of shares (parts of this
-/// chart) in `folder`, then `chart` if it exists. A run that measures only a share keeps only `chart`.
+/// Returns the files of earlier charts whose measurements a run keeps: `chart`, if it exists, and before it,
+/// in a run of the whole chart, those of its shares (parts) in `folder`.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);

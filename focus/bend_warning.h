@@ -34,8 +34,8 @@ class MisplacedLight {
     [[nodiscard]] std::vector<float> picture() const {
         return any_ ? summed_up(light_) : std::vector<float>();
     }
-    /// Per pixel, misplaced radiance times the error of its position, px, as seen from the lens's rim. Errors
-    /// are limited to farthest_px. Empty if no node is misplaced.
+    /// Per pixel, the sum over misplaced nodes of radiance times position error, px. The error is that of a
+    /// view from the rim of the lens, and is limited to farthest_px. Empty if no node is misplaced.
     [[nodiscard]] std::vector<float> moved_px() const {
         return any_ ? summed_up(moved_) : std::vector<float>();
     }

@@ -1,4 +1,5 @@
-// Adds channels for compositors to the file of a focused image: CoC, shares by depth, Cryptomatte, and error.
+// Adds channels for compositors to the file of a focused image: CoC, each pixel's shares in front of, in and
+// behind the focus, Cryptomatte, and error.
 #pragma once
 
 #include <string>

@@ -285,7 +285,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must be reprojected from a single recorded instant.
+    /// Adds all pixels of a view to the sums. The view must be reprojected from a single recorded instant,
+    /// and no `passes` may exclude pixels.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);

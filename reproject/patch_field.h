@@ -189,8 +189,10 @@ struct PatchPicture {
 };
 
 /// Draws the sets of views into the images `out`, which have the field's size. Square pieces of an image that
-/// no set draws keep their values. The result is bit-identical for any number of threads, and however sets
-/// are divided into calls; with motion, rays may replace other reflections in calls with other views.
+/// no set draws keep their values. The result is bit-identical for any number of threads, and does not depend
+/// on how sets are divided into calls. Exception, with rays and moving objects: all views of a call together
+/// determine how many reflected and transmitted patches may appear in a piece, and if these are too many,
+/// rays replace all samples of surfaces that reflect or transmit.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

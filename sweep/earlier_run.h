@@ -1,4 +1,5 @@
-// Finds images of an earlier run that are equal to images of this run of a sweep.
+// Finds images of an earlier run of a sweep whose settings are those of images of this run, so that they need
+// not be made again.
 #pragma once
 
 #include <cstdint>

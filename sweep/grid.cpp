@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <set>
 
 #include "core/error.h"
@@ -14,15 +15,20 @@
 namespace postlens {
 namespace {
 
-/// Formats values with as few digits as keep them distinct, but at least 4.
-std::vector<std::string> labels_of(const std::vector<double>& values) {
+/// Formats values with as few digits as keep them distinct, but at least `digits`.
+template <typename Value, typename Format>
+std::vector<std::string> distinct_labels(const std::vector<Value>& values, int digits, const Format& format) {
     std::vector<std::string> out;
-    for (int digits = 4; digits <= 17; ++digits) {
+    for (; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
         out.clear();
-        for (const double v : values) out.push_back(fmt::format("{:.{}g}", v, digits));
+        for (const Value& v : values) out.push_back(format(v, digits));
         if (std::set<std::string>(out.begin(), out.end()).size() == values.size()) break;
     }
     return out;
+}
+
+std::vector<std::string> labels_of(const std::vector<double>& values) {
+    return distinct_labels(values, 4, [](double v, int digits) { return fmt::format("{:.{}g}", v, digits); });
 }
 
 /// Returns names of impulse responses, which consist of letters, digits, dots and dashes. A number is
@@ -45,9 +51,9 @@ std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
 
 /// Returns names of shutters, such as "0to0.02" for a shutter that is open from 0 s to 0.02 s.
 std::vector<std::string> labels_of(const std::vector<TimeSpan>& spans) {
-    std::vector<std::string> out;
-    for (const TimeSpan& s : spans) out.push_back(fmt::format("{:.6g}to{:.6g}", s.open_s, s.close_s));
-    return out;
+    return distinct_labels(spans, 6, [](const TimeSpan& s, int digits) {
+        return fmt::format("{:.{}g}to{:.{}g}", s.open_s, digits, s.close_s, digits);
+    });
 }
 
 struct LensValues {

@@ -131,7 +131,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # A window that opens before the last image would take Esc from the window of this operator.
+            # Only the last image opens a window. An earlier window would receive Esc instead of the window in which
+            # this operator runs.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

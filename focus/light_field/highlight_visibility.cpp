@@ -193,8 +193,10 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // The cost of a visibility sample is proportional to its area. All visibility samples together may cost
-    // as much as the views of the tile, or as least_drawn views if the tile has fewer.
+    // A visibility sample rasterises what is in front of a group of highlights, in the part of the tile that
+    // the group's light reaches. Its cost is proportional to the area of this part, and at least least_cost.
+    // All visibility samples together may cost as much as the views of the tile, or as least_drawn views if
+    // the tile has fewer.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };

@@ -21,7 +21,7 @@ namespace {
 /// Rays per pixel that measure the edge of a highlight, along each axis. One ray in each of n x n squares of
 /// a pixel measures the covered area with a standard deviation of about 0.45 / n^1.5 px^2, here 0.007 px^2.
 constexpr int edge_rays = 16;
-/// Measured highlights are merged in squares, n x n of a pixel.
+/// A pixel is divided into n x n squares. The rays of one square that hit the light form one highlight.
 constexpr int edge_squares = 8;
 /// Largest number of pixels that are measured: a share of all sheets' cells, and at least a number. If more
 /// pixels contain an edge, as in a texture that is brighter than the limit here and there, none are measured.

@@ -30,8 +30,8 @@ struct OneSurface {
 /// any order and in several parts.
 class OneSurfaceFinder {
   public:
-    /// `lens_px`: half the width and height of the lens's bounding box, times film distance / pixel pitch, px
-    /// m.
+    /// `lens_px`: half the width and height of the lens's bounding box, m, times the gain (film distance /
+    /// pixel pitch, px).
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
     /// Adds patches of directly seen surfaces (`primary`), and of reflected and transmitted ones (`deeper`,
     /// which may be empty).

@@ -60,8 +60,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // For lens point q and focus distance s, the image of a shading-tree node moves by gain (I/s - W) q,
-    // where W is the node's matrix of inverse depth. glm matrices are column-major.
+    // For lens point q, the image of a shading-tree node moves by gain (s I - W) q, where W is the node's
+    // matrix and s the inverse focus distance. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

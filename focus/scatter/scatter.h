@@ -1,5 +1,6 @@
 // The method `scatter` [potmesil1981]: distributes each sample's energy over its circle of confusion, and
-// divides each pixel by the sum of the weights that it received (exception: SplatTables::let_nothing_fill).
+// divides each pixel by the sum of the weights that it received. Exception: with
+// SplatTables::let_nothing_fill, empty space has the rest of a weight below 1.
 #pragma once
 
 #include "focus/scatter/splat_tables.h"

@@ -42,8 +42,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // Signed, the diameter c = K q - K x is a straight line in x: positive behind the focus, negative in
-        // front.
+        // With a sign (positive behind the focus, negative in front), the CoC diameter is a straight line in
+        // x: c = K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;

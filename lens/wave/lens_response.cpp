@@ -133,8 +133,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity inside the disc: all light divided by the disc's area, relative to the peak in focus,
-        // whose density is v_per_px^2 / (4 pi).
+        // Intensity inside the disc: 1 / (area of the disc), divided by v_per_px^2 / (4 pi), which is the
+        // intensity of the peak in focus.
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }

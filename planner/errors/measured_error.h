@@ -17,14 +17,15 @@ struct TileError {
     double noise_mse = 0;  ///< noise of the mean of the halves: a quarter of their squared difference
     /// Squared difference of another image from the expectation of the views; estimated, may be negative.
     double other_mse = 0;
-    double of_noise = 0, of_product = 0;  ///< variances, as defined in `estimate_variance`
-    std::vector<TileError> pieces;        ///< the parts of this tile that have independent noise
-    double bias_mse = 0;                  ///< error of the records, estimated by check rays; may be negative
-    double bias_deviation = 0;            ///< standard error of `bias_mse`
+    double of_noise = 0;    ///< variance of `noise_mse` minus the actual squared noise
+    double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
+    std::vector<TileError> pieces;  ///< the parts of this tile that have independent noise
+    double bias_mse = 0;            ///< error of the records, estimated by check rays; may be negative
+    double bias_deviation = 0;      ///< standard error of `bias_mse`
 
-    /// Variance of the estimated error (1 - w)^2 noise_mse + w^2 other_mse of an image in which the other
-    /// image has the weight w and the views have the weight 1 - w. The error of this particular image is a
-    /// random number, too, and the variance is that of the difference.
+    /// An image is a mean in which the views have the weight 1 - w and the other image has the weight w. Its
+    /// squared error is estimated as (1 - w)^2 noise_mse + w^2 other_mse. The actual squared error of this
+    /// image is random, too. Returns the variance of the estimate minus the actual squared error.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }

@@ -42,7 +42,7 @@ class HalvedViews {
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Mean of all views drawn so far. The sums of comparisons with check rays include both halves.
+    /// Returns the mean of all views drawn so far. Its `checks` are the sums of both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:

@@ -144,7 +144,7 @@ struct PatchMesh {
 /// point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to the pixel at the raster position `at + d` passes through LensShift::lens_px =
+    /// The ray to raster position `at + d` passes through the lens point with LensShift::lens_px =
     /// lens_px_per_px * d.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;

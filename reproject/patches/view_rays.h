@@ -93,7 +93,7 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// Samples of views in a tile that are compared with a ray.
+/// View samples of a tile that are compared with check rays.
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel

@@ -119,7 +119,7 @@ TEST(SweepValues, ACommaBeforeAKindBeginsTheNextImpulse) {
 
 TEST(SweepGrid, FocusVariesFastestAndNamesTellAllApart) {
     const SweepGrid g = sweep_grid({.impulses = {Impulse{}, hexagon()},
-                                    .shutters = {{0, 0.5}, {0, 1}},
+                                    .shutters = {{0, 1.0000001}, {0, 1}},
                                     .focal_lengths_mm = {50},
                                     .f_numbers = {1.4, 2, 2.8},
                                     .focus_m = {1, 1.00001}});

@@ -23,8 +23,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // A shift of 1 .. b - 1, from the highest 4 bits of the offset. The sum uses these bits only if b
-            // > 28.
+            // A shift of 1 .. bits - 1, from the highest 4 bits of the offset. `step` adds only the lowest
+            // `bits` bits of the offset, so it does not use these 4 as well, unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }

@@ -73,7 +73,8 @@ struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
     /// For each record, the part of r, g, b that has sampling noise: the radiance from lobes, and in
-    /// penumbrae the difference from half of the unshadowed light. Empty if no record has such a part.
+    /// penumbrae the radiance from area lights minus half of its unshadowed value. Empty if no record has
+    /// such a part.
     std::vector<glm::vec3> noisy;
     /// One per record. Empty if the scene has neither textures nor lights nor WhittedSettings::parts.
     std::vector<ColourSource> sources;
