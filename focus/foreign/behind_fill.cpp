@@ -13,8 +13,6 @@
 namespace postlens {
 namespace {
 
-/// A transmittance up to this value counts as 0, since rounded alphas may not reach 1.
-constexpr double opaque_within = 1e-3;
 /// Difference in signed CoC radius, px, from which neighbours count as different surfaces.
 constexpr float least_step_px = 1;
 /// Largest distance of the search for a farther surface, px.
@@ -45,7 +43,7 @@ class Search {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
                     last = radius_px(p_.samples[k].spread_inverse_z());
                 }
-                opaque_[i] = left <= opaque_within ? 1 : 0;
+                opaque_[i] = left <= opaque_transmittance ? 1 : 0;
                 last_px_[i] = last;
             }
         });

@@ -28,6 +28,9 @@ struct StackSample {
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
+/// A stack of samples counts as opaque if its transmittance is at most this, because alphas are rounded.
+inline constexpr double opaque_transmittance = 1e-3;
+
 /// Converts a value of an id channel to an id. The id consists of the bits of the float, because the bits
 /// distinguish both hashes and whole numbers. Zero of either sign and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);

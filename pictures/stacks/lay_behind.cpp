@@ -11,8 +11,6 @@
 namespace postlens {
 namespace {
 
-/// A stack of samples counts as opaque if its transmittance is below this limit, because alphas are rounded.
-constexpr double opaque_within = 1e-3;
 /// Two inverse depths count as equal if they differ by at most this relative amount: the depths were stored
 /// as half floats.
 constexpr float same_depth = 1.0F / 1024;
@@ -43,7 +41,7 @@ float last_opaque(std::span<const StackSample> stack) {
     double left = 1;
     for (const StackSample& s : stack) {
         left *= 1 - static_cast<double>(s.alpha);
-        if (left <= opaque_within) last = s.inverse_z;
+        if (left <= opaque_transmittance) last = s.inverse_z;
     }
     return last;
 }
