@@ -14,7 +14,7 @@ if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   endif()
 endif()
 
-# By default, GCC collects garbage in its own memory from 128 MB on. Files of this size compile 10 % faster if it waits.
+# By default, GCC collects garbage in its own memory from 128 MB on. It compiles these files 10 % faster if it waits longer.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   add_compile_options(--param=ggc-min-heapsize=524288)
 endif()
