@@ -13,10 +13,12 @@ namespace postlens {
 template <typename T>
 struct UninitializedAllocator : std::allocator<T> {
     static_assert(std::is_trivially_copyable_v<T>);
+    // NOLINTBEGIN(readability-identifier-naming): the standard library requires these names
     template <typename U>
     struct rebind {
         using other = UninitializedAllocator<U>;
     };
+    // NOLINTEND(readability-identifier-naming)
     UninitializedAllocator() = default;
     template <typename U>
     explicit(false) UninitializedAllocator(const UninitializedAllocator<U>& /*other*/) noexcept {}

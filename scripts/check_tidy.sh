@@ -15,7 +15,7 @@ if [[ ! -f $database ]]; then
     exit 1
 fi
 # clang-tidy checks each file by itself, also files that are compiled together, and without precompiled headers, which
-# only g++ can read. Each file therefore has to include what it uses.
+# only g++ can read, as some options. Each file therefore has to include what it uses.
 tidy_build=$build/tidy
 mkdir -p "$tidy_build"
 python3 - "$database" >"$tidy_build/compile_commands.json" <<'END'
@@ -24,7 +24,7 @@ import re
 import sys
 entries = []
 for entry in json.load(open(sys.argv[1])):
-    entry["command"] = re.sub(r" -Winvalid-pch| -include \S*/cmake_pch\.hxx| -fpch-preprocess", " ", entry["command"])
+    entry["command"] = re.sub(r" -Winvalid-pch| -include \S*/cmake_pch\.hxx| -fpch-preprocess| --param=\S*", " ", entry["command"])
     name = entry["file"]
     parts = [name]
     if "/Unity/" in name:
