@@ -21,8 +21,8 @@ constexpr double kernel_grows = 2, kernel_margin_px = 8;
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
-template <typename T, typename Allocator>
-std::size_t bytes_of(const std::vector<T, Allocator>& list) {
+template <typename T>
+std::size_t bytes_of(const std::vector<T>& list) {
     return list.size() * sizeof(T);
 }
 

@@ -177,7 +177,7 @@ class Cutter {
         p.width = static_cast<std::uint8_t>(width);
         p.height = static_cast<std::uint8_t>(height);
         p.coarse = blur_px >= coarse_from_px;
-        const auto& roots = p.coarse ? sheets_.coarse : sheets_.fine;
+        const std::vector<std::uint32_t>& roots = p.coarse ? sheets_.coarse : sheets_.fine;
         bool divided = false;
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;

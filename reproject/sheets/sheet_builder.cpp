@@ -178,10 +178,10 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
     if (children != 0) {
-        out_.below.resize(out_.texels.size(), {});
+        out_.below.resize(out_.texels.size());
         out_.below.back() = below;
     } else if (!out_.below.empty()) {
-        out_.below.resize(out_.texels.size(), {});
+        out_.below.resize(out_.texels.size());
     }
     const double area = static_cast<double>(piece.size) * static_cast<double>(piece.size);
     for (std::size_t c = 0; c < 3; ++c) mean_.rgb[c] += area * static_cast<double>(rgb[c]);
@@ -212,7 +212,7 @@ void SheetBuilder::add_cell(std::size_t sheet, std::span<const LeafPiece* const>
              Texel::info_of(draft.number, mean_.children, mean_.may_have_gap ? Texel::unsure_bit : 0U)});
         note_bright(first_light, 1);
         if (!out_.below.empty()) {
-            out_.below.resize(out_.texels.size(), {});
+            out_.below.resize(out_.texels.size());
             for (std::size_t n = 0; n < 2; ++n) {
                 for (std::size_t c = 0; c < 3; ++c)
                     out_.below.back()[n][c] = static_cast<float>(mean_.below[n][c]);
@@ -355,7 +355,7 @@ void SheetBuilder::emit() {
         const std::size_t end = first + static_cast<std::size_t>(sheet.width * sheet.height);
         out_.fine.resize(end, SheetNode::none);
         out_.coarse.resize(end, SheetNode::none);
-        out_.planes.resize(end * out_.values, {});
+        out_.planes.resize(end * out_.values);
         if (out_.has_w()) out_.bends.resize(end, 0.0F);
         for (std::size_t i = 0; i < d.cells.size(); ++i) {
             const std::size_t to =

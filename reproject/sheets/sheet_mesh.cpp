@@ -49,10 +49,6 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
             std::transform(from.begin(), from.end(),
                            to.begin() + static_cast<std::ptrdiff_t>(before[t].*first * per_entry),
                            [&](const auto& entry) { return changed(entry, before[t]); });
-            // A task without child nodes has no `below`.
-            std::fill(to.begin() + static_cast<std::ptrdiff_t>(before[t].*first * per_entry + from.size()),
-                      to.begin() + static_cast<std::ptrdiff_t>(before[t + 1].*first * per_entry),
-                      typename std::remove_reference_t<decltype(to)>::value_type{});
             from = std::remove_reference_t<decltype(from)>();  // `{}` would keep its memory
         });
         if (to.size() * sizeof(to[0]) > much_bytes) give_back_memory();

@@ -8,7 +8,6 @@
 #include <functional>
 #include <vector>
 
-#include "core/bulk_vector.h"
 #include "records/records_read.h"
 #include "records/sample_file.h"
 
@@ -120,17 +119,17 @@ struct SheetMesh {
     std::vector<Sheet> sheets;
     /// For each cell (raster pixel of a sheet), the root of its quadtree. `coarse` is used for surfaces that
     /// are blurred over several pixels; in it, a cell that the sheet fills is a single undivided leaf.
-    BulkVector<std::uint32_t> fine, coarse;
+    std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions with origin at the cell's centre, in 1/m. The first is 1/z'.
     /// Reflected and transmitted nodes also have the entries xx, xy, yx and yy of the matrix W.
-    BulkVector<CellPlane> planes;
+    std::vector<CellPlane> planes;
     std::size_t values = 1;
-    BulkVector<float> bends;  ///< per cell, with W: its largest Record::w_bend
-    BulkVector<std::uint32_t> nodes;
-    BulkVector<Texel> texels;
+    std::vector<float> bends;  ///< per cell, with W: its largest Record::w_bend
+    std::vector<std::uint32_t> nodes;
+    std::vector<Texel> texels;
     /// For each texel, the radiance of its reflected subtree and of its transmitted subtree
     /// (TreeSurface::below). Empty if there are no child nodes.
-    BulkVector<std::array<std::array<float, 3>, 2>> below;
+    std::vector<std::array<std::array<float, 3>, 2>> below;
     /// `bright` contains all radiance above the limit for highlights. `bright_texels` lists the texels of
     /// `fine` and `coarse` that have such radiance.
     std::vector<Highlight> bright;
