@@ -60,7 +60,7 @@ class Field {
     void draw(std::span<PatchPicture> out) {
         const int tiles = bins_.columns() * bins_.rows();
         // The pieces of a tile are separate tasks, because a few tiles often take most of the time.
-        const int along = (SeenTile::edge + field_.piece_px - 1) / field_.piece_px, per_tile = along * along;
+        const int along = SeenTile::edge / field_.piece_px, per_tile = along * along;
         const auto tasks = static_cast<std::size_t>(tiles) * static_cast<std::size_t>(per_tile);
         Progress progress("views", tasks);
         parallel_for(tasks, [&](std::size_t task) {

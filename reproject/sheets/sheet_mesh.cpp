@@ -116,10 +116,11 @@ void clear(SheetMesh& m) {
 }
 
 /// Number of strips (of `edge` raster rows each) that are read together, beginning at row y. The number is
-/// large enough to occupy several threads, and small enough for the records to stay in a cache.
+/// large enough to occupy all threads, and small enough for the records to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
-    constexpr std::size_t least = 4, most = 64;
+    constexpr std::size_t most = 64;
+    const std::size_t least = std::clamp<std::size_t>(static_cast<std::size_t>(thread_count()), 4, most);
     constexpr std::uint64_t enough = 1U << 16U, too_many = 1U << 20U;
     const auto rows = file.scanlines(instant).subspan(static_cast<std::size_t>(y - file.y_begin()));
     std::uint64_t records = 0;
