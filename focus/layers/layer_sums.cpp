@@ -9,23 +9,31 @@ namespace {
 
 // Alias declarations would lose the attributes.
 // NOLINTBEGIN(modernize-use-using): see above
-typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double TwoDoubles __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double FourDoubles __attribute__((vector_size(32)));
+typedef double TwoDoubles __attribute__((vector_size(16)));
+/// For access to numbers in memory. Variables of these types would not be kept in registers.
+typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
+typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
 /// The numbers of one splat that are added to a pixel, each times the kernel.
 struct PlainValues {
     static constexpr std::size_t count = 6;
-    FourDoubles light;
-    TwoDoubles depth;
+    FourDoubles light{};
+    TwoDoubles depth{};
 
-    PlainValues(const LayerSplat& s, int /*x*/, int /*y*/)
+    PlainValues() = default;
+    PlainValues(const LayerSplat& s, int /*x*/)
         : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.weight)},
           depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {}
-    __attribute__((always_inline)) void add_to(double* pixel, double tap) const {
-        *reinterpret_cast<FourDoubles*>(pixel) += light * tap;
-        *reinterpret_cast<TwoDoubles*>(pixel + 4) += depth * tap;
+    __attribute__((always_inline)) void add(const PlainValues& other, double tap) {
+        light += other.light * tap;
+        depth += other.depth * tap;
+    }
+    __attribute__((always_inline)) void add_to(double* pixel, double /*y*/) const {
+        *reinterpret_cast<FourStored*>(pixel) += light;
+        *reinterpret_cast<TwoStored*>(pixel + 4) += depth;
     }
 };
 
@@ -34,70 +42,174 @@ struct PlainValues {
 /// processors without AVX-512, which takes twice as long.
 struct LensValues {
     static constexpr std::size_t count = 18;
-    FourDoubles light, by_lens, by_x, by_y;
-    TwoDoubles depth;
+    FourDoubles light{}, by_lens{}, by_x{};
+    TwoDoubles depth{};
 
-    /// `x`, `y`: the splat's anchor, counted from the corner of the block.
-    LensValues(const LayerSplat& s, int x, int y)
+    LensValues() = default;
+    /// `x`: column of the splat's anchor, counted from the corner of the block.
+    LensValues(const LayerSplat& s, int x)
         : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.weight)},
           by_lens(light * static_cast<double>(s.lens_per_px)),
           by_x(by_lens * static_cast<double>(x)),
-          by_y(by_lens * static_cast<double>(y)),
           depth{static_cast<double>(s.depth), static_cast<double>(s.covered)} {}
-    __attribute__((always_inline)) void add_to(double* pixel, double tap) const {
-        *reinterpret_cast<FourDoubles*>(pixel) += light * tap;
-        *reinterpret_cast<FourDoubles*>(pixel + 4) += by_lens * tap;
-        *reinterpret_cast<FourDoubles*>(pixel + 8) += by_x * tap;
-        *reinterpret_cast<FourDoubles*>(pixel + 12) += by_y * tap;
-        *reinterpret_cast<TwoDoubles*>(pixel + 16) += depth * tap;
+    __attribute__((always_inline)) void add(const LensValues& other, double tap) {
+        light += other.light * tap;
+        by_lens += other.by_lens * tap;
+        by_x += other.by_x * tap;
+        depth += other.depth * tap;
+    }
+    /// `y`: row of the anchors, counted from the corner of the block.
+    __attribute__((always_inline)) void add_to(double* pixel, double y) const {
+        *reinterpret_cast<FourStored*>(pixel) += light;
+        *reinterpret_cast<FourStored*>(pixel + 4) += by_lens;
+        *reinterpret_cast<FourStored*>(pixel + 8) += by_x;
+        *reinterpret_cast<FourStored*>(pixel + 12) += by_lens * y;
+        *reinterpret_cast<TwoStored*>(pixel + 16) += depth;
     }
 };
 
 struct LayerPass {
-    const LayerSplat* splats = nullptr;
-    std::size_t count = 0;
+    std::span<const LayerSplat> splats;
     const KernelTable* kernels = nullptr;
     std::size_t channel = 0;
     RasterWindow rows;
     double* sums = nullptr;
     double* changes = nullptr;
+    std::vector<double>* taps = nullptr;  ///< buffer
 };
+
+/// Largest number of splats that are added together.
+constexpr std::size_t longest_run = 64;
+
+/// Number of splats at the beginning of `splats` that reach the block, have anchors side by side and one
+/// kernel.
+__attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
+                                                             const RasterWindow& rows) {
+    const std::size_t most = std::min(splats.size(), longest_run);
+    std::size_t n = 0;
+    while (n < most && splats[n].kernel == splats[0].kernel && splats[n].y == splats[0].y &&
+           splats[n].x == splats[0].x + static_cast<int>(n) && splats[n].reaches(rows))
+        ++n;
+    return n;
+}
+
+/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first`: the pixel to
+/// which the first tap takes the first value.
+template <typename Values>
+__attribute__((always_inline)) inline void convolve(std::span<const Values> values,
+                                                    std::span<const double> taps, int first, double y,
+                                                    int begin, int end, double* row) {
+    const int last = static_cast<int>(values.size()) - 1, last_tap = static_cast<int>(taps.size()) - 1;
+    const int to = std::min(end, first + last + last_tap + 1);
+    for (int at = std::max(begin, first); at < to; ++at) {
+        Values sum;
+        const int tap_end = std::min(last_tap, at - first);
+        for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
+            sum.add(values[static_cast<std::size_t>(at - first - tap)], taps[static_cast<std::size_t>(tap)]);
+        sum.add_to(row + Values::count * static_cast<std::size_t>(at), y);
+    }
+}
+
+/// Sets `taps` to the differences between neighbouring pixels of an edge, from `before` to `after`.
+__attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
+                                                           double after, std::vector<double>& taps) {
+    taps.resize(static_cast<std::size_t>(count) + 1);
+    for (int i = 0; i < count; ++i) {
+        const auto value = static_cast<double>(edge[i]);
+        taps[static_cast<std::size_t>(i)] = value - before;
+        before = value;
+    }
+    taps.back() = after - before;
+}
+
+/// Adds a run of splats to one row of the block. `x`, `y`: the first anchor, counted from the corner of the
+/// block. `sums`, `changes`: the row's.
+template <typename Values>
+__attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
+                                                   const KernelRow& row, int x, double y, int width,
+                                                   double* sums, double* changes, std::vector<double>& taps) {
+    const float* tap = kernel.taps.data() + row.tap;
+    if (row.inner_begin == row.inner_end) {
+        taps.assign(tap, tap + (row.x_end - row.x_begin));
+        convolve<Values>(values, taps, x + row.x_begin, y, 0, width, sums);
+        return;
+    }
+    // The differences between neighbouring pixels are 0 inside the uniform part of the row.
+    int from = 0;
+    if (x + row.x_begin < 0) {
+        Values sum;
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            const int column = -x - static_cast<int>(i);
+            if (column >= row.x_begin && column < row.x_end) sum.add(values[i], kernel.at(row, column));
+        }
+        sum.add_to(changes, y);
+        from = 1;
+    }
+    const auto inner = static_cast<double>(kernel.inner);
+    const int left = row.inner_begin - row.x_begin, right = row.x_end - row.inner_end;
+    set_differences(tap, left, 0, inner, taps);
+    convolve<Values>(values, taps, x + row.x_begin, y, from, width, changes);
+    set_differences(tap + left, right, inner, 0, taps);
+    convolve<Values>(values, taps, x + row.inner_end, y, from, width, changes);
+}
+
+/// Adds a single splat to one row of the block; the arguments are those of add_run.
+template <typename Values>
+__attribute__((always_inline)) inline void add_one(const Values& values, const Kernel& kernel,
+                                                   const KernelRow& row, int x, double y, int width,
+                                                   double* sums, double* changes) {
+    const auto add = [&](double* pixels, int at, double tap) __attribute__((always_inline)) {
+        Values product;
+        product.add(values, tap);
+        product.add_to(pixels + Values::count * static_cast<std::size_t>(at), y);
+    };
+    const auto add_taps = [&](const float* taps, int begin, int end) __attribute__((always_inline)) {
+        const int to = std::min(end, width);
+        for (int at = std::max(begin, 0); at < to; ++at) add(sums, at, static_cast<double>(taps[at - begin]));
+    };
+    const float* taps = kernel.taps.data() + row.tap;
+    const int left_end = x + row.inner_begin, right_begin = x + row.inner_end;
+    add_taps(taps, x + row.x_begin, left_end);
+    if (right_begin == left_end) return;
+    add_taps(taps + (row.inner_begin - row.x_begin), right_begin, x + row.x_end);
+    if (left_end >= width || right_begin <= 0) return;
+    const auto inner = static_cast<double>(kernel.inner);
+    add(changes, std::max(left_end, 0), inner);
+    add(changes, std::min(right_begin, width), -inner);
+}
 
 /// Adds splats to a block.
 template <typename Values>
 __attribute__((always_inline)) inline void add_splats(const LayerPass& pass) {
     const int width = pass.rows.width();
-    for (std::size_t i = 0; i < pass.count; ++i) {
+    std::array<Values, longest_run> values;
+    for (std::size_t i = 0; i < pass.splats.size();) {
+        const std::size_t run = run_length(pass.splats.subspan(i), pass.rows);
+        if (run == 0) {
+            ++i;
+            continue;
+        }
         const LayerSplat& s = pass.splats[i];
-        if (!s.reaches(pass.rows)) continue;
-        const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
-        // Column of the anchor, relative to the block.
         const int x = s.x - pass.rows.x_begin;
-        const Values values(s, x, s.y - pass.rows.y_begin);
-        const double inner = kernel.inner;
+        for (std::size_t k = 0; k < run; ++k) values[k] = Values(pass.splats[i + k], x + static_cast<int>(k));
+        i += run;
+        const Kernel& kernel = pass.kernels->kernel(s.kernel, pass.channel);
         const int first = std::max(pass.rows.y_begin, s.y + kernel.y_begin);
         const int last = std::min(pass.rows.y_end, s.y + kernel.y_end());
         for (int y = first; y < last; ++y) {
-            const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
             const std::size_t offset = Values::count * static_cast<std::size_t>(width + 1) *
                                        static_cast<std::size_t>(y - pass.rows.y_begin);
-            const auto add_taps = [&](const float* taps, int begin, int end) {
-                const int to = std::min(end, width);
-                for (int at = std::max(begin, 0); at < to; ++at)
-                    values.add_to(pass.sums + offset + Values::count * static_cast<std::size_t>(at),
-                                  static_cast<double>(taps[at - begin]));
-            };
-            const float* taps = kernel.taps.data() + row.tap;
-            const int left_end = x + row.inner_begin, right_begin = x + row.inner_end;
-            add_taps(taps, x + row.x_begin, left_end);
-            if (right_begin == left_end) continue;
-            add_taps(taps + (row.inner_begin - row.x_begin), right_begin, x + row.x_end);
-            if (left_end >= width || right_begin <= 0) continue;
+            const KernelRow& row = kernel.rows[static_cast<std::size_t>(y - s.y - kernel.y_begin)];
+            double* sums = pass.sums + offset;
             double* changes = pass.changes + offset;
-            values.add_to(changes + Values::count * static_cast<std::size_t>(std::max(left_end, 0)), inner);
-            values.add_to(changes + Values::count * static_cast<std::size_t>(std::min(right_begin, width)),
-                          -inner);
+            const double of_anchor = s.y - pass.rows.y_begin;
+            if (run == 1) {
+                add_one(values[0], kernel, row, x, of_anchor, width, sums, changes);
+            } else {
+                add_run<Values>(std::span(values).first(run), kernel, row, x, of_anchor, width, sums, changes,
+                                *pass.taps);
+            }
         }
     }
 }
@@ -139,13 +251,13 @@ void LayerSums::begin(const RasterWindow& rows, bool with_lens, double from_anch
 }
 
 void LayerSums::add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel) {
-    (with_lens_ ? add_with_lens : add_plain)({.splats = splats.data(),
-                                              .count = splats.size(),
+    (with_lens_ ? add_with_lens : add_plain)({.splats = splats,
                                               .kernels = &kernels,
                                               .channel = channel,
                                               .rows = rows_,
                                               .sums = sums_.data(),
-                                              .changes = changes_.data()});
+                                              .changes = changes_.data(),
+                                              .taps = &taps_});
 }
 
 void LayerSums::finish() {

@@ -13,6 +13,7 @@
 #include "core/job.h"
 #include "focus/layers/layers.h"
 #include "focus/layers/visibility.h"
+#include "focus/scatter/pixel_light.h"
 #include "records/record.h"
 #include "tests/focus/focus_records.h"
 #include "tests/focus/layer_records.h"
@@ -72,6 +73,47 @@ TEST(Layers, EqualsTheReferenceForOtherApertures) {
         Image fast;
         layers(*splats, fast);
         EXPECT_LT(difference(fast, layers_reference(*splats)), 2e-5) << impulse_text(impulse);
+    }
+}
+
+// Pixels of another program's image: a slanted wall behind a window frame, whose pixels share a kernel in
+// runs of all lengths. One pixel is very bright.
+TEST(Layers, OfPixelsThatShareKernelsEqualsTheReference) {
+    constexpr int width = 150, height = 50, overscan = 9;
+    for (const double scale : {0.05, 1.0, 8.0, 60.0}) {
+        FocusGeometry geometry = unit_geometry;
+        geometry.gain_px *= scale;
+        geometry.inverse_focus_per_m = 0.3;
+        const RasterWindow source{-overscan, width + overscan + 1, -overscan, height + overscan + 1};
+        LayerSplats splats(source, {0, width, 0, height}, geometry,
+                           DepthLevels(geometry, {}, DepthSpacing::inverse, std::nullopt), DepthModel::path);
+        splats.take_pixels();
+        std::mt19937 random(45);
+        std::uniform_real_distribution<float> colour(0, 1);
+        std::vector<PixelLight> row;
+        for (int y = source.y_begin; y < source.y_end - 1; ++y) {
+            row.clear();
+            for (int x = source.x_begin; x < source.x_end - 1; ++x) {
+                const bool is_frame = x % 40 < 11 || y % 23 < 4;
+                const double inverse_depth = is_frame ? 0.8 : 0.1 + 1e-4 * x + 0.002 * y;
+                const float bright = x == 70 && y == 20 ? 3000 : 1;
+                row.push_back({.x = x,
+                               .inverse_depth = inverse_depth,
+                               .spread_depth = inverse_depth,
+                               .rgb = {bright * colour(random), colour(random), colour(random)},
+                               .surface = is_frame ? 2U : 1U});
+            }
+            splats.add_pixels(y, row);
+        }
+        splats.finish();
+        Image fast;
+        layers(splats, fast);
+        const Image reference = layers_reference(splats);
+        float difference = 0;  // of each value in relation to itself, because the bright pixel has large ones
+        for (std::size_t i = 0; i < fast.rgb.size(); ++i)
+            difference =
+                std::max(difference, std::abs(fast.rgb[i] - reference.rgb[i]) / (1 + reference.rgb[i]));
+        EXPECT_LT(difference, 2e-5F) << scale;
     }
 }
 
