@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/floor_div.h"
 #include "core/multiversion.h"
 
 namespace postlens {
@@ -115,10 +116,6 @@ void move_and_clear(double* total, float* partial, std::size_t count) {
         total[i] = static_cast<double>(partial[i]);
         partial[i] = 0;
     }
-}
-
-int floor_div(int a, int b) {
-    return a >= 0 ? a / b : -((-a + b - 1) / b);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/floor_div.h"
 #include "core/memory.h"
 #include "core/threads.h"
 
@@ -13,10 +14,6 @@ constexpr double axis_px = 0.02;      ///< a path that leaves an axis by at most
 constexpr double long_path_px = 64;   ///< from this length, px, a path along an axis only needs cells of 1 px
 constexpr double short_path_px = 24;  ///< below this, cells of 1/4 px are affordable and needed
 constexpr double most_cells = 1 << 24;
-
-int floor_div(int a, int b) {
-    return a >= 0 ? a / b : -((-a + b - 1) / b);
-}
 
 }  // namespace
 

@@ -14,6 +14,7 @@
 #include "planner/errors/record_floor.h"
 #include "planner/trace_plan.h"
 #include "tests/planner/bar_scene.h"
+#include "tests/support/compare_pictures.h"
 #include "tests/support/motion_frame.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/render.h"
@@ -38,20 +39,6 @@ Image rays(const Scene& scene, const AutoSettings& a, int spp = 1024) {
     s.focus_m = a.hybrid.focus.focus_distance_m;
     s.spp = spp;
     return render_picture(scene, s).image;
-}
-
-double encoded_mse(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d =
-            static_cast<double>(srgb_from_linear(a.rgb[i])) - static_cast<double>(srgb_from_linear(b.rgb[i]));
-        sum += d * d;
-    }
-    return sum / static_cast<double>(a.rgb.size());
-}
-
-double psnr_db(const Image& a, const Image& b) {
-    return -10 * std::log10(encoded_mse(a, b));
 }
 
 TEST(RecordFloor, VarianceOfAnEdgeInASquare) {
@@ -195,7 +182,7 @@ TEST(AutoPicture, ReachesItsTargetAndStatesWhatItReached) {
         s.hybrid.scene = &b.scene;
         FocusFrame of(frame.file());
         const AutoResult r = auto_picture(of, s);
-        const double is = psnr_db(r.hybrid.focus.image, truth);
+        const double is = encoded_psnr_db(r.hybrid.focus.image, truth);
         ASSERT_TRUE(r.hybrid.stated);
         EXPECT_TRUE(r.met) << r.plan;
         EXPECT_GE(r.hybrid.stated->db(), target);
@@ -220,11 +207,11 @@ TEST(AutoPicture, IsNotFarBelowLayers) {
     const Image truth = rays(b.scene, s);
     FocusSettings alone = s.hybrid.focus;
     alone.method = FocusMethod::layers;
-    const double by_layers = psnr_db(focus_picture(of, alone).image, truth);
+    const double by_layers = encoded_psnr_db(focus_picture(of, alone).image, truth);
     ASSERT_GT(by_layers, 30);  // far above the target
     const AutoResult r = auto_picture(of, s);
     EXPECT_GT(r.layers_share, 0.3) << r.plan;
-    EXPECT_GT(psnr_db(r.hybrid.focus.image, truth), by_layers - 3) << r.plan;
+    EXPECT_GT(encoded_psnr_db(r.hybrid.focus.image, truth), by_layers - 3) << r.plan;
     for (const AutoTile& tile : r.tiles) EXPECT_LE(tile.layers_weight, 1);
     {
         const ThreadLimit one(1);
@@ -291,7 +278,7 @@ TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
     EXPECT_GE(r.noise_db(), 45);
     EXPECT_GT(r.unsure_share, 0.01);
     const Image truth = rays(b.scene, s);
-    const double is = psnr_db(r.hybrid.focus.image, truth);
+    const double is = encoded_psnr_db(r.hybrid.focus.image, truth);
     EXPECT_GT(is, r.bound_db());
     EXPECT_LT(is, r.noise_db());
     // Without a target there is no warning.
@@ -308,7 +295,7 @@ TEST(AutoPicture, WithoutASceneItKnowsTheNoiseAndABound) {
     const AutoResult seen = auto_picture(of, s);
     EXPECT_TRUE(seen.met) << seen.plan;
     EXPECT_GT(seen.hybrid.retraced_share, 0.005);
-    EXPECT_GT(psnr_db(seen.hybrid.focus.image, truth), is + 5);
+    EXPECT_GT(encoded_psnr_db(seen.hybrid.focus.image, truth), is + 5);
 }
 
 TEST(AutoPicture, SameBitsForAnyNumberOfThreads) {

@@ -85,7 +85,7 @@ double sum(const Image& image) {
 
 /// A light that moves diagonally by 14 px, up from below the middle and towards the camera, in front of a
 /// uniform wall.
-SceneBuilder moving_lamp() {
+SceneBuilder moving_light() {
     SceneBuilder b;
     b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
     Object& lamp = b.add(board(-0.43, -0.39, -0.22, -0.18, 4), glowing({60, 40, 20}));
@@ -97,7 +97,7 @@ SceneBuilder moving_lamp() {
 // A light is a dot in every view. Its streak must be uniform for any number of views, with and without
 // defocus.
 TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
-    const SceneBuilder b = moving_lamp();
+    const SceneBuilder b = moving_light();
     TraceSettings trace = traced(true);
     trace.for_shutter = TimeSpan{0, 1};
     const Shot shot(b, trace);
@@ -116,7 +116,7 @@ TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
 
 // A bar in front of the light's path hides the light for a while, at a different time for each lens point.
 TEST(Shoot, AMovingLampPassesBehindABar) {
-    SceneBuilder b = moving_lamp();
+    SceneBuilder b = moving_light();
     b.add(board(-0.09, -0.04, -3, 3, 1.2), glowing({0.1, 0.1, 0.1})).id = 3;
     TraceSettings trace = traced(true);
     trace.for_shutter = TimeSpan{0, 1};
@@ -131,7 +131,7 @@ TEST(Shoot, AMovingLampPassesBehindABar) {
 // The light moves through the position of the lens, and leaves the image before. The result must be finite,
 // with no more light than rays see.
 TEST(Shoot, AMovingLampMayPassTheCamera) {
-    SceneBuilder b = moving_lamp();
+    SceneBuilder b = moving_light();
     b.scene.objects[1].keys = from_to({0.41, 0.2, 5});
     TraceSettings trace = traced(true);
     trace.for_shutter = TimeSpan{0, 1};

@@ -1,4 +1,4 @@
-// Synthetic images for the tests of compare/.
+// Synthetic images, and the difference of two images.
 #pragma once
 
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "compare/metrics/pixel_mask.h"
 #include "pictures/image.h"
+#include "pictures/srgb.h"
 
 namespace postlens::test {
 
@@ -46,6 +47,21 @@ inline Image noisy(Image image, double sigma, unsigned seed) {
     std::normal_distribution<double> noise(0, sigma);
     for (float& v : image.rgb) v = static_cast<float>(static_cast<double>(v) + noise(generator));
     return image;
+}
+
+/// Mean squared difference of sRGB values that are not clamped.
+inline double encoded_mse(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+        const double d =
+            static_cast<double>(srgb_from_linear(a.rgb[i])) - static_cast<double>(srgb_from_linear(b.rgb[i]));
+        sum += d * d;
+    }
+    return sum / static_cast<double>(a.rgb.size());
+}
+
+inline double encoded_psnr_db(const Image& a, const Image& b) {
+    return -10 * std::log10(encoded_mse(a, b));
 }
 
 /// A mask that selects all pixels.

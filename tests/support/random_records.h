@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/floor_div.h"
 #include "records/record.h"
 #include "records/sample_header.h"
 
@@ -47,11 +48,6 @@ struct RandomOptions {
     bool has_marks = false;
     int keys = 0;  ///< key instants besides the first
 };
-
-/// a / b, rounded down, for b > 0.
-inline int floor_div(int a, int b) {
-    return a >= 0 ? a / b : -((-a + b - 1) / b);
-}
 
 /// Random records of columns [x_begin, x_end) and rows [y_begin, y_end). The last column and the last row
 /// have corner samples only.

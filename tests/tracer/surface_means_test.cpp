@@ -8,6 +8,7 @@
 #include "core/threads.h"
 #include "focus/focus.h"
 #include "pictures/srgb.h"
+#include "tests/support/compare_pictures.h"
 #include "tests/support/motion_frame.h"
 #include "tests/support/reference.h"
 #include "tests/support/scene_builder.h"
@@ -37,16 +38,6 @@ Material rough(double reflection, double exponent) {
     Material m = mirror(reflection);
     m.reflection_exponent = exponent;
     return m;
-}
-
-double psnr_db(const Image& a, const Image& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.rgb.size(); ++i) {
-        const double d =
-            static_cast<double>(srgb_from_linear(a.rgb[i])) - static_cast<double>(srgb_from_linear(b.rgb[i]));
-        sum += d * d;
-    }
-    return -10 * std::log10(sum / static_cast<double>(a.rgb.size()));
 }
 
 struct Traced {
@@ -273,7 +264,7 @@ TEST(LightMeans, TraceAgreesWithRender) {
     RenderSettings r;
     r.spp = 1024;
     const Image truth = render_picture(s, r).image;
-    EXPECT_GT(psnr_db(pinhole_picture(frame.file()), truth), 40);
+    EXPECT_GT(encoded_psnr_db(pinhole_picture(frame.file()), truth), 40);
 }
 
 TEST(LightMeans, SameBitsForAnyNumberOfThreads) {
