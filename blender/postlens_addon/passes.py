@@ -22,14 +22,22 @@ VISIBLE_RADIUS_PX = 1.0
 @contextlib.contextmanager
 def kept(*places):
     """Restores properties after the body of the `with` statement. `places`: pairs of a Blender object and the names of
-    its properties."""
+    its properties, in the order in which they are set: a file format, for instance, before its colour depth, because it
+    decides which depths exist. A property that cannot be restored does not keep the others from being restored."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
     try:
         yield
     finally:
-        for thing, name, value in reversed(before):
-            with contextlib.suppress(ReferenceError):  # the object was removed in the body
+        failure = None
+        for thing, name, value in before:
+            try:
                 setattr(thing, name, value)
+            except ReferenceError:  # the object was removed in the body
+                pass
+            except (TypeError, ValueError, AttributeError) as error:
+                failure = RuntimeError(f"cannot restore {name} (got {error}; expected {value})")
+        if failure is not None:
+            raise failure
 
 
 def shapes(scene):

@@ -146,9 +146,13 @@ class Addon(unittest.TestCase):
 
     def test_everything_is_put_back(self):
         scene = self.scene("64x36", 1)
-        before = all_settings(scene)
-        bpy.ops.postlens.focus()
-        self.assertEqual(all_settings(scene), before)
+        image = scene.render.image_settings
+        # Each file format has colour modes and depths of its own.
+        for file_format, mode, depth in (("PNG", "RGBA", "8"), ("JPEG", "BW", "8"), ("PNG", "RGB", "16"), ("OPEN_EXR", "RGB", "16")):
+            image.file_format, image.color_mode, image.color_depth = file_format, mode, depth
+            before = all_settings(scene)
+            bpy.ops.postlens.focus()
+            self.assertEqual(all_settings(scene), before)
         # The settings must be restored even if the render or the command fails.
         os.chmod(self.path("front.0000.exr"), 0o400)
         scene.postlens.folder = "/dev/null/nowhere"
