@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
 #include <queue>
 
 #include "core/error.h"
 #include "core/text.h"
+#include "core/threads.h"
 #include "pictures/crop.h"
 #include "pictures/srgb.h"
 #include "planner/errors/records_bound.h"
@@ -219,19 +221,21 @@ float mixed(float views, float other, float w) {
 /// Mixes the other image into `image`. Returns the mean of its weights over the pixels of the image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {
-    double sum = 0;
-    for (int y = 0; y < grid.height; ++y) {
+    std::vector<double> of_rows(static_cast<std::size_t>(grid.height), 0);
+    parallel_for(of_rows.size(), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
         for (int x = 0; x < grid.width; ++x) {
             const double weight = tiles[grid.at(x, y)].weight;
             if (crop && !crop->contains(x, y)) continue;
-            sum += weight;
+            of_rows[row] += weight;
             if (!(weight > 0)) continue;
             const float* from = other.pixel(x, y);
             float* out = image.pixel(x, y);
             for (int c = 0; c < 3; ++c) out[c] = mixed(out[c], from[c], static_cast<float>(weight));
         }
-    }
-    return sum / static_cast<double>(wanted_pixels(crop, grid.width, grid.height));
+    });
+    return std::accumulate(of_rows.begin(), of_rows.end(), 0.0) /
+           static_cast<double>(wanted_pixels(crop, grid.width, grid.height));
 }
 
 }  // namespace

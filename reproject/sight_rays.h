@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "records/record.h"
 
@@ -33,6 +34,7 @@ struct LightElsewhere {
     /// `parent_id` is the object that reflects or transmits it. For nodes seen directly, `at` is the raster
     /// position, px, at which the pinhole sees the node. If empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
+    std::vector<std::uint32_t> ids;  ///< ascending; of all objects for which `of` may return true
 };
 
 /// Identifies the nodes of shading trees that show one surface on one path.

@@ -285,7 +285,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
         return out;
     };
     const std::optional<OneSurface> simple = one_surface(sets, strips ? &*strips : nullptr);
-    std::vector<PatchPicture> seen(pictures, PatchPicture(window.width(), window.height()));
+    std::vector<PatchPicture> seen;
+    seen.reserve(pictures);
+    for (std::size_t i = 0; i < pictures; ++i) seen.emplace_back(window.width(), window.height());
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);

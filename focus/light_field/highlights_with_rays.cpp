@@ -94,8 +94,11 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
         return taken.contains(of_light(light, key)) && takes(light, key, sheet);
     };
     take_highlights(sheets, rule);
-    LightElsewhere less{rule.above, nullptr};
+    LightElsewhere less{.above = rule.above};
     if (taken.empty()) return less;
+    for (const auto& [surface, all] : taken) less.ids.push_back(std::get<2>(surface));
+    std::sort(less.ids.begin(), less.ids.end());
+    less.ids.erase(std::unique(less.ids.begin(), less.ids.end()), less.ids.end());
     less.of = [taken = std::move(taken), moves](NodePath path, std::uint32_t parent_id, std::uint32_t id,
                                                 const glm::dvec2& at) {
         return taken.contains(surface_seen(path, parent_id, id, at, moves));

@@ -197,8 +197,10 @@ void DistributedTracer::shade(const PathRay& ray, const SurfacePoint& s, const H
 }
 
 bool DistributedTracer::limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const {
-    return eye.less != nullptr &&
-           eye.less->of(ray.path, ray.parent_id, scene_.scene().objects[object].id,
+    if (eye.less == nullptr) return false;
+    const std::uint32_t id = scene_.scene().objects[object].id;
+    return std::binary_search(eye.less->ids.begin(), eye.less->ids.end(), id) &&
+           eye.less->of(ray.path, ray.parent_id, id,
                         ray.path.bits() == 0 ? eye.recorded_at(ray.sample, t) : glm::dvec2(0));
 }
 
