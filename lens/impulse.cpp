@@ -73,6 +73,13 @@ Impulse parse_impulse(const std::string& option, const std::string& text) {
          expected_words);
 }
 
+std::string file_of_impulse(const std::string& text) {
+    for (const std::string kind : {"image:", "lens:"}) {
+        if (text.starts_with(kind)) return text.substr(kind.size());
+    }
+    return "";
+}
+
 void check_impulse(const Impulse& i) {
     const auto in_range = [](const char* option, double value, double low, double high) {
         if (value >= low && value <= high) return;

@@ -165,8 +165,16 @@ void check_exr_path(const fs::path& path, const char* what) {
 std::uint64_t write_image(const fs::path& path, const Image& image, const std::optional<Crop>& crop) {
     check_image_path(path);
     if (crop) check_crop(crop, image.width, image.height);
-    OutputFile file(path);  // fails early if the file cannot be written
     const Format format = format_of(path);
+    // For a larger image, libjpeg would end the process.
+    constexpr int most_jpeg_px = 65500;
+    const int width = crop ? crop->width : image.width, height = crop ? crop->height : image.height;
+    if (format == Format::jpeg && std::max(width, height) > most_jpeg_px) {
+        fail(ExitCode::cannot_write,
+             "{}: too large for JPEG (got {}x{} px; expected at most {} a side, or exr)", path.string(),
+             width, height, most_jpeg_px);
+    }
+    OutputFile file(path);  // fails early if the file cannot be written
     // An .exr file stores radiance, so values are divided by the exposure.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();

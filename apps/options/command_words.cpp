@@ -5,6 +5,7 @@
 #include <set>
 
 #include "apps/options/frame_range.h"
+#include "lens/impulse.h"
 #include "pictures/stacks/object_choice.h"
 
 namespace postlens {
@@ -36,11 +37,7 @@ std::string path_in(CLI::Option* option, const std::string& text) {
         const std::string object = offset ? text.substr(0, text.rfind('=')) : text;
         return ObjectChoice{option->get_name(), object}.is_file() ? object : "";
     }
-    if (!has_mark(option, impulse_mark)) return "";
-    for (const std::string kind : {"image:", "lens:"}) {
-        if (text.starts_with(kind)) return text.substr(kind.size());
-    }
-    return "";
+    return has_mark(option, impulse_mark) ? file_of_impulse(text) : "";
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
 #include "core/threads.h"
+#include "lens/impulse.h"
 #include "motionblur/paths/paths_file.h"
 #include "sweep/picture_maker.h"
 
@@ -135,7 +136,7 @@ void check_value(const std::string& name, const std::string& value) {
                std::string_view("+-.,:_").find(static_cast<char>(c)) != std::string_view::npos;
     });
     if (value.size() > longest || !plain) fail(ExitCode::wrong_arguments, "{}: no value of an option", name);
-    if (name == "impulse" && (value.starts_with("file") || value.starts_with("lens")))
+    if (name == "impulse" && !file_of_impulse(value).empty())
         fail(ExitCode::wrong_arguments, "impulse: no file may be read from here (expected disc or polygon)");
 }
 
@@ -167,7 +168,16 @@ std::string option(const std::string& name, const std::string& value) {
 
 ViewSession::ViewSession(ViewOptions options)
     : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
-    if (options_.scene) static_cast<void>(run_info({.input = *options_.scene}));
+    if (!options_.scene) return;
+    // A picture of another program does not tell its scene.
+    const Json of_scene = run_info({.input = *options_.scene}).json;
+    constexpr const char* key = "scene_sha256";
+    if (facts_.contains(key) && facts_[key] != of_scene.at(key)) {
+        fail(ExitCode::invalid_input,
+             "{}: is not the scene that {} was traced from (got SHA-256 {:.12}...; expected {:.12}...)",
+             *options_.scene, options_.input, of_scene[key].get<std::string>(),
+             facts_[key].get<std::string>());
+    }
 }
 
 ViewReply ViewSession::frame() const {

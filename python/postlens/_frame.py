@@ -144,7 +144,7 @@ class Frame:
         target_db: the PSNR, dB, that "auto" must reach.
         scene: the scene from which the frame was traced. Rays then replace view samples that the records do not
             determine, and the error of the picture is measured (Picture.stated_db).
-        impulse: the image of a point that is out of focus: "disc", "polygon:6", "file:aperture.png", "lens:FILE", ...
+        impulse: the image of a point that is out of focus: "disc", "polygon:6", "image:aperture.png", "lens:FILE", ...
         crop: (x, y, width, height), px. exposure: stops or "auto".
         behind: pictures of the same camera that lie behind this one, nearest first; behind_layer: their layer.
         holdout, keep_sharp, matte: objects in a picture of another program, by name, number or mask file.

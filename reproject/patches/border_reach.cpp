@@ -4,6 +4,11 @@
 #include <cmath>
 
 namespace postlens {
+namespace {
+
+constexpr double farthest_px = 1e9;  ///< farther than any displacement that matters
+
+}  // namespace
 
 BorderReach::BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant) {
     const SheetMesh& mesh = *primary.sheets;
@@ -78,8 +83,7 @@ void BorderReach::Side::widen(const TimeSpanViews& span, const LensReach& lens) 
                    end = span.last.use->motions[cell.motion_class](from);
         if (!begin && !end) continue;
         if (!begin || !end) {  // the cell passes the camera's plane, so it may be anywhere
-            constexpr double far = 1e9;
-            deepest_px = sideways_px = far;
+            deepest_px = sideways_px = farthest_px;
             continue;
         }
         const glm::dvec2 between(glm::distance(glm::dvec2(begin->x, begin->y), glm::dvec2(end->x, end->y)));
@@ -114,19 +118,15 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
         if (side.cells.empty() ||
             (side.after ? high < side.at - side.deepest_px : low > side.at + side.deepest_px))
             continue;
-        const double reach = side.sideways_px + 2;
-        const auto cells = static_cast<double>(side.cells.size());
+        const double reach = std::min(side.sideways_px, farthest_px) + 2;
+        const auto cells = static_cast<std::ptrdiff_t>(side.cells.size());
         const auto first = static_cast<std::ptrdiff_t>(std::floor(begin - reach - side.first)),
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        for (std::ptrdiff_t i = first; i <= last; ++i) {
-            // Beyond the corners of the raster, the border is assumed to continue with the depth of its first
-            // or last cell.
-            const auto k = static_cast<std::size_t>(std::clamp(static_cast<double>(i), 0.0, cells - 1));
-            const Seen s = see(side, k, view, use);
-            if (!s.any) continue;
-            const double along = s.along + static_cast<double>(i - static_cast<std::ptrdiff_t>(k));
+        // `along`: where the view sees a cell, whose depth is that of `s`.
+        const auto mark_cell = [&](const Seen& s, double along) {
+            if (along < begin - 2 || along > end + 2) return;
             // The range is extended by one pixel at both ends, since the surface may continue obliquely to
             // the border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
@@ -146,7 +146,23 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                     maybe = std::max(maybe, static_cast<float>(s.inverse_z));
                 }
             }
+        };
+        for (std::ptrdiff_t i = std::max<std::ptrdiff_t>(first, 0); i <= std::min(last, cells - 1); ++i) {
+            const Seen s = see(side, static_cast<std::size_t>(i), view, use);
+            if (s.any) mark_cell(s, s.along);
         }
+        // Beyond the corners of the raster, the border is assumed to continue with the depth of its first or
+        // last cell.
+        const auto mark_beyond = [&](std::ptrdiff_t corner, std::ptrdiff_t from, std::ptrdiff_t to) {
+            const Seen s = see(side, static_cast<std::size_t>(corner), view, use);
+            if (!s.any || !(std::abs(s.along) < farthest_px)) return;
+            const double before = s.along - static_cast<double>(corner);
+            from = std::max(from, static_cast<std::ptrdiff_t>(std::floor(begin - 2 - before)));
+            to = std::min(to, static_cast<std::ptrdiff_t>(std::ceil(end + 2 - before)));
+            for (std::ptrdiff_t i = from; i <= to; ++i) mark_cell(s, before + static_cast<double>(i));
+        };
+        mark_beyond(0, first, std::min<std::ptrdiff_t>(last, -1));
+        mark_beyond(cells - 1, std::max(first, cells), last);
     }
 }
 

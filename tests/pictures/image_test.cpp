@@ -172,6 +172,17 @@ TEST(Image, AFullDiskIsAnErrorAndLeavesNothing) {
     EXPECT_EQ(folder.file_count(), 0U);
 }
 
+TEST(Image, ALargerJpegThanItsFormatHoldsIsAnError) {
+    const TemporaryFolder folder;
+    const Image wide(65501, 1);
+    const auto [code, text] = error_of([&] { write_image(folder.path() / "wide.jpg", wide); });
+    EXPECT_EQ(code, ExitCode::cannot_write);
+    EXPECT_NE(text.find("wide.jpg: too large for JPEG (got 65501x1 px"), std::string::npos) << text;
+    EXPECT_EQ(folder.file_count(), 0U);
+    write_image(folder.path() / "part.jpg", wide, Crop{1, 0, 65500, 1});
+    EXPECT_EQ(folder.file_count(), 1U);
+}
+
 // Equal images must give equal files, so files must not contain the time of writing (whole seconds).
 TEST(Image, EqualPicturesAreEqualFiles) {
     const TemporaryFolder folder;

@@ -175,7 +175,7 @@ def test_a_coarse_picture_of_a_small_frame_has_its_pixels(frame):
 
 @pytest.mark.parametrize("query", [
     "f-number=-1", "f-number=nan", "f-number=1e999", "f-number=2&focus=0", "views=99999999999999999999&f-number=2",
-    "views=1e9", f"output={UNWRITTEN}.exr", f"explain={UNWRITTEN}.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=file:/etc/passwd",
+    "views=1e9", f"output={UNWRITTEN}.exr", f"explain={UNWRITTEN}.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=image:passwd",
     "impulse=lens:/etc/passwd", "shutter-curve=/etc/passwd", "frames=1-9", "f-number=2%20--output%3Dx", "f-number=" + "1" * 500,
     "method=magic", "threads=4096", "crop=0,0,99999,99999", "f-number=%00",
 ])  # fmt: skip
@@ -342,6 +342,12 @@ def test_what_cannot_be_viewed(tmp_path):
     for words in (["missing.exr"], [str(tmp_path)], [str(tmp_path / "x.exr")], [SCENE], [], ["--port", "99999", SCENE]):
         run = subprocess.run([PROGRAM, "view", *words], capture_output=True, text=True, timeout=60)
         assert run.returncode in (2, 3) and run.stderr.count("\n") == 1 and run.stderr.startswith("postlens: ")
+
+
+def test_the_scene_is_the_frames(frame):
+    other = str(ROOT / "samples" / "scenes" / "still_life.toml")
+    run = subprocess.run([PROGRAM, "view", frame, other], capture_output=True, text=True, timeout=60)
+    assert run.returncode == 3 and run.stderr.count("\n") == 1 and "is not the scene that" in run.stderr
 
 
 def test_a_port_that_is_taken(viewer, frame):
