@@ -153,9 +153,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        make_room(pixels());
-        out_.offsets.reserve(pixels() + 1);
         channels.read([&](int, std::span<const float* const> values) {
+            make_room(width);
             for (std::size_t i = 0; i < of_matte.size(); ++i) matte_row[i] = values[of_matte[i]];
             if (!of_matte.empty()) matte->take(depths.size(), width, matte_row);
             for (std::size_t x = 0; x < width; ++x) {
