@@ -23,7 +23,6 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    [[nodiscard]] bool weighs_as_it_shines() const override { return true; }
     // For responses with a smaller radius, px, the subpixel position of a sample is visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {

@@ -94,20 +94,12 @@ void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number,
     row_.splats.push_back(splat);
 }
 
-// Places colour and weight with one kernel, or with two if the lens vignettes. The weight then has the kernel
-// without vignetting. Otherwise the division by the weight would undo the vignetting of the colour.
 void LayerSplats::RowBuilder::add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                                        const std::array<float, 3>& rgb, const LayerPart& part) {
     const NodeResponses& responses = t_.responses_;
     const float share = responses.passing(response, place_px_);
     const std::array<float, 3> light{share * rgb[0], share * rgb[1], share * rgb[2]};
-    const double inverse_depth = inverse_depth_per_m(node);
-    if (responses.weighs_as_it_shines(response)) {
-        place(s, response, light, 1, inverse_depth, part);
-        return;
-    }
-    place(s, response, light, 0, 0, part);
-    place(s, NodeResponses::whole(response), {0, 0, 0}, 1, inverse_depth, part);
+    place(s, response, light, share, inverse_depth_per_m(node), part);
 }
 
 void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResponse& primary) {
@@ -303,12 +295,7 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     }
     const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
-    if (responses.weighs_as_it_shines(response)) {
-        place(s, response, rgb, light.weight, light.inverse_depth, part);
-    } else {
-        place(s, response, rgb, 0, 0, part);
-        place(s, NodeResponses::whole(response), {0, 0, 0}, light.weight, light.inverse_depth, part);
-    }
+    place(s, response, rgb, share * light.weight, light.inverse_depth, part);
     covered_ = 0;
 }
 

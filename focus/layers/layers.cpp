@@ -20,15 +20,27 @@ constexpr int block_height = layers_block_px;
 /// 270 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Stores the channels that one pass computes: all three, or one if each channel has its own kernels.
-void store(const LayerSplats& splats, const std::array<double, 3>& rgb, std::size_t channel, float* out) {
+/// Composites the fragments of the pixel (x, y) and stores the channels that one pass computes: all three, or
+/// one if each channel has its own kernels.
+void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
+           float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
+    // A surface that fills the pixel has the weight `open`, and covers all of the lens that is open.
+    const double open = splats.vignettes() ? splats.open_share(x, y) : 1;
+    if (open > 0 && open != 1) {
+        for (Fragment& f : fragments) {
+            f.covered /= open;
+            for (SurfaceLight* light : {&f.seen, &f.hidden}) light->divide(open);
+        }
+    }
+    const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
         // The result may leave the range of the recorded colours, because sums of differences have rounding
         // errors and colours are approximated as linear functions of the lens point.
-        out[c] = std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
+        out[c] = static_cast<float>(open) *
+                 std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
@@ -157,8 +169,7 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
             for (std::int32_t i = first_[pixel]; i >= 0; i = entries_[static_cast<std::size_t>(i)].next)
                 fragments_.push_back(entries_[static_cast<std::size_t>(i)].fragment);
             std::reverse(fragments_.begin(), fragments_.end());
-            store(splats_, composite(fragments_, splats_.geometry()), channel,
-                  image.pixel(x - picture.x_begin, y - picture.y_begin));
+            store(splats_, fragments_, x, y, channel, image.pixel(x - picture.x_begin, y - picture.y_begin));
         }
     }
 }
@@ -308,7 +319,9 @@ Image layers_reference(const LayerSplats& splats) {
                 if (const auto f = resolve_surface(terms, splats.geometry())) fragments.push_back(*f);
                 terms.clear();
             }
-            store(splats, composite(fragments, splats.geometry()), channel, image.rgb.data() + 3 * i);
+            const auto x = static_cast<int>(i % static_cast<std::size_t>(p.width())),
+                       y = static_cast<int>(i / static_cast<std::size_t>(p.width()));
+            store(splats, fragments, p.x_begin + x, p.y_begin + y, channel, image.rgb.data() + 3 * i);
         }
     }
     return image;

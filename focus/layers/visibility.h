@@ -21,6 +21,12 @@ struct SurfaceLight {
     double alpha = 0;  ///< 0 or more
     std::array<double, 3> rgb{};
     std::array<LensMoment, 4> lens{};
+
+    void divide(double by) {
+        alpha /= by;
+        for (double& channel : rgb) channel /= by;
+        for (LensMoment& moment : lens) moment = {moment.x / by, moment.y / by};
+    }
 };
 
 /// A surface at a pixel, separated into the part that the pinhole sees and the part that it does not see.

@@ -215,7 +215,6 @@ ResponseRequest KernelTable::request(const KernelKey& key) const {
     return {.map_px = map_px(key),
             .place_px =
                 key.cell_log2 == 0 ? glm::dvec2(0) : glm::dvec2(key.cell_x + 0.5, key.cell_y + 0.5) * cell_px,
-            .whole = key.cell_log2 == 0,
             .phase_px = glm::dvec2(key.phase_x, key.phase_y) / static_cast<double>(KernelKey::phase_steps),
             .reach = reach_};
 }

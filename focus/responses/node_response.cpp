@@ -97,11 +97,6 @@ float NodeResponses::passing(const NodeResponse& response, const glm::dvec2& pla
                : static_cast<float>(response_->transmission(place_px, response.inverse_depth_per_m));
 }
 
-NodeResponse NodeResponses::whole(NodeResponse response) {
-    response.key.cell_x = response.key.cell_y = response.key.cell_log2 = 0;
-    return response;
-}
-
 Phases NodeResponses::phases(const PointSample& sample, const NodeResponse& response) const {
     return phases_of(
         sample, std::max(response.radius_px,

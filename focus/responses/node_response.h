@@ -60,15 +60,16 @@ class NodeResponses {
     /// Response of a reflected or transmitted node, according to the depth model.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Transmittance of the lens for this response. 1 if one kernel is used for the whole image.
+    /// Transmittance of the lens for this response. Both the light and the weights that normalise the image
+    /// are multiplied by it. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If
-    /// false, the weights are scattered with the kernel without vignetting (`whole`).
-    [[nodiscard]] bool weighs_as_it_shines(const NodeResponse& response) const {
-        return response.key.cell_log2 == 0 || model().weighs_as_it_shines();
+    /// Whether responses depend on the position in the image.
+    [[nodiscard]] bool vignettes() const { return model().cell_px(glm::dmat2(1)) > 0; }
+    /// Share of the lens through which the pixel at `place_px` from the image's centre sees. The weights that
+    /// arrive at the pixel add up to it. The normalised pixel is multiplied by it.
+    [[nodiscard]] double open_share(const glm::dvec2& place_px) const {
+        return response_->transmission(place_px, geometry().inverse_focus_per_m);
     }
-    /// The response without vignetting.
-    [[nodiscard]] static NodeResponse whole(NodeResponse response);
     /// Positions at which a sample's response is placed, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 

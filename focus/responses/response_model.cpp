@@ -48,12 +48,19 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
+        // The middle of the cell gets no light through the lens, but samples beside it may get some. They use
+        // the response without vignetting.
+        ApertureImage whole = at;
+        whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
-            const Outline outline = image_outline(aperture_, at);
-            return outline.empty() ? Kernel{} : make_kernel(OutlineRows(outline), request.reach);
+            Outline outline = image_outline(aperture_, at);
+            if (outline.empty()) outline = image_outline(aperture_, whole);
+            return make_kernel(OutlineRows(outline), request.reach);
         }
         const KernelReach& reach = request.reach;
-        return make_kernel(dense_response(aperture_, at, {-reach.x, reach.x, -reach.y, reach.y}), reach);
+        const bool is_dark = !(aperture_.transmission(at.field, at.rim_scale) > 0);
+        return make_kernel(
+            dense_response(aperture_, is_dark ? whole : at, {-reach.x, reach.x, -reach.y, reach.y}), reach);
     }
 
   private:

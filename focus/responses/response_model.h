@@ -19,7 +19,6 @@ namespace postlens {
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
-    bool whole = true;       ///< without vignetting; used for the weights that normalise the image
     glm::dvec2 phase_px{0};  ///< position of the response's centre relative to the anchor
     KernelReach reach;
 };
@@ -44,9 +43,6 @@ class ResponseModel {
     /// Width, px, of the part of the image in which one kernel can be used for this map. Within it the
     /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Whether the weights that normalise the image are scattered with the same kernel as the light. If
-    /// false, the weights are scattered with the kernel without vignetting.
-    [[nodiscard]] virtual bool weighs_as_it_shines() const { return false; }
     /// Transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
                                               double /*inverse_depth_per_m*/) const {

@@ -101,6 +101,13 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                     sums[c] = both[c].data();
                 }
             }
+            std::array<double, strip_width> open{};
+            for (int i = 0; tables.vignettes() && i < width; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                open[k] = tables.open_share(x + i, y);
+                for (std::size_t c = 0; c < 4; ++c) both[c][k] = open[k] > 0 ? sums[c][i] / open[k] : 0;
+            }
+            for (std::size_t c = 0; tables.vignettes() && c < 4; ++c) sums[c] = both[c].data();
             std::array<float, strip_width> most_nothing{};
             if (nothing != nullptr) std::copy_n(nothing + (x - picture.x_begin), width, most_nothing.data());
             float* out = image.pixel(x - picture.x_begin, y - picture.y_begin);
@@ -112,6 +119,8 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 normalise(sums, most_nothing.data(), tables.any_negative(), rgb.data());
                 std::copy_n(rgb.data(), 3 * width, out);
             }
+            for (int i = 0; tables.vignettes() && i < 3 * width; ++i)
+                out[i] *= static_cast<float>(open[static_cast<std::size_t>(i / 3)]);
         }
     }
 }

@@ -101,7 +101,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
             add_splats(s, response, shared, 0);
         }
     }
-    for (float& channel : rgb) channel *= responses.passing(primary, place_px_);
+    const float share = responses.passing(primary, place_px_);
+    for (float& channel : rgb) channel *= share;
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
 
     if (whole_corner && primary.key.is_disc && round_) {
@@ -111,13 +112,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
         return;
     }
     if (!(s.total_weight() > 0)) return;
-    if (responses.weighs_as_it_shines(primary)) {
-        add_splats(s, primary, rgb, 1);
-        return;
-    }
-    // Vignetting attenuates the colours, but not the weights by which the colours are divided.
-    add_splats(s, primary, rgb, 0);
-    add_splats(s, NodeResponses::whole(primary), {0, 0, 0}, 1);
+    add_splats(s, primary, rgb, share);
 }
 
 // Adds the plain corners of a row (samples of undivided pixels without reflections). A test checks that the
@@ -152,12 +147,7 @@ void SplatTables::RowBuilder::add_light(const PixelLight& light) {
     const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;
-    if (responses.weighs_as_it_shines(response)) {
-        add_splats(s, response, rgb, light.weight);
-        return;
-    }
-    add_splats(s, response, rgb, 0);
-    add_splats(s, NodeResponses::whole(response), {0, 0, 0}, light.weight);
+    add_splats(s, response, rgb, share * light.weight);
 }
 
 void SplatTables::RowBuilder::split_runs() {

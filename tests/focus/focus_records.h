@@ -107,12 +107,14 @@ struct TableOptions {
 
 /// The splats of a whole band, for the pixels without its overscan.
 inline std::unique_ptr<SplatTables> tables_of(const RecordBand& band, int overscan_px,
-                                              const TableOptions& o = {}) {
+                                              const TableOptions& o = {},
+                                              std::shared_ptr<const ResponseModel> response = nullptr) {
     const RasterWindow source{band.x_begin, band.x_end, band.y_begin, band.y_end};
     const RasterWindow picture{band.x_begin + overscan_px, band.x_end - overscan_px - 1,
                                band.y_begin + overscan_px, band.y_end - overscan_px - 1};
-    auto tables = std::make_unique<SplatTables>(
-        source, picture, o.geometry, DepthLevels(o.geometry, range_of(band), o.spacing, o.depths), o.model);
+    auto tables = std::make_unique<SplatTables>(source, picture, o.geometry,
+                                                DepthLevels(o.geometry, range_of(band), o.spacing, o.depths),
+                                                o.model, std::move(response));
     tables->add_rows(band, band.y_begin, band.y_end);
     tables->finish();
     return tables;
