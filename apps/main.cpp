@@ -33,6 +33,14 @@ void report(const CommandResult& result, const ParsedCommand& command) {
     }
 }
 
+/// Reports an error in one line, whatever bytes a file or an option has brought into its text.
+void say_error(std::string text) {
+    for (char& c : text) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+    }
+    say(stderr, "postlens: " + text);
+}
+
 int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     const postlens::JobScope scope_of_process(process);
     const ParsedCommand command = postlens::parse_command_line({argv + 1, argv + argc});
@@ -65,14 +73,14 @@ int main(int argc, char** argv) {
     try {
         return run(argc, argv, process, requeue_code);
     } catch (const postlens::Error& e) {
-        say(stderr, std::string("postlens: ") + e.what());
+        say_error(e.what());
         if (e.code() == ExitCode::interrupted && postlens::is_asked_to_requeue()) return requeue_code;
         return static_cast<int>(e.code());
     } catch (const std::bad_alloc&) {
-        say(stderr, "postlens: not enough memory");
+        say_error("not enough memory");
         return static_cast<int>(ExitCode::out_of_memory);
     } catch (const std::exception& e) {
-        say(stderr, std::string("postlens: internal error: ") + e.what());
+        say_error(std::string("internal error: ") + e.what());
         return static_cast<int>(ExitCode::invalid_input);
     }
 }

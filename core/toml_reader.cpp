@@ -55,9 +55,53 @@ std::string range_text(const NumberRange& range) {
     return range.may_be_infinite ? text + " or inf" : text;
 }
 
+/// Refuses keys of very many parts, such as a.a.a.a. The parser makes a table for each part and goes through
+/// them recursively, which would exceed the stack. It limits only arrays and tables within each other. Quoted
+/// text and comments are skipped.
+void check_depth_of_keys(std::string_view text, const std::string& file) {
+    constexpr int most_parts = 256;
+    const auto past = [&](std::size_t at) {
+        const char quote = text[at];
+        const std::string three(3, quote);
+        const bool is_long = text.substr(at, 3) == three;
+        for (std::size_t i = at + (is_long ? 3 : 1); i < text.size(); ++i) {
+            if (quote == '"' && text[i] == '\\') {
+                ++i;
+            } else if (is_long ? text.substr(i, 3) == three : text[i] == quote || text[i] == '\n') {
+                return i + (is_long ? 3 : 1);
+            }
+        }
+        return text.size();
+    };
+    int dots = 0, line = 1;
+    for (std::size_t i = 0; i < text.size();) {
+        const char c = text[i];
+        if (c == '"' || c == '\'') {
+            const std::size_t end = std::min(past(i), text.size());
+            line += static_cast<int>(std::count(text.begin() + static_cast<std::ptrdiff_t>(i),
+                                                text.begin() + static_cast<std::ptrdiff_t>(end), '\n'));
+            i = end;
+            continue;
+        }
+        if (c == '#') {
+            i = std::min(text.find('\n', i), text.size());
+            continue;
+        }
+        if (c == '.' && ++dots == most_parts) {
+            fail(ExitCode::invalid_input,
+                 "{}:{}: not valid TOML: a key of too many parts (expected at most {})", file, line,
+                 most_parts);
+        }
+        if (std::string_view("\n=,[]{}").find(c) != std::string_view::npos) dots = 0;
+        line += c == '\n' ? 1 : 0;
+        ++i;
+    }
+}
+
 }  // namespace
 
 toml::table parse_toml(const std::string& text, const std::string& file) {
+    check_depth_of_keys(text, file);
     try {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/fingerprint.h"
+#include "core/text.h"
 
 namespace postlens {
 namespace {
@@ -26,7 +27,7 @@ bool parse_line(std::string_view line, const std::string& where, std::pair<doubl
         const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
         if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(value)) {
             fail(ExitCode::invalid_input, "{}: not a finite number (got {}; expected time and transmission)",
-                 where, word.substr(0, 40));
+                 where, excerpt(word));
         }
         if (count < 2) values[count] = value;
         ++count;

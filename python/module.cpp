@@ -21,9 +21,10 @@ namespace {
 /// The result of a command: its JSON, the images that it did not write to files (with their exposures), its
 /// warnings (code, text, share) and its exit code.
 struct Outcome {
-    std::string json, text;
+    std::string json;
+    py::object text;
     py::list pictures;
-    std::vector<std::tuple<std::string, std::string, double>> warnings;
+    std::vector<std::tuple<std::string, py::object, double>> warnings;
     int exit_code = 0;
 };
 
@@ -32,8 +33,9 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
     Outcome out;
     CommandResult result;
     run_job(threads, progress, [&] { result = run_command(std::move(words), kept); });
-    out.json = result.json.dump();
-    out.text = std::move(result.text);
+    // Names in a file need not be UTF-8.
+    out.json = result.json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+    out.text = text_of(result.text);
     for (Image& image : result.pictures) {
         const std::optional<double> stops = image.exposure_stops;
         py::dict planes;
@@ -44,7 +46,7 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
         }
         out.pictures.append(py::make_tuple(array_of(std::move(image)), stops, std::move(planes)));
     }
-    for (Warning& w : result.warnings) out.warnings.emplace_back(w.code, w.text, w.share);
+    for (Warning& w : result.warnings) out.warnings.emplace_back(w.code, text_of(w.text), w.share);
     out.exit_code = static_cast<int>(result.exit_code);
     return out;
 }
@@ -85,8 +87,8 @@ PYBIND11_MODULE(_postlens, module) {
         .def_readonly("warnings", &Outcome::warnings)
         .def_readonly("exit_code", &Outcome::exit_code);
     py::class_<KeptFrame, std::shared_ptr<KeptFrame>>(module, "KeptFrame")
-        .def(py::init([](std::string path, bool salvage) {
-                 return std::make_shared<KeptFrame>(std::move(path),
+        .def(py::init([](const std::filesystem::path& path, bool salvage) {
+                 return std::make_shared<KeptFrame>(path.string(),
                                                     salvage ? Damage::salvage : Damage::refuse);
              }),
              py::arg("path"), py::arg("salvage"));

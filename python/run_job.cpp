@@ -27,7 +27,7 @@ struct Shared {
 
 [[noreturn]] void raise(ExitCode code, const std::string& text) {
     py::object make = py::module_::import("postlens._errors").attr("error_of");
-    const py::object error = make(static_cast<int>(code), text);
+    const py::object error = make(static_cast<int>(code), text_of(text));
     PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     throw py::error_already_set();
 }
@@ -40,6 +40,11 @@ void listen(const py::object& progress, const std::optional<ProgressReport>& rep
 }
 
 }  // namespace
+
+py::object text_of(const std::string& text) {
+    return py::reinterpret_steal<py::object>(
+        PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "surrogateescape"));
+}
 
 void translated(const std::function<void()>& call) {
     try {
@@ -99,6 +104,7 @@ void run_job(int threads, const py::object& progress, const std::function<void()
     }
     if (of_python) std::rethrow_exception(of_python);
     if (shared.error) translated([&] { std::rethrow_exception(shared.error); });
+    if (!progress.is_none()) progress(1.0, 0.0);
 }
 
 }  // namespace postlens::python

@@ -124,7 +124,9 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    if (method == FocusMethod::automatic && std::isfinite(lens.lens.f_number)) {
+    // With a scene, rays see what a pixel shows between its recorded corners, also through a pinhole.
+    const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
+    if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
                                       options.retrace, options.output, out);
         plan = auto_json(planned);
@@ -132,7 +134,7 @@ CommandResult run_focus(const FocusOptions& options) {
         result = std::move(hybrid.focus);
         result.method = FocusMethod::automatic;
         out.text = planned.plan + "\n";
-    } else if (method == FocusMethod::hybrid && std::isfinite(lens.lens.f_number)) {
+    } else if (method == FocusMethod::hybrid && has_views) {
         hybrid = run_hybrid(frame, {.focus = settings}, options.retrace, options.output, out);
         result = std::move(hybrid.focus);
         result.method = FocusMethod::hybrid;

@@ -1,4 +1,7 @@
 #include <cmath>
+#include <initializer_list>
+#include <string>
+#include <utility>
 
 #include "apps/command.h"
 #include "apps/deliver.h"
@@ -124,12 +127,32 @@ bool is_foreign(const std::string& input) {
 
 void refuse_foreign_options(const ForeignOptions& options) {
     if (!options.given()) return;
+    const ForeignChoice& choice = options.choice;
+    const ForeignCameraChoice& camera = options.camera;
+    std::string given;
+    for (const auto& [name, is_given] : std::initializer_list<std::pair<const char*, bool>>{
+             {"--behind", !options.behind.empty()},
+             {"--behind-layer", !options.behind_layer.empty()},
+             {"--holdout", !options.objects.holdouts.empty()},
+             {"--keep-sharp", !options.objects.sharp.empty()},
+             {"--focus-offset", !options.objects.offsets.empty()},
+             {"--matte", options.matte.has_value()},
+             {"--passes", options.passes.any()},
+             {"--layer", !choice.layer.empty()},
+             {"--depth-channel", !choice.depth_channel.empty()},
+             {"--depth-encoding", choice.depth_encoding.has_value()},
+             {"--depth-file", !choice.depth_file.empty()},
+             {"--ids", !choice.ids.empty()},
+             {"--ids-file", !choice.ids_file.empty()},
+             {"--film-width", camera.film_width_mm.has_value()},
+             {"--film-distance", camera.film_distance_mm.has_value()},
+             {"--z", camera.depth_along.has_value()},
+             {"--overscan", camera.overscan_px != 0}}) {
+        if (is_given) given += (given.empty() ? "" : ", ") + std::string(name);
+    }
     fail(ExitCode::wrong_arguments,
-         "--behind, --behind-layer, --holdout, --keep-sharp, --focus-offset, --matte, --passes, --layer, "
-         "--depth-channel, --depth-encoding, --depth-file, --ids, --ids-file, --film-width, --film-distance, "
-         "--z, "
-         "--overscan: not for a sample file, which knows its camera (expected an OpenEXR picture of another "
-         "program)");
+         "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
+         given);
 }
 
 CommandResult foreign_image(const ImageOptions& options) {

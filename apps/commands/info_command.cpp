@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
+#include <unistd.h>
 
 #include "apps/command.h"
 #include "apps/numbers.h"
@@ -216,7 +219,12 @@ CommandResult run_info(const InfoOptions& options) {
     if (fs::is_directory(input, error)) {
         fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", input);
     }
-    if (!fs::exists(input, error)) fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
+    if (::access(input.c_str(), R_OK) != 0) {
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", input,
+             errno == ENOENT ? "no such file" : std::strerror(errno));
+    }
+    if (!fs::is_regular_file(input, error))
+        fail(ExitCode::invalid_input, "{}: cannot read (got something else; expected a file)", input);
     if (options.salvage) return sample_file_info(input, true);
     if (is_prescription(input)) return lens_info(input);
     if (is_scene_file(input)) return scene_info(input);

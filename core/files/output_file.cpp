@@ -89,10 +89,14 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
         // A rename needs write permission only for the folder, so this tests whether the file itself is
         // write-protected.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
-        if (fs::is_symlink(fs::symlink_status(target_, ec))) {
-            destination_ = fs::canonical(target_, ec);
-            if (ec) fail_to_write(target_, ec.value());
-        }
+    }
+    // A symbolic link is kept, also if it leads to a file that does not exist yet.
+    constexpr int most_links = 40;  // as the system follows
+    for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
+        if (links == most_links) fail_to_write(target_, ELOOP);
+        const fs::path link = fs::read_symlink(destination_, ec);
+        if (ec) fail_to_write(target_, ec.value());
+        destination_ = folder_of(destination_) / link;
     }
     const fs::path folder = folder_of(destination_);
     if (!fs::is_directory(folder, ec)) {

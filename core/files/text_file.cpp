@@ -1,6 +1,7 @@
 #include "core/files/text_file.h"
 
 #include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <system_error>
 
@@ -34,10 +35,10 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t lar
              bytes, largest_bytes);
     }
     std::ifstream file(path, std::ios::binary);
+    if (!file) fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(), std::strerror(errno));
     std::string text(static_cast<std::size_t>(bytes), '\0');
-    if (!file || !file.read(text.data(), static_cast<std::streamsize>(bytes))) {
+    if (!file.read(text.data(), static_cast<std::streamsize>(bytes)))
         fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
-    }
     return text;
 }
 

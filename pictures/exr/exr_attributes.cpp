@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <utility>
 
@@ -126,11 +125,12 @@ bool fills_its_size(std::string_view type, ByteView value) {
 }
 
 void check_exr_headers(const std::filesystem::path& path) {
-    std::array<char, 5> begin{};
-    std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
-    constexpr std::array<char, 5> openexr_2{0x76, 0x2f, 0x31, 0x01, 2};
-    if (begin != openexr_2) return;
     const InputFile file(path);
+    constexpr std::array<std::uint8_t, 5> openexr_2{0x76, 0x2f, 0x31, 0x01, 2};
+    std::array<std::uint8_t, openexr_2.size()> begin{};
+    if (file.size() < begin.size()) return;
+    file.read_at(0, begin);
+    if (begin != openexr_2) return;
     const ExrHeaders headers =
         read_exr_headers(file, std::numeric_limits<std::size_t>::max(), AttributeSizes::filled);
     for (const ExrPart& part : headers.parts) {

@@ -15,7 +15,7 @@ the command, with the unit at the end: --focus is focus_m.
 from __future__ import annotations
 
 from . import lens
-from ._command import PathLike, Progress, Report, run_words
+from ._command import PathLike, Progress, Report, run_words, whole
 from ._errors import (
     ArgumentError,
     Cancelled,
@@ -58,4 +58,4 @@ def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
     Returns the JSON report of the command (--json). report["text"] is its text for people, and report["exit_code"] its
     exit code. Raises an exception if the command fails.
     """
-    return run_words([str(word) for word in words], None, threads, progress)[0]
+    return run_words([whole("run", str(word)) for word in words], None, threads, progress)[0]

@@ -32,11 +32,18 @@ def option_name(keyword: str) -> str:
     return "--" + keyword.replace("_", "-")
 
 
+def whole(what: str, text: str) -> str:
+    """Returns the text. The commands end a text at its first NUL, so a text with a NUL is an error."""
+    if "\0" in text:
+        raise ArgumentError(f"{what}: contains a NUL (got {text!r}; expected none)")
+    return text
+
+
 def _text(keyword: str, value: object) -> str:
     if isinstance(value, str):
-        return value
+        return whole(keyword, value)
     if isinstance(value, os.PathLike):
-        return str(os.fspath(value))
+        return whole(keyword, os.fsdecode(value))
     if isinstance(value, numbers.Integral):
         return str(int(value))
     if isinstance(value, numbers.Real):
@@ -70,6 +77,7 @@ def path_text(what: str, path: object) -> str:
     text = os.fspath(path)
     if not isinstance(text, str) or not text:
         raise ArgumentError(f"{what}: no path (got {path!r}; expected the name of a file)")
+    whole(what, text)
     return os.path.join(".", text) if text.startswith("-") else text  # a leading '-' would look like an option
 
 
@@ -118,7 +126,8 @@ def run_words(
         return text if options is None else _in_keywords(text, options)
 
     try:
-        outcome = _postlens.run(words, int(threads), progress, kept)
+        # Names of files need not be UTF-8.
+        outcome = _postlens.run([os.fsencode(word) for word in words], int(threads), progress, kept)
     except Error as error:
         raise error_of(error.exit_code, say(str(error))) from None
     report: Report = json.loads(outcome.json)

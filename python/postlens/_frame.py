@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import numbers
 import os
 import tempfile
 import weakref
@@ -258,7 +259,7 @@ class Frame:
         ):  # fmt: skip
             if values is None:
                 continue
-            axes[name] = [values] if isinstance(values, (int, float, str)) else list(values)
+            axes[name] = [values] if isinstance(values, (int, float, str, numbers.Real)) else list(values)
             if not axes[name]:
                 raise ArgumentError(f"{name}: no values (got an empty sequence; expected one or more)")
         make: Any = self.focus if shutter is None else self.shoot
@@ -274,9 +275,9 @@ class Frame:
         views of one array, so nothing is copied. Colours are radiance."""
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
-        if isinstance(key, bool) or not isinstance(key, int) or key < 0:
+        if isinstance(key, bool) or not isinstance(key, numbers.Integral) or not 0 <= key < 2**31:
             raise ArgumentError(f"key: out of range (got {key!r}; expected 0 or more)")
-        return _postlens.read_records(self._path, key, self._salvage)
+        return _postlens.read_records(self._path, int(key), self._salvage)
 
     def tree_at(self, x: float, y: float, **options: Any) -> Report:
         """Returns the shading trees at a pixel, as `postlens records --json` does: its point samples with their

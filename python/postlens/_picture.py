@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import tempfile
 from typing import Any, Optional
@@ -89,9 +90,10 @@ class Picture:
 
     def save(self, path: PathLike) -> None:
         """Writes .exr (scene-linear), or .png, .tif or .jpg (sRGB, clamped). A failure leaves no incomplete file."""
-        _postlens.write_picture(
-            path_text("path", path), pixels_of("array", self.array), self.exposure_stops
-        )
+        stops = self.exposure_stops
+        if stops is not None and not (isinstance(stops, numbers.Real) and -100 <= stops <= 100):
+            raise ArgumentError(f"exposure_stops: out of range (got {stops!r}; expected -100 to 100, or None)")
+        _postlens.write_picture(path_text("path", path), pixels_of("array", self.array), stops)
 
     def __array__(self, dtype: Any = None) -> npt.NDArray[Any]:
         return self.array if dtype is None else self.array.astype(dtype)

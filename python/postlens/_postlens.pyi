@@ -23,7 +23,7 @@ class Outcome:
     def exit_code(self) -> int: ...
 
 class KeptFrame:
-    def __init__(self, path: str, salvage: bool) -> None: ...
+    def __init__(self, path: Union[str, os.PathLike[str]], salvage: bool) -> None: ...
 
 class Records:
     @property
@@ -63,7 +63,7 @@ class Records:
     def __len__(self) -> int: ...
 
 def run(
-    words: list[str],
+    words: list[bytes],
     threads: int,
     progress: Optional[Callable[[float, float], object]],
     kept: Optional[KeptFrame],

@@ -86,6 +86,33 @@ def test_a_truncated_frame(frame_path, tmp_path):
     assert any(w.message.code == "salvaged" for w in caught)
 
 
+def test_names_of_files_need_not_be_text(frame, frame_path, tmp_path):
+    name = os.fsdecode(bytes(tmp_path) + b"/caf\xe9.exr")
+    os.link(frame_path, name)
+    other = postlens.open(name)
+    assert np.array_equal(other.focus(f_number=2, focus_m=2), frame.focus(f_number=2, focus_m=2))
+    assert len(other.records()) == len(frame.records())
+    frame.image().save(os.fsdecode(bytes(tmp_path) + b"/\xff.exr"))
+    with pytest.raises(postlens.InputError, match="^.*\udce9.exr: cannot read"):
+        postlens.read_picture(os.fsdecode(b"nope\xe9.exr"))
+    with pytest.raises(postlens.ArgumentError, match="NUL"):
+        postlens.open(frame_path + "\0")
+    with pytest.raises(postlens.ArgumentError, match="NUL"):
+        postlens.run("focus", frame_path, "-o", str(tmp_path / "a.png\0.exr"), "--f-number", "2")
+    with pytest.raises(postlens.ArgumentError, match="NUL"):
+        frame.image().save(str(tmp_path / "a\0.png"))
+
+
+def test_numbers_may_be_those_of_numpy(frame):
+    made = list(frame.sweep(f_number=np.float32(2), focus_m=np.int64(3)))
+    assert [picture.geometry["f_number"] for picture in made] == [2]
+    with pytest.raises(postlens.ArgumentError, match="^key: out of range"):
+        frame.records(key=2**64)
+    for stops in (200, math.nan, "auto"):
+        with pytest.raises(postlens.ArgumentError, match="^exposure_stops: out of range"):
+            postlens.Picture(np.ones((2, 2, 3), np.float32), exposure_stops=stops).save("x.exr")
+
+
 def test_warnings_name_the_users_line(frame):
     with pytest.warns(postlens.PostlensWarning, match="traced for f-numbers") as caught:
         frame.focus(f_number=1, focus_m=2)

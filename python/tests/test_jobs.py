@@ -22,7 +22,7 @@ def test_progress_is_called_in_this_thread(large_frame):
         f_number=1.4, focus_m=2, method="lightfield", views=128,
         progress=lambda share, left_s: calls.append((threading.get_ident(), share, left_s)),
     )  # fmt: skip
-    assert calls
+    assert calls[-1][1:] == (1, 0)
     assert all(who == threading.get_ident() and 0 <= share <= 1 and left >= 0 for who, share, left in calls)
 
 

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -242,6 +243,28 @@ TEST_F(Cli, NumbersAreReadable) {
     const Outcome one = run({"info", POSTLENS_TEST_DATA "/exr/deep_one_sample.exr"});
     EXPECT_NE(one.out.find(" 1 channel,"), std::string::npos) << one.out;
     EXPECT_EQ(run({"info", scene()}).out.find("1 lights"), std::string::npos);
+    // The parser would go through the parts of a key recursively. Dots in texts and comments are no parts.
+    std::string parts = "a";
+    for (int i = 0; i < 100'000; ++i) parts += ".a";
+    const std::string dots(1000, '.');
+    for (const std::string& text : {parts + " = 1", "[" + parts + "]", "x = {" + parts + " = 1}"}) {
+        std::ofstream(in("parts.toml")) << "# " << dots << "\ny = \"" << dots << "\"\n" << text << "\n";
+        const Outcome r = run({"info", in("parts.toml")});
+        EXPECT_EQ(r.exit_code, 3);
+        EXPECT_NE(r.err.find("parts.toml:3: not valid TOML: a key of too many parts"), std::string::npos)
+            << r.err;
+    }
+    ASSERT_EQ(::mkfifo(in("pipe.exr").c_str(), 0600), 0);
+    for (const Words& words :
+         {Words{"info", in("pipe.exr")}, Words{"merge", in("pipe.exr"), "-o", in("m.exr")}}) {
+        const Outcome r = run(words);
+        EXPECT_EQ(r.exit_code, 3);
+        EXPECT_NE(r.err.find("got something else; expected a file"), std::string::npos) << r.err;
+    }
+    // An error is one line, whatever is in a name.
+    const Outcome line = run({"info", in("two\nlines\033.exr")});
+    EXPECT_EQ(line.exit_code, 3);
+    EXPECT_NE(line.err.find("two?lines?.exr: cannot read (no such file)\n"), std::string::npos) << line.err;
 }
 
 TEST_F(Cli, UnreadableInputIsThree) {

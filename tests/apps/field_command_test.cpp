@@ -100,6 +100,19 @@ TEST_F(FieldCommand, HybridTracesAgainWithTheFilesOwnSceneOnly) {
     EXPECT_EQ(focus({"--method", "hybrid", "--framing", "lens"}).exit_code, 2);
 }
 
+TEST_F(FieldCommand, RaysAreAsRightThroughAPinhole) {
+    for (const char* method : {"hybrid", "auto"}) {
+        const Outcome r = focus({"--method", method, "--scene", in("scene.toml"), "--f-number", "inf"});
+        ASSERT_EQ(r.exit_code, 0) << r.err;
+        const json j = json::parse(r.out);
+        EXPECT_EQ(j["method"], method);
+        EXPECT_GT(j["stated_db"], 39);
+        // Without a scene there is nothing to look at but the records.
+        const Outcome alone = focus({"--method", method, "--f-number", "inf"});
+        EXPECT_EQ(json::parse(alone.out)["method"], "pinhole");
+    }
+}
+
 TEST_F(FieldCommand, WhatHasNoPointsOfALensIsRefusedByName) {
     for (const char* method : {"lightfield", "hybrid"}) {
         const Outcome r = focus({"--method", method, "--impulse", "diffraction"});

@@ -93,6 +93,24 @@ TEST_F(OutputFileTest, KeepsASymbolicLinkAndReplacesWhatItLeadsTo) {
     EXPECT_EQ(bytes_of(folder_ / "disk" / "real.exr"), "newer");
 }
 
+TEST_F(OutputFileTest, KeepsASymbolicLinkToAFileThatDoesNotExistYet) {
+    fs::create_directory(folder_ / "disk");
+    fs::create_symlink("disk/first.exr", folder_ / "first.exr");
+    fs::create_symlink("first.exr", folder_ / "second.exr");
+    OutputFile file(folder_ / "second.exr");
+    write_bytes(file.temporary_path(), "new");
+    file.commit();
+    EXPECT_TRUE(fs::is_symlink(folder_ / "first.exr"));
+    EXPECT_TRUE(fs::is_symlink(folder_ / "second.exr"));
+    EXPECT_EQ(bytes_of(folder_ / "disk" / "first.exr"), "new");
+    fs::create_symlink("loop.exr", folder_ / "loop.exr");
+    EXPECT_THAT(error_text(ExitCode::cannot_write, [&] { OutputFile loop(folder_ / "loop.exr"); }),
+                HasSubstr("symbolic links"));
+    fs::create_symlink("missing/x.exr", folder_ / "nowhere.exr");
+    EXPECT_THAT(error_text(ExitCode::cannot_write, [&] { OutputFile nowhere(folder_ / "nowhere.exr"); }),
+                HasSubstr("does not exist"));
+}
+
 TEST_F(OutputFileTest, NewFilesHaveThePermissionsThatTheUserMaskLeaves) {
     const mode_t old_mask = ::umask(027);
     OutputFile file(folder_ / "picture.exr");
