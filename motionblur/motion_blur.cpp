@@ -280,10 +280,12 @@ class MotionBlur {
         const std::vector<std::uint32_t> moving = moving_ids(motions_);
         warn_of_cut(file_, motion_, extents_, moving, settings_.exposure, result_.warnings);
         warn_of_left_out();
-        if (blends || !may_have_unseen_motion(header_)) return;
+        if (blends) return;
+        UnseenMotion unseen(header_, with_unseen(moving), settings_.exposure);
+        if (!unseen.possible()) return;
         bands_.need_all();
-        warn_of_unseen_motion(header_, bands_.bands(), with_unseen(moving), settings_.exposure,
-                              result_.warnings);
+        for (const RecordBand& band : bands_.bands()) unseen.add(band);
+        for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
     // Adds the ids of objects that move in the world but have no records, because mirrors and glass may still

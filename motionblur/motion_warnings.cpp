@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <numeric>
+#include <utility>
 
 #include "core/text.h"
 #include "core/threads.h"
@@ -45,23 +47,20 @@ void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree
     }
 }
 
+/// Counts the pixels of the frame in the rows of a band, every `step`th along each axis. The band's last row
+/// is left out, because it is the first row of the next band.
 template <typename Concerned>
-std::uint64_t count_pixels(const SampleHeader& h, const std::vector<RecordBand>& bands, int step,
+std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int step,
                            const Concerned& concerned) {
-    std::vector<std::uint64_t> counts(bands.size(), 0);
-    parallel_for(bands.size(), [&](std::size_t b) {
-        const RecordBand& band = bands[b];
-        // The band's last row is left out here, because it is counted as the first row of the next band.
-        for (int y = std::max(0, band.y_begin); y < std::min(h.height, band.y_end - 1); ++y) {
-            if (y % step != 0) continue;
-            for (int x = 0; x < h.width; x += step) {
-                if (concerned(band, band.pixel(x, y))) ++counts[b];
-            }
+    const int first = std::max(0, band.y_begin), last = std::min(h.height, band.y_end - 1);
+    std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::max(last - first, 0)), 0);
+    parallel_for(counts.size(), [&](std::size_t row) {
+        const int y = first + static_cast<int>(row);
+        for (int x = 0; y % step == 0 && x < h.width; x += step) {
+            if (concerned(band, band.pixel(x, y))) ++counts[row];
         }
     });
-    std::uint64_t sum = 0;
-    for (const std::uint64_t c : counts) sum += c;
-    return sum;
+    return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
 double share_of(std::uint64_t pixels, const SampleHeader& h, int step) {
@@ -191,66 +190,86 @@ bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, st
 
 }  // namespace
 
-bool may_have_unseen_motion(const SampleHeader& header) {
-    return header.has_w || !header.motion.lights.empty();
+struct UnseenMotion::Counts {
+    Counts(const SampleHeader& of, std::vector<std::uint32_t> sorted, const Exposure& exposure)
+        : header(of),
+          moving(std::move(sorted)),
+          shadow(of, exposure),
+          lights_move(
+              std::any_of(of.motion.lights.begin(), of.motion.lights.end(), [&](const LightMotion& light) {
+                  return MotionPath(light.keys)
+                      .moves(std::min(exposure.open_s, of.time_s), std::max(exposure.close_s, of.time_s));
+              })) {}
+
+    const SampleHeader& header;
+    std::vector<std::uint32_t> moving;
+    ShadowTest shadow;
+    bool lights_move;
+    std::uint64_t reflections = 0, shadows = 0, lit = 0;  ///< pixels
+};
+
+UnseenMotion::UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving,
+                           const Exposure& exposure)
+    : counts_(std::make_unique<Counts>(header, std::move(moving), exposure)) {}
+
+UnseenMotion::~UnseenMotion() = default;
+
+bool UnseenMotion::possible() const {
+    const Counts& c = *counts_;
+    return (c.header.has_w && !c.moving.empty()) || c.shadow.possible() || c.lights_move;
 }
 
-void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
-                           const std::vector<std::uint32_t>& moving, const Exposure& exposure,
-                           std::vector<MotionWarning>& out) {
-    if (header.has_w && !moving.empty()) {
-        const std::uint64_t pixels =
-            count_pixels(header, bands, 1, [&](const RecordBand& band, std::size_t pixel) {
-                bool found = false;
-                for_each_tree(band, pixel, [&](const Record* r, const Record* end) {
-                    found = found || shows_other_motion(r, end, moving);
-                });
-                return found;
+void UnseenMotion::add(const RecordBand& band) {
+    Counts& c = *counts_;
+    if (c.header.has_w && !c.moving.empty()) {
+        c.reflections += count_pixels(c.header, band, 1, [&](const RecordBand& b, std::size_t pixel) {
+            bool found = false;
+            for_each_tree(b, pixel, [&](const Record* r, const Record* end) {
+                found = found || shows_other_motion(r, end, c.moving);
             });
-        if (pixels > 0) {
-            const double share = share_of(pixels, header, 1);
-            out.push_back(
-                {"reflection", share,
-                 fmt::format("mirrors and glass show what moves otherwise than they do in {:.2f} % of "
-                             "the pixels; it goes along with them (expected `trace --keys` or `render` "
-                             "for it)",
-                             100 * share)});
-        }
-    }
-    const ShadowTest shadow(header, exposure);
-    if (shadow.possible()) {
-        const std::uint64_t pixels =
-            count_pixels(header, bands, shadow_step_px, [&](const RecordBand& band, std::size_t pixel) {
-                return band.offsets[pixel] < band.offsets[pixel + 1] &&
-                       shadow(band.records[band.offsets[pixel]]);
-            });
-        if (pixels > 0) {
-            const double share = share_of(pixels, header, shadow_step_px);
-            out.push_back(
-                {"shadow", share,
-                 fmt::format("shadows of moving objects may pass over up to {} % of the pixels; "
-                             "they stay where they were recorded (expected `trace --keys` or `render` "
-                             "for them)",
-                             rough(100 * share))});
-        }
-    }
-    const bool lights_move =
-        std::any_of(header.motion.lights.begin(), header.motion.lights.end(), [&](const LightMotion& light) {
-            return MotionPath(light.keys)
-                .moves(std::min(exposure.open_s, header.time_s), std::max(exposure.close_s, header.time_s));
+            return found;
         });
-    if (lights_move) {
-        const std::uint64_t lit =
-            count_pixels(header, bands, 1, [](const RecordBand& band, std::size_t pixel) {
-                return band.offsets[pixel] < band.offsets[pixel + 1] &&
-                       band.records[band.offsets[pixel]].id != 0;
+    }
+    if (c.shadow.possible()) {
+        c.shadows +=
+            count_pixels(c.header, band, shadow_step_px, [&](const RecordBand& b, std::size_t pixel) {
+                return b.offsets[pixel] < b.offsets[pixel + 1] && c.shadow(b.records[b.offsets[pixel]]);
             });
-        const double share = share_of(lit, header, 1);
+    }
+    if (c.lights_move) {
+        c.lit += count_pixels(c.header, band, 1, [](const RecordBand& b, std::size_t pixel) {
+            return b.offsets[pixel] < b.offsets[pixel + 1] && b.records[b.offsets[pixel]].id != 0;
+        });
+    }
+}
+
+std::vector<MotionWarning> UnseenMotion::warnings() const {
+    const Counts& c = *counts_;
+    std::vector<MotionWarning> out;
+    if (c.reflections > 0) {
+        const double share = share_of(c.reflections, c.header, 1);
+        out.push_back({"reflection", share,
+                       fmt::format("mirrors and glass show what moves otherwise than they do in {:.2f} % of "
+                                   "the pixels; where they show it is recorded for one instant only "
+                                   "(expected `trace --keys` or `render` for it)",
+                                   100 * share)});
+    }
+    if (c.shadows > 0) {
+        const double share = share_of(c.shadows, c.header, shadow_step_px);
+        out.push_back({"shadow", share,
+                       fmt::format("shadows of moving objects may pass over up to {} % of the pixels; "
+                                   "they stay where they were recorded (expected `trace --keys` or `render` "
+                                   "for them)",
+                                   rough(100 * share))});
+    }
+    if (c.lights_move) {
+        const double share = share_of(c.lit, c.header, 1);
         out.push_back({"light", share,
                        fmt::format("lights move: shading is that of {} s in {} % of the pixels (expected "
                                    "`trace --keys` or `render` for it)",
-                                   header.time_s, rough(100 * share))});
+                                   c.header.time_s, rough(100 * share))});
     }
+    return out;
 }
 
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out) {

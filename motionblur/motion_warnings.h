@@ -2,6 +2,8 @@
 // that is affected.
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "motionblur/groups/band_surfaces.h"
@@ -9,20 +11,33 @@
 
 namespace postlens {
 
-/// Whether the scene may have effects that cannot be shown by moving the recorded surfaces. These are
-/// mirrors, glass, and lights that move or cast shadows.
-[[nodiscard]] bool may_have_unseen_motion(const SampleHeader& header);
-
-/// Warns of effects that cannot be shown by moving the recorded surfaces. `moving`: sorted ids of objects
-/// that move on the raster. `bands`: records of the frame's instant. The warnings are:
+/// Effects that cannot be shown by moving the recorded surfaces of one instant. The warnings are:
 /// - "reflection": pixels whose mirror or glass shows an object that moves differently from the mirror or
 ///   glass;
 /// - "shadow": pixels whose path to a light may be crossed by an object that moves in the world. The objects'
 ///   bounding spheres are tested at nine instants, in every fourth pixel along each axis;
 /// - "light": pixels that show an object while lights move; their shading is that of one instant.
-void warn_of_unseen_motion(const SampleHeader& header, const std::vector<RecordBand>& bands,
-                           const std::vector<std::uint32_t>& moving, const Exposure& exposure,
-                           std::vector<MotionWarning>& out);
+///
+/// Usage: if `possible`, add the frame's records in bands, each of which begins at the last row of the one
+/// before; then get the warnings.
+class UnseenMotion {
+  public:
+    /// `moving`: sorted ids of objects that move on the raster. `header` must exist as long as this object.
+    UnseenMotion(const SampleHeader& header, std::vector<std::uint32_t> moving, const Exposure& exposure);
+    ~UnseenMotion();
+    UnseenMotion(const UnseenMotion&) = delete;
+    UnseenMotion& operator=(const UnseenMotion&) = delete;
+    UnseenMotion(UnseenMotion&&) = delete;
+    UnseenMotion& operator=(UnseenMotion&&) = delete;
+
+    [[nodiscard]] bool possible() const;
+    void add(const RecordBand& band);
+    [[nodiscard]] std::vector<MotionWarning> warnings() const;
+
+  private:
+    struct Counts;
+    std::unique_ptr<Counts> counts_;
+};
 
 /// Adds the warning "uncovered" for pixels with more than 1 % unknown light (`unknown`, per pixel). The limit
 /// exceeds one of 128 views, because a view's sample may fall into the gap between a quadtree leaf of a

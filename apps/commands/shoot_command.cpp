@@ -1,15 +1,43 @@
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
 #include "apps/command.h"
 #include "apps/commands/plan_command.h"
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/open_frame.h"
+#include "motionblur/motion_warnings.h"
 #include "motionblur/paths/paths_file.h"
 #include "pictures/crop.h"
 #include "scene/scene.h"
 
 namespace postlens {
+
+namespace {
+
+/// Warns of shadows, lights and reflections that move otherwise than the surfaces of the only recorded
+/// instant.
+void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
+                           CommandResult& out) {
+    constexpr int rows_at_once = 64;
+    const SampleHeader& h = file.header();
+    if (file.instants() > 1) return;
+    std::vector<std::uint32_t> moving = motion.moving_ids();
+    std::sort(moving.begin(), moving.end());
+    UnseenMotion unseen(h, std::move(moving), exposure);
+    if (!unseen.possible()) return;
+    RecordBand band;
+    for (int y = 0; y < h.height; y += rows_at_once) {
+        file.read(y, std::min(y + rows_at_once, h.height) + 1, band);
+        unseen.add(band);
+    }
+    for (const MotionWarning& w : unseen.warnings()) out.warnings.push_back({w.code, w.text, w.share});
+}
+
+}  // namespace
 
 CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
@@ -50,6 +78,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     check_sufficient(h, lens, out.warnings);
     check_sufficient(h, exposure, out.warnings);
     for (const FocusWarning& w : result.focus.warnings) out.warnings.push_back({w.code, w.text, w.share});
+    if (!o.retrace.scene) warn_of_unseen_motion(file, motion, exposure, out);
     if (o.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     const char* method = automatic ? "auto" : o.method == FocusMethod::hybrid ? "hybrid" : "lightfield";
     const int views = automatic ? result.focus.views : o.views;

@@ -484,6 +484,16 @@ TEST_F(MotionblurCommand, MovingLightsAreSaid) {
     const std::string one = traced("one", lit, {"--for-shutter", "0:1"});
     EXPECT_TRUE(warns(blurred(one, {"--shutter", "0:1"}), "light"));
     EXPECT_FALSE(warns(blurred(one, {"--shutter", "2:3"}), "nonsense"));
+    // `shoot` reads the same records. With rays, nothing is missing.
+    const auto shot = [&](const std::string& file, const Words& options) {
+        Words words{"shoot",   file, "-o",        in("shot.exr"), "--json",  "--f-number", "8",
+                    "--focus", "3",  "--shutter", "0:1",          "--views", "8"};
+        words.insert(words.end(), options.begin(), options.end());
+        return run(words);
+    };
+    EXPECT_TRUE(warns(json::parse(shot(one, {}).out), "light"));
+    EXPECT_EQ(shot(one, {"--strict"}).exit_code, 6);
+    EXPECT_FALSE(warns(json::parse(shot(frame, {}).out), "light"));
 }
 
 TEST_F(MotionblurCommand, SameBitsForAnyNumberOfThreads) {
