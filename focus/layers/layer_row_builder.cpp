@@ -26,10 +26,12 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
 }
 
 /// Linear least-squares estimate of the lens point through which light passed, per px of the position at
-/// which the light arrives. A disc of radius R has the variance R^2 / 4 along each axis, a pixel 1 / 12.
-double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m) {
-    const double radius_px = signed_radius_px(geometry, inverse_depth_per_m);
-    return radius_px / (radius_px * radius_px + 1.0 / 3);
+/// which the light arrives. Light through the lens point q of the unit disc arrives at R q + S |q|^2 q, where
+/// R is the CoC radius and S the spherical aberration. Along each axis, this position has the variance R^2 /
+/// 4 + R S / 3 + S^2 / 8, to which a pixel adds 1 / 12, and its covariance with q is R / 4 + S / 6.
+double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m, double spherical_px) {
+    const double r = signed_radius_px(geometry, inverse_depth_per_m), s = spherical_px;
+    return (r + 2 * s / 3) / (r * r + 4 * r * s / 3 + s * s / 2 + 1.0 / 3);
 }
 
 }  // namespace
@@ -52,7 +54,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
                                                                                    : quarter_steps_radius_px);
     const Phases phases = t_.responses_.phases(s, coarser);
-    const auto lens_per_px = static_cast<float>(lens_radii_per_px(t_.geometry(), inverse_depth));
+    const auto lens_per_px = static_cast<float>(
+        lens_radii_per_px(t_.geometry(), inverse_depth, t_.responses_.model().spherical_px()));
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;

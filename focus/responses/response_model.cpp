@@ -36,6 +36,7 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double transmission(const glm::dvec2& place_px, double inverse_depth_per_m) const override {
         return aperture_.transmission(place_px / half_diagonal_px_, rim_scale(inverse_depth_per_m));
     }
+    [[nodiscard]] double spherical_px() const override { return spherical_px_; }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         return largest_reach_px(aperture_, image({.map_px = map_px}));
     }

@@ -48,6 +48,8 @@ class ResponseModel {
                                               double /*inverse_depth_per_m*/) const {
         return 1;
     }
+    /// Spherical aberration at the rim of the lens, px.
+    [[nodiscard]] virtual double spherical_px() const { return 0; }
     /// Radius outside which the response is 0, px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
