@@ -11,7 +11,7 @@ from typing import Any, Iterator, Mapping, Optional, Sequence, Union
 
 from . import _postlens
 from ._command import PathLike, Progress, Report, path_text, run_words, words_of
-from ._errors import ArgumentError
+from ._errors import ArgumentError, InputError
 from ._picture import Picture
 
 Span = tuple[float, float]
@@ -34,6 +34,15 @@ def picture_of(
     return made[0]
 
 
+def _version(path: str) -> Optional[tuple[int, int, int, int]]:
+    """Tells a file from one that replaces it. None if there is no file."""
+    try:
+        status = os.stat(path)
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns
+
+
 class Frame:
     """A sample file, or a picture of another program with depth, from which pictures are made.
 
@@ -44,6 +53,7 @@ class Frame:
     def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
         self._path = path_text("path", path)
         self._salvage = salvage
+        self._file = _version(self._path)
         #: The report of `postlens info --json` for the file.
         self.info: Report = run_words(["info", self._path], {"salvage": salvage})[0]
         if self.info["kind"] not in ("samples", "image"):
@@ -73,7 +83,15 @@ class Frame:
     def __repr__(self) -> str:
         return f"<postlens.Frame {self._path!r} {self.width}x{self.height}>"
 
+    def _check_file(self) -> None:
+        """Raises InputError if another file has taken the place of the one that was opened. The records of a file that
+        was removed are still in memory."""
+        now = _version(self._path)
+        if now is not None and now != self._file:
+            raise InputError(f"{self._path}: has changed since it was opened (expected it to be opened again)")
+
     def _words(self, command: str) -> list[str]:
+        self._check_file()
         return [command, self._path] + words_of({"salvage": self._salvage})
 
     def image(
@@ -277,6 +295,7 @@ class Frame:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, numbers.Integral) or not 0 <= key < 2**31:
             raise ArgumentError(f"key: out of range (got {key!r}; expected 0 or more)")
+        self._check_file()
         return _postlens.read_records(self._path, int(key), self._salvage)
 
     def tree_at(self, x: float, y: float, **options: Any) -> Report:

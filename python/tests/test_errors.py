@@ -4,6 +4,7 @@ file."""
 import math
 import os
 import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -101,6 +102,19 @@ def test_names_of_files_need_not_be_text(frame, frame_path, tmp_path):
         postlens.run("focus", frame_path, "-o", str(tmp_path / "a.png\0.exr"), "--f-number", "2")
     with pytest.raises(postlens.ArgumentError, match="NUL"):
         frame.image().save(str(tmp_path / "a\0.png"))
+
+
+def test_a_frame_is_that_of_one_file(frame_path, tmp_path):
+    path = tmp_path / "copy.exr"
+    shutil.copy(frame_path, path)
+    frame = postlens.open(path)
+    first = frame.focus(f_number=2, focus_m=2)
+    os.remove(path)  # the records are still in memory
+    assert np.array_equal(frame.focus(f_number=2, focus_m=2), first)
+    postlens.trace(frame_scene(), output=path, size=(20, 10))
+    for call in (lambda: frame.focus(f_number=2, focus_m=2), frame.records, lambda: frame.tree_at(1, 1)):
+        with pytest.raises(postlens.InputError, match="has changed since it was opened"):
+            call()
 
 
 def test_numbers_may_be_those_of_numpy(frame):

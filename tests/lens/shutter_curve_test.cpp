@@ -144,11 +144,12 @@ TEST_F(ShutterFile, CommentsBlanksCommasAndDosLineEnds) {
 }
 
 TEST_F(ShutterFile, ErrorsNameTheLine) {
-    refused(file("0 0\n0.5 nan\n1 0\n"), ":2: not a finite number (got nan");
-    refused(file("0 0\n\n# x\ninf 1\n"), ":4: not a finite number (got inf");
-    refused(file("0 0\n1 1e999\n"), ":2: not a finite number (got 1e999");
-    refused(file("0 0\n0.5 1x\n1 0\n"), ":2: not a finite number (got 1x");
-    refused(file("time light\n0 0\n1 1\n"), ":1: not a finite number (got time");
+    refused(file("0 0\n0.5 nan\n1 0\n"), ":2: not a finite number (got 'nan'");
+    refused(file("0 0\n\n# x\ninf 1\n"), ":4: not a finite number (got 'inf'");
+    refused(file("0 0\n1 1e999\n"), ":2: not a finite number (got '1e999'");
+    refused(file("0 0\n0.5 1x\n1 0\n"), ":2: not a finite number (got '1x'");
+    refused(file("time light\n0 0\n1 1\n"), ":1: not a finite number (got 'time'");
+    refused(file("0 0\n\033[31mred 1\n"), ":2: not a finite number (got '?[31mred'");
     refused(file("0 0\n0.5\n1 0\n"), ":2: got 1 numbers");
     refused(file("0 0\n0.5 1 2\n1 0\n"), ":2: got 3 numbers");
 }
