@@ -21,10 +21,6 @@
 namespace postlens {
 namespace {
 
-RasterWindow recorded_corners(const SampleFileReader& file) {
-    return {file.x_begin(), file.x_end(), file.y_begin(), file.y_end()};
-}
-
 /// The part of the traced raster that the image shows, and its magnification.
 struct View {
     RasterWindow window;
@@ -207,6 +203,9 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
     out.image = std::move(seen.image);
     out.views = settings.views;
     out.largest_coc_px = largest_coc_px(depth_range(frame.file()), geometry);
+    if (auto warning = overscan_warning(frame.border_depths().radii(by_field.geometry),
+                                        recorded_corners(frame.file()), window, crop))
+        out.warnings.push_back(*std::move(warning));
     constexpr double noticeable = 1e-3;
     if (unknown_share > noticeable) {
         out.warnings.push_back({"uncovered", unknown_share,

@@ -91,16 +91,19 @@ void FocusFrame::visit_rows(int y_begin, int y_end, const std::function<void(con
 std::shared_ptr<TreeSheets> FocusFrame::sheets(std::size_t instant, const HighlightRule& rule,
                                                const RecordsRead& also) {
     const auto read = [&] {
-        if (instant != 0 || !file_.header().has_bend)
-            return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
-        LargestBends bends(file_.header(), 0, file_.header().height);
-        RecordsRead both = also;
-        both.rows = [&](const RecordBand& band, int y_begin, int y_end) {
-            bends.add(band, y_begin, y_end);
+        if (instant != 0) return std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, also));
+        std::optional<LargestBends> bends;
+        if (file_.header().has_bend) bends.emplace(file_.header(), 0, file_.header().height);
+        BorderDepths border(recorded_corners(file_));
+        RecordsRead all = also;
+        all.rows = [&](const RecordBand& band, int y_begin, int y_end) {
+            if (bends) bends->add(band, y_begin, y_end);
+            border.add(band, y_begin, y_end);
             if (also.rows) also.rows(band, y_begin, y_end);
         };
-        auto out = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, both));
-        bends_.emplace(std::move(bends));
+        auto out = std::make_shared<TreeSheets>(tree_sheets(file_, instant, rule, all));
+        if (bends) bends_ = std::move(bends);
+        border_.emplace(std::move(border));
         return out;
     };
     if (!many_) return read();
@@ -115,6 +118,20 @@ std::shared_ptr<TreeSheets> FocusFrame::sheets(std::size_t instant, const Highli
         kept = read();
     }
     return kept;
+}
+
+RasterWindow recorded_corners(const SampleFileReader& file) {
+    return {file.x_begin(), file.x_end(), file.y_begin(), file.y_end()};
+}
+
+const BorderDepths& FocusFrame::border_depths() {
+    if (!border_) {
+        BorderDepths border(recorded_corners(file_));
+        visit_rows(file_.y_begin(), file_.y_end(),
+                   [&](const FrameRows& rows) { border.add(*rows.band, rows.y_begin, rows.y_end); });
+        border_.emplace(std::move(border));
+    }
+    return *border_;
 }
 
 const LargestBends& FocusFrame::largest_bends(int y_begin, int y_end) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "focus/border_depths.h"
 #include "focus/largest_bends.h"
 #include "focus/scatter/plain_corners.h"
 #include "records/quadtree.h"
@@ -32,6 +33,8 @@ struct FrameRows {
     std::span<const PointSamples> samples;
     std::span<const PlainCorners> plain;
 };
+
+[[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
 /// The data that images of any lens share: records, point samples, and the surfaces (sheets) of the light
 /// field. Only one thread at a time may use a frame, with one exception: several threads may call visit_rows
@@ -62,6 +65,10 @@ class FocusFrame {
     /// records are not read again.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
+    /// Depths at the border of the records of the frame's own instant. If the surfaces of instant 0 were
+    /// built before, the records are not read again.
+    [[nodiscard]] const BorderDepths& border_depths();
+
   private:
     struct Kept {
         RecordBand band;
@@ -76,6 +83,7 @@ class FocusFrame {
     std::vector<Kept> rows_;
     std::vector<std::shared_ptr<TreeSheets>> sheets_;  ///< per instant
     std::optional<LargestBends> bends_;
+    std::optional<BorderDepths> border_;
 };
 
 }  // namespace postlens

@@ -100,6 +100,24 @@ TEST_F(FieldCommand, HybridTracesAgainWithTheFilesOwnSceneOnly) {
     EXPECT_EQ(focus({"--method", "hybrid", "--framing", "lens"}).exit_code, 2);
 }
 
+TEST_F(FieldCommand, MissingOverscanIsSaidAsByLayers) {
+    ASSERT_EQ(run({"trace", in("scene.toml"), "-o", in("narrow.exr"), "--size", "64x36", "--overscan", "0"})
+                  .exit_code,
+              0);
+    const auto share = [&](const char* method) {
+        const Outcome r = run({"focus", in("narrow.exr"), "-o", in("out.exr"), "--json", "--method", method,
+                               "--views", "8", "--f-number", "0.7", "--focus", "2"});
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        const json result = json::parse(r.out);
+        for (const json& warning : result.at("warnings")) {
+            if (warning["code"] == "overscan") return warning["share"].get<double>();
+        }
+        return 0.0;
+    };
+    EXPECT_GT(share("layers"), 0);
+    EXPECT_EQ(share("lightfield"), share("layers"));
+}
+
 TEST_F(FieldCommand, RaysAreAsRightThroughAPinhole) {
     for (const char* method : {"hybrid", "auto"}) {
         const Outcome r = focus({"--method", method, "--scene", in("scene.toml"), "--f-number", "inf"});

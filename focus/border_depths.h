@@ -1,0 +1,34 @@
+// Depths at the border of the records, from which the overscan that a lens needs follows.
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "focus/scatter/border_radii.h"
+#include "lens/focus_geometry.h"
+#include "records/record.h"
+
+namespace postlens {
+
+/// The range of 1/z' of the surfaces seen directly at each corner of the outermost recorded rows and columns.
+class BorderDepths {
+  public:
+    /// `source`: the recorded corners.
+    explicit BorderDepths(const RasterWindow& source);
+    /// Adds the records of rows [y_begin, y_end) of `band`.
+    void add(const RecordBand& band, int y_begin, int y_end);
+    /// CoC radii for a lens, px.
+    [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry) const;
+
+  private:
+    /// 1/m; no surface has been seen if `farthest` exceeds `nearest`.
+    struct Range {
+        float nearest = 0, farthest = HUGE_VALF;
+    };
+    void add_corner(const RecordBand& band, int x, int y);
+
+    RasterWindow source_;
+    std::vector<Range> top_, bottom_, left_, right_;
+};
+
+}  // namespace postlens
