@@ -113,10 +113,8 @@ struct ForeignOptions {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
     }
-    [[nodiscard]] bool given() const {
-        return choice.given() || stacks() || !behind_layer.empty() || camera.film_width_mm ||
-               camera.film_distance_mm || camera.depth_along || camera.overscan_px != 0;
-    }
+    /// Names of the options that are given, separated by commas.
+    [[nodiscard]] std::string given() const;
 };
 
 struct FocusOptions {

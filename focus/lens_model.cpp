@@ -25,6 +25,7 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
     // For responses with a smaller radius, px, the subpixel position of a sample is visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
+    [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         // Within a cell the response changes by up to half a pixel, or by 2 % of its reach. Such changes are
         // not visible.

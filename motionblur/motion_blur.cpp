@@ -284,7 +284,10 @@ class MotionBlur {
         UnseenMotion unseen(header_, with_unseen(moving), settings_.exposure);
         if (!unseen.possible()) return;
         bands_.need_all();
-        for (const RecordBand& band : bands_.bands()) unseen.add(band);
+        for (const RecordBand& band : bands_.bands()) {
+            // The last row of a band is the first row of the next.
+            unseen.add(band, band.y_begin, band.y_end - 1);
+        }
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 

@@ -47,12 +47,11 @@ void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree
     }
 }
 
-/// Counts the pixels of the frame in the rows of a band, every `step`th along each axis. The band's last row
-/// is left out, because it is the first row of the next band.
+/// Counts the pixels of the frame in the rows [y_begin, y_end) of a band, every `step`th along each axis.
 template <typename Concerned>
-std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int step,
+std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int y_begin, int y_end, int step,
                            const Concerned& concerned) {
-    const int first = std::max(0, band.y_begin), last = std::min(h.height, band.y_end - 1);
+    const int first = std::max(0, y_begin), last = std::min(h.height, y_end);
     std::vector<std::uint64_t> counts(static_cast<std::size_t>(std::max(last - first, 0)), 0);
     parallel_for(counts.size(), [&](std::size_t row) {
         const int y = first + static_cast<int>(row);
@@ -219,25 +218,26 @@ bool UnseenMotion::possible() const {
     return (c.header.has_w && !c.moving.empty()) || c.shadow.possible() || c.lights_move;
 }
 
-void UnseenMotion::add(const RecordBand& band) {
+void UnseenMotion::add(const RecordBand& band, int y_begin, int y_end) {
     Counts& c = *counts_;
     if (c.header.has_w && !c.moving.empty()) {
-        c.reflections += count_pixels(c.header, band, 1, [&](const RecordBand& b, std::size_t pixel) {
-            bool found = false;
-            for_each_tree(b, pixel, [&](const Record* r, const Record* end) {
-                found = found || shows_other_motion(r, end, c.moving);
+        c.reflections +=
+            count_pixels(c.header, band, y_begin, y_end, 1, [&](const RecordBand& b, std::size_t pixel) {
+                bool found = false;
+                for_each_tree(b, pixel, [&](const Record* r, const Record* end) {
+                    found = found || shows_other_motion(r, end, c.moving);
+                });
+                return found;
             });
-            return found;
-        });
     }
     if (c.shadow.possible()) {
-        c.shadows +=
-            count_pixels(c.header, band, shadow_step_px, [&](const RecordBand& b, std::size_t pixel) {
+        c.shadows += count_pixels(
+            c.header, band, y_begin, y_end, shadow_step_px, [&](const RecordBand& b, std::size_t pixel) {
                 return b.offsets[pixel] < b.offsets[pixel + 1] && c.shadow(b.records[b.offsets[pixel]]);
             });
     }
     if (c.lights_move) {
-        c.lit += count_pixels(c.header, band, 1, [](const RecordBand& b, std::size_t pixel) {
+        c.lit += count_pixels(c.header, band, y_begin, y_end, 1, [](const RecordBand& b, std::size_t pixel) {
             return b.offsets[pixel] < b.offsets[pixel + 1] && b.records[b.offsets[pixel]].id != 0;
         });
     }

@@ -18,8 +18,7 @@ namespace postlens {
 ///   bounding spheres are tested at nine instants, in every fourth pixel along each axis;
 /// - "light": pixels that show an object while lights move; their shading is that of one instant.
 ///
-/// Usage: if `possible`, add the frame's records in bands, each of which begins at the last row of the one
-/// before; then get the warnings.
+/// Usage: if `possible`, add all rows of the frame; then get the warnings.
 class UnseenMotion {
   public:
     /// `moving`: sorted ids of objects that move on the raster. `header` must exist as long as this object.
@@ -31,7 +30,8 @@ class UnseenMotion {
     UnseenMotion& operator=(UnseenMotion&&) = delete;
 
     [[nodiscard]] bool possible() const;
-    void add(const RecordBand& band);
+    /// Adds the records of rows [y_begin, y_end) of `band`.
+    void add(const RecordBand& band, int y_begin, int y_end);
     [[nodiscard]] std::vector<MotionWarning> warnings() const;
 
   private:

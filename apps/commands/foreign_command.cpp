@@ -125,19 +125,16 @@ bool is_foreign(const std::string& input) {
     return is_openexr(input) && !SampleFileReader::is_sample_file(input);
 }
 
-void refuse_foreign_options(const ForeignOptions& options) {
-    if (!options.given()) return;
-    const ForeignChoice& choice = options.choice;
-    const ForeignCameraChoice& camera = options.camera;
-    std::string given;
+std::string ForeignOptions::given() const {
+    std::string names;
     for (const auto& [name, is_given] : std::initializer_list<std::pair<const char*, bool>>{
-             {"--behind", !options.behind.empty()},
-             {"--behind-layer", !options.behind_layer.empty()},
-             {"--holdout", !options.objects.holdouts.empty()},
-             {"--keep-sharp", !options.objects.sharp.empty()},
-             {"--focus-offset", !options.objects.offsets.empty()},
-             {"--matte", options.matte.has_value()},
-             {"--passes", options.passes.any()},
+             {"--behind", !behind.empty()},
+             {"--behind-layer", !behind_layer.empty()},
+             {"--holdout", !objects.holdouts.empty()},
+             {"--keep-sharp", !objects.sharp.empty()},
+             {"--focus-offset", !objects.offsets.empty()},
+             {"--matte", matte.has_value()},
+             {"--passes", passes.any()},
              {"--layer", !choice.layer.empty()},
              {"--depth-channel", !choice.depth_channel.empty()},
              {"--depth-encoding", choice.depth_encoding.has_value()},
@@ -148,8 +145,14 @@ void refuse_foreign_options(const ForeignOptions& options) {
              {"--film-distance", camera.film_distance_mm.has_value()},
              {"--z", camera.depth_along.has_value()},
              {"--overscan", camera.overscan_px != 0}}) {
-        if (is_given) given += (given.empty() ? "" : ", ") + std::string(name);
+        if (is_given) names += (names.empty() ? "" : ", ") + std::string(name);
     }
+    return names;
+}
+
+void refuse_foreign_options(const ForeignOptions& options) {
+    const std::string given = options.given();
+    if (given.empty()) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
          given);

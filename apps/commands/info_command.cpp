@@ -1,17 +1,15 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <set>
-#include <unistd.h>
 
 #include "apps/command.h"
 #include "apps/numbers.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "pictures/exr/exr_attributes.h"
+#include "pictures/exr/exr_input.h"
 #include "pictures/formats/picture_library.h"
 
 namespace postlens {
@@ -216,15 +214,9 @@ CommandResult image_info(const std::string& input) {
 CommandResult run_info(const InfoOptions& options) {
     const std::string& input = options.input;
     std::error_code error;
-    if (fs::is_directory(input, error)) {
-        fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", input);
-    }
-    if (::access(input.c_str(), R_OK) != 0) {
-        fail(ExitCode::invalid_input, "{}: cannot read ({})", input,
-             errno == ENOENT ? "no such file" : std::strerror(errno));
-    }
-    if (!fs::is_regular_file(input, error))
-        fail(ExitCode::invalid_input, "{}: cannot read (got something else; expected a file)", input);
+    if (!fs::exists(input, error) && !error)
+        fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
+    static_cast<void>(InputFile(input));  // throws if it is no file or may not be read
     if (options.salvage) return sample_file_info(input, true);
     if (is_prescription(input)) return lens_info(input);
     if (is_scene_file(input)) return scene_info(input);

@@ -15,7 +15,6 @@
 #include "scene/scene.h"
 
 namespace postlens {
-
 namespace {
 
 /// Warns of shadows, lights and reflections that move otherwise than the surfaces of the only recorded
@@ -31,8 +30,9 @@ void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& moti
     if (!unseen.possible()) return;
     RecordBand band;
     for (int y = 0; y < h.height; y += rows_at_once) {
-        file.read(y, std::min(y + rows_at_once, h.height) + 1, band);
-        unseen.add(band);
+        const int end = std::min(y + rows_at_once, h.height);
+        file.read(y, end, band);
+        unseen.add(band, y, end);
     }
     for (const MotionWarning& w : unseen.warnings()) out.warnings.push_back({w.code, w.text, w.share});
 }

@@ -135,12 +135,7 @@ class LayerSplats {
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Position of samples relative to their anchors, px: 0.5 for pixels of other programs, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
-    [[nodiscard]] bool vignettes() const { return responses_.vignettes(); }
-    /// NodeResponses::open_share of the pixel (x, y).
-    [[nodiscard]] double open_share(int x, int y) const {
-        return responses_.open_share(
-            from_middle_px(picture_, static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
-    }
+    [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Range of the recorded colours. Images are clamped to this range.
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
 

@@ -27,7 +27,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
     // A surface that fills the pixel has the weight `open`, and covers all of the lens that is open.
-    const double open = splats.vignettes() ? splats.open_share(x, y) : 1;
+    const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
             f.covered /= open;

@@ -63,12 +63,12 @@ class NodeResponses {
     /// Transmittance of the lens for this response. Both the light and the weights that normalise the image
     /// are multiplied by it. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Whether responses depend on the position in the image.
-    [[nodiscard]] bool vignettes() const { return model().cell_px(glm::dmat2(1)) > 0; }
-    /// Share of the lens through which the pixel at `place_px` from the image's centre sees. The weights that
-    /// arrive at the pixel add up to it. The normalised pixel is multiplied by it.
-    [[nodiscard]] double open_share(const glm::dvec2& place_px) const {
-        return response_->transmission(place_px, geometry().inverse_focus_per_m);
+    /// Share of the lens through which the pixel (x, y) of the image `window` sees. The weights that arrive
+    /// at the pixel add up to it. The normalised pixel is multiplied by it.
+    [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
+        const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
+        return response_->transmission(from_middle_px(window, middle(x), middle(y)),
+                                       geometry().inverse_focus_per_m);
     }
     /// Positions at which a sample's response is placed, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;

@@ -24,8 +24,9 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return postlens::is_even(aperture_, image({})); }
     [[nodiscard]] bool is_point_symmetric() const override { return aperture_.is_point_symmetric(); }
+    [[nodiscard]] bool varies_over_field() const override { return aperture_.varies_over_field(); }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        if (!aperture_.varies_over_field()) return 0;
+        if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
         // Movement, px, of the lens's second rim (cats_eye) in the impulse response, if the scene point moves
         // by 1 px in the image.

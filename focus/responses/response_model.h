@@ -40,6 +40,8 @@ class ResponseModel {
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Whether the maps M and -M have the same response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
+    /// Whether responses depend on the position in the image.
+    [[nodiscard]] virtual bool varies_over_field() const { return false; }
     /// Width, px, of the part of the image in which one kernel can be used for this map. Within it the
     /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }

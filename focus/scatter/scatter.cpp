@@ -78,6 +78,7 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
     const RasterWindow& picture = tables.picture();
+    const bool vignettes = tables.responses().model().varies_over_field();
     for (int y = rows.y_begin; y < rows.y_end; ++y) {
         const float* nothing = tables.nothing_row(y);
         for (int x = rows.x_begin; x < rows.x_end; x += strip_width) {
@@ -102,12 +103,13 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 }
             }
             std::array<double, strip_width> open{};
-            for (int i = 0; tables.vignettes() && i < width; ++i) {
-                const auto k = static_cast<std::size_t>(i);
-                open[k] = tables.open_share(x + i, y);
-                for (std::size_t c = 0; c < 4; ++c) both[c][k] = open[k] > 0 ? sums[c][i] / open[k] : 0;
+            if (vignettes) {
+                for (std::size_t i = 0; i < strip_width; ++i) {
+                    open[i] = tables.responses().open_share(picture, x + static_cast<int>(i), y);
+                    for (std::size_t c = 0; c < 4; ++c) both[c][i] = open[i] > 0 ? sums[c][i] / open[i] : 0;
+                }
+                for (std::size_t c = 0; c < 4; ++c) sums[c] = both[c].data();
             }
-            for (std::size_t c = 0; tables.vignettes() && c < 4; ++c) sums[c] = both[c].data();
             std::array<float, strip_width> most_nothing{};
             if (nothing != nullptr) std::copy_n(nothing + (x - picture.x_begin), width, most_nothing.data());
             float* out = image.pixel(x - picture.x_begin, y - picture.y_begin);
@@ -119,7 +121,7 @@ void store_rows(const SplatTables& tables, const RunScatter* runs, const PointSc
                 normalise(sums, most_nothing.data(), tables.any_negative(), rgb.data());
                 std::copy_n(rgb.data(), 3 * width, out);
             }
-            for (int i = 0; tables.vignettes() && i < 3 * width; ++i)
+            for (int i = 0; vignettes && i < 3 * width; ++i)
                 out[i] *= static_cast<float>(open[static_cast<std::size_t>(i / 3)]);
         }
     }

@@ -147,12 +147,7 @@ class SplatTables {
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
     /// Whether any colour is negative. If no colour is, pixels are clamped to 0.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
-    [[nodiscard]] bool vignettes() const { return responses_.vignettes(); }
-    /// NodeResponses::open_share of the pixel (x, y).
-    [[nodiscard]] double open_share(int x, int y) const {
-        return responses_.open_share(
-            from_middle_px(picture_, static_cast<float>(x) + 0.5F, static_cast<float>(y) + 0.5F));
-    }
+    [[nodiscard]] const NodeResponses& responses() const { return responses_; }
 
   private:
     class RowBuilder;

@@ -175,7 +175,7 @@ def test_a_coarse_picture_of_a_small_frame_has_its_pixels(frame):
 
 @pytest.mark.parametrize("query", [
     "f-number=-1", "f-number=nan", "f-number=1e999", "f-number=2&focus=0", "views=99999999999999999999&f-number=2",
-    "views=1e9", f"output={UNWRITTEN}.exr", f"explain={UNWRITTEN}.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=image:passwd",
+    "views=1e9", f"output={UNWRITTEN}.exr", f"explain={UNWRITTEN}.png", "scene=/etc/passwd", "paths=/etc/passwd", "impulse=file:/etc/passwd",
     "impulse=lens:/etc/passwd", "shutter-curve=/etc/passwd", "frames=1-9", "f-number=2%20--output%3Dx", "f-number=" + "1" * 500,
     "method=magic", "threads=4096", "crop=0,0,99999,99999", "f-number=%00",
 ])  # fmt: skip
@@ -184,6 +184,12 @@ def test_wrong_questions_get_one_line(viewer, query):
     assert answer.status == 400, body[:200]
     assert "\n" not in json.loads(body)["error"]
     assert not os.path.exists(UNWRITTEN + ".exr") and not os.path.exists(UNWRITTEN + ".png")
+
+
+@pytest.mark.parametrize("kind", ["image", "lens"])
+def test_the_page_names_no_file(viewer, kind):
+    answer, body = get(viewer, viewer.path + f"picture?f-number=2&focus=3&impulse={kind}:a.png")
+    assert answer.status == 400 and "no file may be read from here" in json.loads(body)["error"]
 
 
 def test_rays_show_what_the_frame_shows(frame, tmp_path):
