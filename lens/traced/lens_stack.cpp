@@ -57,15 +57,18 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. Of the two roots, the one that stays finite as
-    // c approaches 0 is used. [welford1986, 4.3]
+    // c approaches 0 is used. [welford1986, 4.3] Both of its forms are the same number, and each of them
+    // cancels where the other does not: the ray along the axis of a ball meets its second surface with b = -1
+    // and f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
     const double discriminant = b * b - a * f;
     bool met = discriminant >= 0;
     if (met) {
-        const double divisor = b + sign * std::sqrt(discriminant);
-        if (divisor != 0) p += f / divisor * d;
+        const double root = sign * std::sqrt(discriminant);
+        const double divisor = b * sign >= 0 ? b + root : a;
+        if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
         // Beyond its widest circle, a conic turns back. No lens includes this back part, so intersections
         // there are rejected.
@@ -95,11 +98,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
             p -= miss / rate * d;
         }
         if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // also if it is not a number
-        normal /= glm::length(normal);
     } else {
         if (!met) return RayFate::misses;
         normal = dvec3(-e.c * p.x, -e.c * p.y, 1 - e.c * q * p.z);
-        if (e.k != 0) normal /= glm::length(normal);
+    }
+    if (e.k != 0 || e.is_asphere) {
+        const double length = glm::length(normal);
+        if (!std::isfinite(length)) return RayFate::misses;  // too steep for a double
+        normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
     // A not-a-number coordinate makes this comparison false, so the ray counts as vignetted.

@@ -197,6 +197,44 @@ TEST(RealRays, ASurfaceSmallerThanRounding) {
     }
 }
 
+TEST(RealRays, ABallIsPassedOnItsAxisAndBesideIt) {
+    // The second surface's sphere begins at the first surface's vertex, so that a ray along the axis starts
+    // on this sphere. A ray at distance y from the centre leaves at the same distance and turned by twice the
+    // angle of one refraction: it crosses the axis y / sin(turn) behind the centre.
+    const double radius = 10, n = 1.5;
+    Prescription lens;
+    lens.surfaces.resize(2);
+    lens.surfaces[0].curvature_per_mm = 1 / radius;
+    lens.surfaces[0].glass = Glass::constant(n);
+    lens.surfaces[0].thickness_mm = 2 * radius;
+    lens.surfaces[1].curvature_per_mm = -1 / radius;
+    const LensStack stack(lens, d_line_nm, HUGE_VAL);
+    for (const double direction : {1.0, -1.0}) {
+        for (const double y : {0.0, 1e-12, 1e-7, 1e-4, 0.1, 5.0}) {
+            LensRay ray{{0, y, radius}, {0, 0, direction}};
+            ASSERT_TRUE((direction > 0 ? stack.forward(ray) : stack.backward(ray)).passes()) << y;
+            const double turn = 2 * (std::asin(y / radius) - std::asin(y / radius / n));
+            EXPECT_NEAR(ray.direction.y, -std::sin(turn), 1e-15) << y;
+            EXPECT_NEAR(glm::length(ray.direction), 1, 1e-15) << y;
+            EXPECT_NEAR(glm::length(glm::cross(ray.origin - dvec3(0, 0, radius), ray.direction)), y, 1e-14)
+                << y;
+        }
+    }
+}
+
+TEST(RealRays, ASurfaceTooSteepForANumber) {
+    // A paraboloid with a radius of 1e-200 mm is met at a height of 1e198 mm, where the square of its slope
+    // exceeds the largest number. No normal can be given, and the ray does not pass.
+    Prescription lens;
+    lens.surfaces.resize(1);
+    lens.surfaces[0].curvature_per_mm = 1e200;
+    lens.surfaces[0].conic = -1;
+    lens.surfaces[0].glass = Glass::constant(1.5);
+    const LensStack stack(lens, d_line_nm, HUGE_VAL);
+    LensRay ray{{0, 0.1, 0}, {0, 0, 1}};
+    EXPECT_EQ(stack.forward(ray).fate, RayFate::misses);
+}
+
 TEST(RealRays, AConicWithoutSphericalAberration) {
     // The end of a glass rod, shaped as the ellipsoid k = -1/n^2, focuses parallel light in one point at n R
     // / (n - 1) behind its vertex. The rays pass a plane far in front of the focus.
