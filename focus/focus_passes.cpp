@@ -32,8 +32,9 @@ float alpha_of(const Image& image, std::size_t pixel) {
 }
 
 /// Signed CoC diameter of the surface that the pinhole sees in each pixel: of the sample at which the
-/// composited alpha reaches one half.
-Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry) {
+/// composited alpha reaches one half. `effect` scales it, as it scales the blur of the image.
+Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
+                       const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
     Image::Plane out = plane("CoC", width * static_cast<std::size_t>(picture.height));
     parallel_for(static_cast<std::size_t>(picture.height), [&](std::size_t row) {
@@ -41,7 +42,9 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
         for (int x = 0; x < picture.width; ++x) {
             const StackSample* seen = picture.stores(x, y) ? picture.seen_sample(x, y) : nullptr;
             if (seen == nullptr) continue;
-            out.values[row * width + static_cast<std::size_t>(x)] =
+            const std::size_t k = row * width + static_cast<std::size_t>(x);
+            out.values[k] =
+                (effect.empty() ? 1.0F : effect[k]) *
                 static_cast<float>(geometry.coc_diameter_px(static_cast<double>(seen->spread_inverse_z())));
         }
     });
@@ -113,20 +116,42 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
     if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
 }
 
-/// Adds the channel with the standard error of the mean of `a` and `b`, the images of two independent halves
-/// of the views. The standard deviation of half their difference equals that of their mean. `effect` scales
-/// the error, as it scales the blur of the image.
-void add_error(const Image& a, const Image& b, const std::vector<float>& effect, Image& image) {
-    Image::Plane error = plane("error", a.rgb.size() / 3);
-    for (std::size_t k = 0; k < error.values.size(); ++k) {
-        double square = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double d = static_cast<double>(a.rgb[3 * k + c]) - static_cast<double>(b.rgb[3 * k + c]);
-            square += d * d / 12;
+/// Standard error of a picture of `views` views, per pixel: the root mean square of the three channels. It is
+/// measured by independent sets of half as many views. All pixels of one depth share the lens points, so that
+/// two sets of few views may agree by chance. Few views are therefore measured by more sets.
+std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
+                                  StackFieldSettings s) {
+    constexpr int least_views = 64;  // of all sets together
+    const int views = s.views;
+    s.views = std::max(1, views / 2);
+    const int sets = std::max(2, least_views / s.views);
+    std::vector<double> sum, squares;
+    for (int set = 1; set <= sets; ++set) {
+        s.set = set;
+        StackField field = stack_field(picture, behind, s);
+        divide_by_seen(field);
+        sum.resize(field.image.rgb.size());
+        squares.resize(field.image.rgb.size());
+        for (std::size_t i = 0; i < sum.size(); ++i) {
+            const auto value = static_cast<double>(field.image.rgb[i]);
+            sum[i] += value;
+            squares[i] += value * value;
         }
-        error.values[k] = (effect.empty() ? 1.0F : effect[k]) * static_cast<float>(std::sqrt(square));
     }
-    image.planes.push_back(std::move(error));
+    std::vector<float> out(sum.size() / 3);
+    for (std::size_t k = 0; k < out.size(); ++k) {
+        double variance = 0;  // of a set, summed over the channels
+        for (std::size_t i = 3 * k; i < 3 * k + 3; ++i)
+            variance += std::max(0.0, squares[i] - sum[i] * sum[i] / sets) / (sets - 1);
+        out[k] = static_cast<float>(std::sqrt(variance / 3 * s.views / views));
+    }
+    return out;
+}
+
+/// Adds the channel with the standard error. `effect` scales it, as it scales the blur of the image.
+void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
+    for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
+    image.planes.push_back({"error", std::move(error)});
 }
 
 }  // namespace
@@ -153,7 +178,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
     const FocusGeometry geometry =
         pinhole ? FocusGeometry{}
                 : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
-    if (passes.coc) image.planes.push_back(coc_plane(picture, geometry));
+    if (passes.coc) image.planes.push_back(coc_plane(picture, geometry, effect));
     if (!passes.sides && !passes.cryptomatte && !passes.error) return;
     if (!pinhole) check_has_points(settings.impulse);
     const RasterWindow window{0, picture.width, 0, picture.height};
@@ -175,13 +200,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
         if (passes.cryptomatte) add_cryptomatte(picture, seen, image);
         s.shares = false;
     }
-    if (passes.error) {
-        s.views = std::max(1, settings.views / 2);
-        s.set = 1;
-        const Image first = stack_field(picture, behind, s).image;
-        s.set = 2;
-        add_error(first, stack_field(picture, behind, s).image, effect, image);
-    }
+    if (passes.error) add_error(standard_error(picture, behind, s), effect, image);
 }
 
 }  // namespace postlens

@@ -171,6 +171,7 @@ class Spread {
             }
             take_in(splats, value);
             method(splats, image, crop_);
+            if (value == StackValue::alpha) undo_vignetting(splats.responses(), image);
             if (report == nullptr) return;
             report->depths = levels_.depths().value_or(splats.levels_used());
             report->largest_coc_px = splats.largest_coc_px();
@@ -186,6 +187,19 @@ class Spread {
         }
     }
 
+    /// Alpha is coverage, which a lens that blocks light does not reduce. Where it blocks all light, the
+    /// picture is black and opaque.
+    void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
+        for (int y = 0; y < alpha.height; ++y) {
+            for (int x = 0; x < alpha.width; ++x) {
+                const auto open = static_cast<float>(
+                    responses.open_share(window_, window_.x_begin + x, window_.y_begin + y));
+                float* value = alpha.pixel(x, y);
+                for (int c = 0; c < 3; ++c) value[c] = open > 0 ? value[c] / open : 1;
+            }
+        }
+    }
+
     const ForeignPicture& picture_;
     std::optional<Crop> crop_;
     FocusMethod method_;
@@ -197,19 +211,32 @@ class Spread {
     std::vector<float> nothing_;  ///< nothing_in_reach, for `scatter`
 };
 
-/// Fills the parts of an opaque image that no view shows, and adds a warning with the share of these parts.
-void fill_unseen(StackField& field, const RasterWindow& drawn, std::vector<FocusWarning>& warnings) {
-    std::vector<float> seen(field.unseen.size());
-    double unseen = 0;
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-        seen[k] = 1 - field.unseen[k];
-        unseen += static_cast<double>(field.unseen[k]);
-        if (seen[k] > 0) {
-            for (std::size_t c = 0; c < 3; ++c) field.image.rgb[3 * k + c] /= seen[k];
-        }
+/// An image with this alpha in all three channels.
+Image grey(const Image& of) {
+    Image out(of.width, of.height);
+    for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = of.alpha[i / 3];
+    return out;
+}
+void take_alpha(const Image& grey, Image& image) {
+    image.alpha.resize(grey.rgb.size() / 3);
+    for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
+}
+
+/// Fills the parts of an image that no view shows, and adds a warning with the share of these parts. An
+/// opaque image gets no alpha.
+void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
+                 std::vector<FocusWarning>& warnings) {
+    const std::vector<float> seen = divide_by_seen(field);
+    if (opaque) {
+        field.image.alpha.clear();
+    } else {
+        Image alpha = grey(field.image);
+        fill_gaps(alpha, seen);
+        take_alpha(alpha, field.image);
     }
     fill_gaps(field.image, seen);
-    field.image.alpha.clear();
+    double unseen = 0;
+    for (const float share : field.unseen) unseen += static_cast<double>(share);
     const double share = unseen / (static_cast<double>(drawn.width()) * drawn.height());
     constexpr double noticeable = 1e-3;
     if (share > noticeable) {
@@ -236,16 +263,14 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     const std::vector<Behind> behind = behind_fill(picture, geometry);
     StackField field = stack_field(picture, behind, s);
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
-    if (!is_see_through(picture, behind)) {
-        // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
-        // that the crop is bit-identical to that part of the whole image.
-        const auto is_gap = [](float unseen) { return unseen >= 1; };
-        if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
-            s.drawn = window;
-            field = stack_field(picture, behind, s);
-        }
-        fill_unseen(field, s.drawn, out.warnings);
+    // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
+    // that the crop is bit-identical to that part of the whole image.
+    const auto is_gap = [](float unseen) { return unseen >= 1; };
+    if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
+        s.drawn = window;
+        field = stack_field(picture, behind, s);
     }
+    fill_unseen(field, s.drawn, !is_see_through(picture, behind), out.warnings);
     out.image = std::move(field.image);
     return out;
 }
@@ -264,14 +289,9 @@ Image cut(const ForeignPicture& p, const RasterWindow& window) {
 
 void reframe_all(Image& image, const RasterWindow& window, const ForeignPicture& p, double zoom) {
     Image alpha;
-    if (!image.alpha.empty()) {
-        alpha = Image(image.width, image.height);
-        for (std::size_t i = 0; i < alpha.rgb.size(); ++i) alpha.rgb[i] = image.alpha[i / 3];
-        alpha = reframe(alpha, window, p.width, p.height, zoom);
-    }
+    if (!image.alpha.empty()) alpha = reframe(grey(image), window, p.width, p.height, zoom);
     image = reframe(image, window, p.width, p.height, zoom);
-    image.alpha.resize(alpha.rgb.size() / 3);
-    for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = alpha.rgb[3 * i];
+    take_alpha(alpha, image);
 }
 
 }  // namespace

@@ -18,8 +18,23 @@ constexpr float least_step_px = 1;
 /// Largest distance of the search for a farther surface, px.
 constexpr float farthest_px = 512;
 
-/// Searches around opaque pixels for farther surfaces. Each pixel is represented by one signed CoC radius:
-/// that of the last sample in its stack, or infinity if the stack never becomes opaque.
+/// Signed CoC radii of a sample, px. `own` is that of the sample's own depth, which decides what hides what;
+/// `blur` is the radius with which the sample is blurred. They differ where an object is kept sharp, for
+/// instance. Both are infinite in empty space, which is not blurred.
+struct Radii {
+    float own = std::numeric_limits<float>::infinity();
+    float blur = std::numeric_limits<float>::infinity();
+    [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
+};
+
+/// Whether a sample is farther than another one, by enough to be another surface.
+bool is_farther(const Radii& other, const Radii& own) {
+    return other.own - own.own >= least_step_px ||
+           (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
+}
+
+/// Searches around opaque pixels for farther surfaces. Each pixel is represented by the radii of the last
+/// sample in its stack, or of empty space if the stack never becomes opaque.
 class Search {
   public:
     Search(const ForeignPicture& picture, const FocusGeometry& geometry)
@@ -27,27 +42,30 @@ class Search {
           geometry_(geometry),
           width_(picture.x_end - picture.x_begin),
           height_(picture.y_end - picture.y_begin),
-          nothing_px_(std::numeric_limits<float>::infinity()),
           has_ids_(std::any_of(picture.samples.begin(), picture.samples.end(),
                                [](const StackSample& s) { return s.id != 0; })),
           last_px_(pixels()),
+          blur_px_(std::any_of(picture.samples.begin(), picture.samples.end(),
+                               [](const StackSample& s) { return s.moved_inverse_z >= 0; })
+                       ? pixels()
+                       : 0),
           opaque_(pixels()) {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 double left = 1;
-                float last = nothing_px_;
+                Radii last;
                 // A pixel may have further samples behind its first opaque one. The estimated surface must
                 // lie behind the last of them.
                 for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
                     left *= 1 - static_cast<double>(p_.samples[k].alpha);
-                    last = radius_px(p_.samples[k].spread_inverse_z());
+                    last = radii_px(p_.samples[k]);
                 }
                 opaque_[i] = left <= opaque_transmittance ? 1 : 0;
-                last_px_[i] = last;
+                set_last(i, last);
             }
         });
-        for (const float r : last_px_) {
+        for (const float r : blur_px_.empty() ? last_px_ : blur_px_) {
             if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
         }
         find_translucent();
@@ -75,15 +93,16 @@ class Search {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
-                if (opaque_[i] != 0 || !std::isfinite(last_px_[i])) continue;
+                const Radii last = last_of(i);
+                if (opaque_[i] != 0 || last.is_nothing()) continue;
                 fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
-                    return sees_farther(x, static_cast<int>(y), d, last_px_[i]);
+                    return sees_farther(x, static_cast<int>(y), d, last);
                 });
             }
         });
         for (std::size_t i = 0; i < pixels(); ++i) {
             if (fills_[i] != 0) opaque_[i] = 1;
-            if (opaque_[i] == 0) last_px_[i] = nothing_px_;
+            if (opaque_[i] == 0) set_last(i, {});
         }
     }
 
@@ -93,7 +112,7 @@ class Search {
         std::array<Find, directions.size()> finds{};
         std::size_t count = 0;
         for (std::size_t d = 0; d < directions.size(); ++d) {
-            if (const Find f = look(x, y, d, last_px_[here]); f.distance_px > 0) finds[count++] = f;
+            if (const Find f = look(x, y, d, last_of(here)); f.distance_px > 0) finds[count++] = f;
         }
         if (count == 0) return {};
         if (has_ids_) count = keep_most_seen(finds, count);
@@ -102,7 +121,8 @@ class Search {
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
         std::array<double, 5> sum{};
         for (std::size_t i = 0; i < count; ++i) {
-            if (std::abs(finds[i].radius_px - nearest->radius_px) >= least_step_px) continue;
+            if (is_farther(finds[i].radii, nearest->radii) || is_farther(nearest->radii, finds[i].radii))
+                continue;
             const double weight = weight_of(finds[i]);
             const std::array<double, 4> colour = flattened(finds[i]);
             for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * colour[c];
@@ -112,7 +132,8 @@ class Search {
         out.known = true;
         if (!nearest->stack.empty()) {
             const StackSample& first = nearest->stack[0];
-            out.inverse_z = first.spread_inverse_z();
+            out.inverse_z = first.inverse_z;
+            out.spread_inverse_z = first.spread_inverse_z();
             out.id = first.id;
             out.holdout = first.holdout;
         }
@@ -130,18 +151,18 @@ class Search {
         {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, -1}, {1, -1}, {-1, 1}}};
     struct Find {
         float distance_px = 0;  ///< 0: none
-        float radius_px = 0;
+        Radii radii;
         std::span<const StackSample> stack;  ///< samples from the first farther one on; empty for empty space
     };
 
     /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until it returns
-    /// true. The walk ends at the sum of the pixel's CoC radius and the largest CoC radius. Raster pixels
-    /// that are not stored are empty space. The walk also ends outside both the raster and the stored window,
-    /// where the content is unknown.
+    /// true. The walk ends at the sum of the pixel's CoC radius `blur_px` and the largest CoC radius. Raster
+    /// pixels that are not stored are empty space. The walk also ends outside both the raster and the stored
+    /// window, where the content is unknown.
     template <typename Take>
-    void walk(int x, int y, const Direction& d, float own_px, const Take& take) const {
+    void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
-        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        const float limit_px = std::min(farthest_px, std::abs(blur_px) + widest_px_ + 1);
         for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
             x += d.dx;
             y += d.dy;
@@ -149,24 +170,24 @@ class Search {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Whether two circles of confusion overlap or are less than a pixel apart. The arguments are the
-    /// distance of their centres and their radii.
-    [[nodiscard]] static bool reach_each_other(float distance_px, float own_px, float other_px) {
-        // Empty space is not blurred; its radius is stored as infinity.
-        const float other = std::isfinite(other_px) ? std::abs(other_px) : 0;
-        return distance_px <= std::abs(own_px) + other + 1;
+    /// Whether two circles of confusion overlap or are less than a pixel apart. `distance_px` is that of
+    /// their centres.
+    [[nodiscard]] static bool reach_each_other(float distance_px, const Radii& a, const Radii& b) {
+        const float other = b.is_nothing() ? 0 : std::abs(b.blur);
+        return distance_px <= std::abs(a.blur) + other + 1;
     }
 
-    /// Whether a surface farther than `own_px` begins so near to this pixel that blur can disocclude it.
-    /// Empty space does not count.
-    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, float own_px) const {
+    /// Whether a surface farther than `own` begins so near to this pixel that blur can disocclude it. Empty
+    /// space does not count.
+    [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, const Radii& own) const {
         bool found = false;
-        float before_px = own_px;
-        walk(x, y, d, own_px, [&](float distance_px, int u, int v) {
-            const float last_px = last_at(u, v);
-            if (!std::isfinite(last_px)) return false;
-            found = begins(before_px, last_px, own_px) && reach_each_other(distance_px, own_px, last_px);
-            before_px = last_px;
+        Radii before = own;
+        walk(x, y, d, own.blur, [&](float distance_px, int u, int v) {
+            const Radii last = last_at(u, v);
+            if (last.is_nothing()) return false;
+            found =
+                is_farther(last, before) && is_farther(last, own) && reach_each_other(distance_px, own, last);
+            before = last;
             return found;
         });
         return found;
@@ -177,13 +198,15 @@ class Search {
     }
     // x and y are relative to the first stored pixel.
     [[nodiscard]] bool is_stored(int x, int y) const { return x >= 0 && x < width_ && y >= 0 && y < height_; }
-    [[nodiscard]] float last_at(int x, int y) const {
-        return is_stored(x, y) ? last_px_[index(x, y)] : nothing_px_;
+    [[nodiscard]] Radii last_of(std::size_t i) const {
+        return {last_px_[i], blur_px_.empty() ? last_px_[i] : blur_px_[i]};
     }
-    /// Whether a new surface begins between two neighbouring pixels, and is farther than a pixel of signed
-    /// CoC radius `own_px`.
-    [[nodiscard]] static bool begins(float before_px, float last_px, float own_px) {
-        return last_px - before_px >= least_step_px && last_px - own_px >= least_step_px;
+    [[nodiscard]] Radii last_at(int x, int y) const {
+        return is_stored(x, y) ? last_of(index(x, y)) : Radii{};
+    }
+    void set_last(std::size_t i, const Radii& last) {
+        last_px_[i] = last.own;
+        if (!blur_px_.empty()) blur_px_[i] = last.blur;
     }
     [[nodiscard]] bool in_raster(int x, int y) const {
         return x + p_.x_begin >= 0 && x + p_.x_begin < p_.width && y + p_.y_begin >= 0 &&
@@ -192,10 +215,13 @@ class Search {
     [[nodiscard]] float radius_px(float inverse_z) const {
         return static_cast<float>(geometry_.coc_diameter_px(static_cast<double>(inverse_z)) / 2);
     }
+    [[nodiscard]] Radii radii_px(const StackSample& s) const {
+        const float own = radius_px(s.inverse_z);
+        return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
+    }
 
-    /// For each stored pixel, the number of steps in a direction until depth increases. Depth increases where
-    /// the last sample of a pixel is farther than that of the previous pixel by at least `least_step_px` of
-    /// CoC radius. 0 if there is no such pixel within `most_steps`.
+    /// For each stored pixel, the number of steps in a direction until a pixel's last sample is farther than
+    /// that of the pixel before. 0 if there is no such pixel within `most_steps`.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
         steps.assign(pixels(), 0);
@@ -206,7 +232,7 @@ class Search {
                 const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
                 if (!is_stored(u, v) && !in_raster(u, v)) continue;
                 std::uint16_t& here = steps[index(x, y)];
-                if (last_at(u, v) - last_px_[index(x, y)] >= least_step_px) {
+                if (is_farther(last_at(u, v), last_of(index(x, y)))) {
                     here = 1;
                 } else if (is_stored(u, v)) {
                     const std::uint16_t next = steps[index(u, v)];
@@ -218,10 +244,10 @@ class Search {
 
     /// The first surface in a direction that is farther than the pixel's own surface and near enough to be
     /// disoccluded.
-    [[nodiscard]] Find look(int x, int y, std::size_t direction, float own_px) const {
+    [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
-        const float limit_px = std::min(farthest_px, std::abs(own_px) + widest_px_ + 1);
+        const float limit_px = std::min(farthest_px, std::abs(own.blur) + widest_px_ + 1);
         for (int s = 0; is_stored(x, y);) {
             const int steps = steps_to_farther_[direction][index(x, y)];
             s += steps;
@@ -229,13 +255,12 @@ class Search {
             if (steps == 0 || distance_px > limit_px) return {};
             x += steps * d.dx;
             y += steps * d.dy;
-            const float last_px = last_at(x, y);
-            if (last_px - own_px < least_step_px || !reach_each_other(distance_px, own_px, last_px)) continue;
+            const Radii last = last_at(x, y);
+            if (!is_farther(last, own) || !reach_each_other(distance_px, own, last)) continue;
             auto stack =
                 is_stored(x, y) ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
-            while (!stack.empty() && radius_px(stack[0].spread_inverse_z()) - own_px < least_step_px)
-                stack = stack.subspan(1);
-            return {distance_px, stack.empty() ? nothing_px_ : radius_px(stack[0].spread_inverse_z()), stack};
+            while (!stack.empty() && !is_farther(radii_px(stack[0]), own)) stack = stack.subspan(1);
+            return {distance_px, stack.empty() ? Radii{} : radii_px(stack[0]), stack};
         }
         return {};
     }
@@ -282,9 +307,9 @@ class Search {
     const ForeignPicture& p_;
     const FocusGeometry& geometry_;
     int width_, height_;
-    float nothing_px_;
     bool has_ids_;
-    std::vector<float> last_px_;
+    std::vector<float> last_px_,
+        blur_px_;  ///< Radii of every pixel; `blur_px_` is empty if no depth is moved
     std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
     std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;

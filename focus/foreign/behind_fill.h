@@ -14,11 +14,11 @@ namespace postlens {
 /// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is near enough to
 /// become visible beside the pixel's edges.
 struct Behind {
-    float inverse_z = 0;
-    float r = 0, g = 0, b = 0;  ///< premultiplied
-    float alpha = 0;            ///< coverage by the surface; the rest is empty space
-    std::uint32_t id = 0;       ///< as StackSample::id
-    bool holdout = false;       ///< as StackSample::holdout
+    float inverse_z = 0, spread_inverse_z = 0;  ///< as those of StackSample
+    float r = 0, g = 0, b = 0;                  ///< premultiplied
+    float alpha = 0;                            ///< coverage by the surface; the rest is empty space
+    std::uint32_t id = 0;                       ///< as StackSample::id
+    bool holdout = false;                       ///< as StackSample::holdout
     bool known = false;
     bool fills = false;  ///< the pixel is translucent; only empty space behind it and its neighbours
 };

@@ -34,6 +34,7 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
                     .b = b.b,
                     .alpha = b.alpha,
                     .id = b.id,
+                    .moved_inverse_z = b.spread_inverse_z,
                     .holdout = b.holdout});
         }
         offsets_.push_back(facets_.size());

@@ -40,11 +40,39 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
+/// Whether empty space is behind a pixel. As it is not blurred, the views see it at this pixel.
+std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
+                                         const RasterWindow& window) {
+    std::vector<std::uint8_t> out;
+    out.reserve(static_cast<std::size_t>(window.width()) * static_cast<std::size_t>(window.height()));
+    for (int y = window.y_begin; y < window.y_end; ++y) {
+        for (int x = window.x_begin; x < window.x_end; ++x) {
+            if (!p.stores(x, y)) {
+                out.push_back(x >= 0 && x < p.width && y >= 0 && y < p.height ? 1 : 0);
+                continue;
+            }
+            double left = 1;
+            for (const StackSample& s : p.stack(x, y)) left *= 1 - static_cast<double>(s.alpha);
+            const std::size_t k =
+                static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.x_end - p.x_begin) +
+                static_cast<std::size_t>(x - p.x_begin);
+            out.push_back(left > opaque_transmittance ||
+                                  (!behind.empty() && behind[k].known && behind[k].alpha < 1)
+                              ? 1
+                              : 0);
+        }
+    }
+    return out;
+}
+
 /// The rows of the image that one task draws.
 class Band {
   public:
-    Band(const Facets& facets, const StackFieldSettings& s, int y_begin, int y_end)
+    /// `nothing`: nothing_behind for each pixel of the window.
+    Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
+         int y_begin, int y_end)
         : facets_(facets),
+          nothing_(nothing),
           s_(s),
           y_begin_(y_begin),
           rows_(y_end - y_begin),
@@ -73,11 +101,7 @@ class Band {
 
     void write(StackField& out) {
         for (std::size_t i = 0; i < sums_.size(); ++i) {
-            const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
-                      y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
-            const std::size_t k = static_cast<std::size_t>(y - s_.window.y_begin) *
-                                      static_cast<std::size_t>(s_.window.width()) +
-                                  static_cast<std::size_t>(x - s_.window.x_begin);
+            const std::size_t k = in_window(i);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
             // A view whose light the lens blocks contributes black, so colours are means over all views.
@@ -88,7 +112,7 @@ class Band {
                 for (ObjectShare& o : shares_[i]) o.share /= passed;
                 out.shares[k] = std::move(shares_[i]);
             }
-            out.unseen[k] = passed > 0 ? sums_[i].unseen / passed : 0;
+            out.unseen[k] = passed > 0 && nothing_[k] == 0 ? sums_[i].unseen / passed : 0;
         }
     }
 
@@ -106,6 +130,14 @@ class Band {
         float inverse_z;
         std::uint64_t number;
     };
+
+    /// Index in the window of pixel `i` of this band.
+    [[nodiscard]] std::size_t in_window(std::size_t i) const {
+        const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
+                  y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
+        return static_cast<std::size_t>(y - s_.window.y_begin) * static_cast<std::size_t>(s_.window.width()) +
+               static_cast<std::size_t>(x - s_.window.x_begin);
+    }
 
     /// Whether a row of pixels may reach this band.
     [[nodiscard]] bool reaches(const View& v, int row) const {
@@ -230,6 +262,7 @@ class Band {
     }
 
     const Facets& facets_;
+    const std::vector<std::uint8_t>& nothing_;
     const StackFieldSettings& s_;
     int y_begin_, rows_, width_;
     std::vector<Nearest> nearest_;
@@ -247,6 +280,7 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
                        const StackFieldSettings& settings) {
     const std::vector<View> views = views_of(settings);
     const Facets facets(picture, behind, settings.geometry);
+    const std::vector<std::uint8_t> nothing = nothing_behind(picture, behind, settings.window);
     StackField out;
     out.image = Image(settings.window.width(), settings.window.height());
     const std::size_t pixels = out.image.rgb.size() / 3;
@@ -257,7 +291,8 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
         static_cast<std::size_t>((settings.drawn.height() + rows_per_task - 1) / rows_per_task);
     parallel_for(bands, [&](std::size_t task) {
         const int y_begin = settings.drawn.y_begin + static_cast<int>(task) * rows_per_task;
-        Band band(facets, settings, y_begin, std::min(y_begin + rows_per_task, settings.drawn.y_end));
+        Band band(facets, nothing, settings, y_begin,
+                  std::min(y_begin + rows_per_task, settings.drawn.y_end));
         for (std::size_t i = 0; i < views.size(); ++i) {
             if (i % views_per_look == 0) throw_if_interrupted();
             band.draw(views[i]);
@@ -265,6 +300,17 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
         band.write(out);
     });
     return out;
+}
+
+std::vector<float> divide_by_seen(StackField& field) {
+    std::vector<float> seen(field.unseen.size());
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        seen[k] = 1 - field.unseen[k];
+        if (!(seen[k] > 0)) continue;
+        for (std::size_t c = 0; c < 3; ++c) field.image.rgb[3 * k + c] /= seen[k];
+        field.image.alpha[k] = std::min(field.image.alpha[k] / seen[k], 1.0F);
+    }
+    return seen;
 }
 
 }  // namespace postlens

@@ -31,7 +31,8 @@ struct ObjectShare {
 
 struct StackField {
     Image image;  ///< premultiplied; `alpha` has a value for every pixel
-    /// Per pixel of the window, the fraction of its views that hit no sample.
+    /// Per pixel of the window, the fraction of its views that see what the picture does not show: what lies
+    /// beyond its border, or behind what it shows. Empty space behind a pixel counts as seen.
     std::vector<float> unseen;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -53,5 +54,9 @@ struct StackField {
 /// and Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
+
+/// Divides colours and alpha by the share of the views that see what the picture shows. Returns this share
+/// for each pixel.
+std::vector<float> divide_by_seen(StackField& field);
 
 }  // namespace postlens

@@ -34,19 +34,20 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    const double seen = behind_all ? 0 : left_, hidden = 1 - seen;
+    // What a sample of the same surface hides is seen from no lens point, because both move together.
+    const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
     // Computes `covered`, the share of the light that no lens point sees, because its occluder moves with it
     // over the lens. Behind a translucent occluder, this share follows from `independence`, as in
     // `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
+        if (m.surface == surface) continue;
         // Empty space looks the same from every lens point, so it counts as moving independently of every
         // occluder.
-        const double apart = surface == nothing     ? 1
-                             : m.surface == surface ? 0
-                             : opaque               ? std::min(1.0, std::abs(radius_px - m.radius_px))
-                                                    : independence(radius_px, m.radius_px);
+        const double apart = surface == nothing ? 1
+                             : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
+                                                : independence(radius_px, m.radius_px);
         covered += m.seen * (1 - apart);
         covering += m.seen;
     }
@@ -62,6 +63,7 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
     sum->seen_depths.spread += seen * alpha * depths.spread;
     sum->hidden_depths.order += hidden * alpha * depths.order;
     sum->hidden_depths.spread += hidden * alpha * depths.spread;
+    sum->left *= 1 - alpha;
     if (behind_all) return;
     met_.push_back({surface, radius_px, left_ * alpha});
     left_ *= 1 - alpha;
@@ -88,11 +90,12 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
     if (left_ > least_share) {
         add_surface(nothing, {}, {}, 1, false);
     } else if (behind != nullptr && behind->known) {
-        const auto inverse_depth = static_cast<double>(behind->inverse_z);
+        const Depths depths{static_cast<double>(behind->inverse_z),
+                            static_cast<double>(behind->spread_inverse_z)};
         const auto alpha = static_cast<double>(behind->alpha);
         if (alpha > least_share)
-            add_surface(surface_at(inverse_depth), {inverse_depth, inverse_depth},
-                        behind->holdout ? none : rgb_of(*behind, alpha), alpha, true);
+            add_surface(surface_at(depths.spread), depths, behind->holdout ? none : rgb_of(*behind, alpha),
+                        alpha, true);
         if (alpha < 1 - least_share) add_surface(nothing, {}, {}, 1 - alpha, true);
     }
     for (const Sum& s : sums_) {

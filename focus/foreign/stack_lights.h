@@ -57,6 +57,7 @@ class StackLights {
 
     struct Sum {
         std::uint32_t surface = 0;
+        double left = 1;  ///< transmittance of the surface's samples so far
         std::array<double, 3> seen{}, hidden{};
         double seen_weight = 0, hidden_weight = 0, covered = 0;
         Depths seen_depths, hidden_depths;  ///< depths multiplied by the weights

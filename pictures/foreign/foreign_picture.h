@@ -24,7 +24,8 @@ struct StackSample {
     /// Inverse depth, 1/m, from which the circle of confusion is computed instead of from `inverse_z`, for an
     /// object with a depth offset, for instance. Negative if there is no such depth (see spread_inverse_z).
     float moved_inverse_z = -1;
-    bool holdout = false;  ///< hides samples behind it, but adds no colour or alpha
+    bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
+    std::uint16_t mask = 0;  ///< number, from 1, of the mask that this sample was divided off by; 0: none
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
@@ -68,6 +69,7 @@ struct ForeignPicture {
     /// lists are empty if the image has neither a Cryptomatte nor depths that are means of two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
+    std::vector<std::string> masks;  ///< the files by which samples were divided (StackSample::mask)
     ForeignCamera camera;
     ForeignChannels channels;
     bool deep = false;

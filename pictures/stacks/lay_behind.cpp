@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <span>
 
 #include "core/error.h"
 #include "core/memory.h"
+#include "pictures/foreign/cryptomatte.h"
 
 namespace postlens {
 namespace {
@@ -46,6 +49,30 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
+/// Whether a stack has a sample of the surface that `s` shows: at the same depth, and of the same object as
+/// far as objects are known.
+bool shows(std::span<const StackSample> stack, const StackSample& s) {
+    const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
+    const auto first = std::partition_point(stack.begin(), stack.end(),
+                                            [&](const StackSample& a) { return a.inverse_z > near; });
+    return std::any_of(
+        first,
+        std::partition_point(first, stack.end(), [&](const StackSample& a) { return a.inverse_z >= far; }),
+        [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
+}
+
+/// The names of both pictures' Cryptomattes. A name of the front precedes the same name of the back.
+std::string both_manifests(const std::string& front, const std::string& back) {
+    if (front.empty()) return back;
+    const auto of_back = manifest_objects(back);
+    if (!of_back || !manifest_objects(front)) return front;
+    auto out = nlohmann::json::parse(front);
+    for (const ManifestObject& o : *of_back) {
+        if (!out.contains(o.name)) out[o.name] = fmt::format("{:08x}", o.id);
+    }
+    return out.dump();
+}
+
 }  // namespace
 
 LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -75,6 +102,7 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
             out.samples.insert(out.samples.end(), before.begin(), before.end());
             bool is_nearer = false;
             for (const StackSample& s : more) {
+                if (shows(before, s)) continue;
                 if (s.inverse_z < last * (1 - same_depth)) {
                     out.samples.push_back(s);
                     ++found.samples;
@@ -92,6 +120,10 @@ LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const s
     }
     if (back.offsets.size() > 1)
         found.nearer_share = static_cast<double>(nearer) / static_cast<double>(back.offsets.size() - 1);
+    if (front.channels.matte && back.channels.matte) {
+        std::string& manifest = front.channels.matte->manifest;
+        manifest = both_manifests(manifest, back.channels.matte->manifest);
+    }
     front.x_begin = out.x_begin;
     front.x_end = out.x_end;
     front.y_begin = out.y_begin;

@@ -18,10 +18,11 @@ struct LaidBehind {
 /// same view. They may store different pixels; the result stores the pixels of both.
 ///
 /// At each pixel, the samples of both images are sorted by depth, as in a single deep image. Samples of
-/// `back` are used only if they are behind the last opaque sample of `front`. So a pixel of `back` that shows
-/// the same surface as `front` adds nothing, and an opaque `front` looks the same as before when flattened.
-/// `nearer_share` counts the pixels where a sample of `back` is nearer by more than a twentieth of its
-/// distance. A large share means that the images are in the wrong order or that their depths do not agree.
+/// `back` are used only if they are behind the last opaque sample of `front`, and if `front` has no sample at
+/// their depth, which would be the same surface. So an opaque `front` looks the same as before when
+/// flattened. The names of the Cryptomatte of `back` are added to those of `front`. `nearer_share` counts the
+/// pixels where a sample of `back` is nearer by more than a twentieth of its distance. A large share means
+/// that the images are in the wrong order or that their depths do not agree.
 ///
 /// Neither image may have mixed pixels (call `unmix_edges` first). Throws Error(invalid_input), with `name`
 /// as the name of `back`, if the rasters or the cameras differ, and Error(out_of_memory).

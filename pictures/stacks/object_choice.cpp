@@ -78,7 +78,75 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vector<float>& mask) {
+/// Chooses, of the nearest samples of a stack, those that cover `share` of the pixel. Dividing a sample adds
+/// one to the stack.
+class MaskedStack {
+  public:
+    MaskedStack(std::span<const StackSample> stack, std::uint16_t mask)
+        : samples_(stack.begin(), stack.end()), chosen_(stack.size(), 0), mask_(mask) {}
+
+    void choose(float share) {
+        const auto is_any = [](const StackSample&) { return true; };
+        const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
+        // A mask that divided this stack before has the same part again.
+        if (std::any_of(samples_.cbegin(), nearest_end(), is_same)) {
+            take(1, is_same);
+            return;
+        }
+        // Different masks are those of different objects as far as the pixel has room for both.
+        take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
+    }
+    [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
+    [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
+
+  private:
+    /// End of the samples that are as near as the nearest one: its own parts.
+    [[nodiscard]] std::vector<StackSample>::const_iterator nearest_end() const {
+        return std::find_if(samples_.begin(), samples_.end(), [this](const StackSample& s) {
+            return s.inverse_z != samples_.front().inverse_z;
+        });
+    }
+    /// Chooses those of the nearest samples that `wanted` admits, until they cover `share` of the pixel.
+    /// Returns what is left of the share.
+    template <typename Wanted>
+    float take(float share, const Wanted& wanted) {
+        float left = 1;
+        for (std::size_t k = 0; static_cast<std::ptrdiff_t>(k) < nearest_end() - samples_.begin(); ++k) {
+            const StackSample s = samples_[k];
+            const float covers = left * s.alpha;
+            left -= covers;
+            if (chosen_[k] != 0 || !wanted(s) || share < least_share) continue;
+            if (share > covers - least_share) {
+                share -= covers;
+                chosen_[k] = 1;
+                if (s.mask == 0) samples_[k].mask = mask_;
+            } else {
+                std::array<StackSample, 2> parts = divided(s, share / covers);
+                share = 0;
+                parts[0].mask = mask_;
+                samples_[k] = parts[1];
+                samples_.insert(samples_.begin() + static_cast<std::ptrdiff_t>(k), parts[0]);
+                chosen_.insert(chosen_.begin() + static_cast<std::ptrdiff_t>(k), 1);
+                ++k;
+            }
+        }
+        return share;
+    }
+
+    std::vector<StackSample> samples_;
+    std::vector<std::uint8_t> chosen_;
+    std::uint16_t mask_;
+};
+
+std::uint16_t number_of_mask(ForeignPicture& picture, const std::string& file) {
+    const auto at = std::find(picture.masks.begin(), picture.masks.end(), file);
+    const auto number = static_cast<std::uint16_t>(at - picture.masks.begin() + 1);
+    if (at == picture.masks.end()) picture.masks.push_back(file);
+    return number;
+}
+
+std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vector<float>& mask,
+                                         std::uint16_t number) {
     require_memory((picture.samples.size() + mask.size()) * (sizeof(StackSample) + 1),
                    "the samples of an object");
     std::vector<StackSample> samples;
@@ -88,22 +156,14 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     std::vector<std::uint8_t> chosen;
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            const bool shown = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
-            const float share =
-                shown ? mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
-                             static_cast<std::size_t>(x)]
-                      : 0;
             const auto stack = picture.stack(x, y);
-            for (const StackSample& s : stack) {
-                const bool nearest = &s == stack.data();
-                if (!nearest || share < least_share || share > 1 - least_share) {
-                    samples.push_back(s);
-                    chosen.push_back(nearest && share > 1 - least_share ? 1 : 0);
-                    continue;
-                }
-                for (const StackSample& part : divided(s, share)) samples.push_back(part);
-                chosen.insert(chosen.end(), {1, 0});
-            }
+            const bool shown = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
+            MaskedStack masked(stack, number);
+            if (shown && !stack.empty())
+                masked.choose(mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                                   static_cast<std::size_t>(x)]);
+            samples.insert(samples.end(), masked.samples().begin(), masked.samples().end());
+            chosen.insert(chosen.end(), masked.chosen().begin(), masked.chosen().end());
             offsets.push_back(samples.size());
         }
     }
@@ -137,8 +197,9 @@ bool ObjectChoice::is_file() const {
 }
 
 std::vector<std::uint8_t> choose_samples(ForeignPicture& picture, const ObjectChoice& choice) {
-    return choice.is_file() ? choose_by_mask(picture, mask_of(picture, choice))
-                            : choose_by_id(picture, choice);
+    if (!choice.is_file()) return choose_by_id(picture, choice);
+    const std::vector<float> mask = mask_of(picture, choice);
+    return choose_by_mask(picture, mask, number_of_mask(picture, choice.object));
 }
 
 std::vector<float> choose_pixels(const ForeignPicture& picture, const ObjectChoice& choice) {

@@ -13,8 +13,9 @@ namespace postlens {
 /// - a name in the image's Cryptomatte,
 /// - a number in the image's id channel, or
 /// - a mask: an image file of the size of the raster, whose name ends in .exr, .png, .tif, .tiff, .jpg or
-///   .jpeg. The mean of a mask pixel's channels, 0 to 1, is the share of the pixel that belongs to the
-///   object. The mask applies to the nearest sample of the pixel's stack.
+///   .jpeg. The mean of a mask pixel's channels, 0 to 1, is the share of the pixel that the object covers.
+///   The object is at the depth of the nearest sample of the pixel's stack. Masks of several files cover
+///   different parts of a pixel as far as it has room for them.
 struct ObjectChoice {
     std::string option;  ///< the option that names the object, for messages
     std::string object;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "core/memory.h"
 #include "core/threads.h"
@@ -32,6 +33,10 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
+    /// Whether it is empty space, which has neither colour nor alpha around the pixel and gets none in it.
+    [[nodiscard]] bool is_nothing() const {
+        return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
+    }
 };
 
 class Unmixer {
@@ -58,7 +63,10 @@ class Unmixer {
         for (const Portion& portion : portions) sum += portion.share;
         for (Portion& portion : portions) portion.share /= sum;
         const std::array<double, 4> whole = value_of(m.pixel);
-        give_colours(whole, portions);
+        give_colours(whole, {portions.begin(), std::stable_partition(portions.begin(), portions.end(),
+                                                                     [](const Portion& portion) {
+                                                                         return !portion.is_nothing();
+                                                                     })});
         return stack_of(whole[3], portions);
     }
 
@@ -143,7 +151,7 @@ class Unmixer {
 
     /// Changes the colours of the surfaces in a mixed pixel, so that their sum, weighted by the surfaces'
     /// shares, equals the pixel's colour.
-    static void give_colours(const std::array<double, 4>& whole, std::vector<Portion>& portions) {
+    static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
             if (!portion.has_colour) unknown += portion.share;
@@ -168,7 +176,7 @@ class Unmixer {
 
     /// Limits channel `c` of each surface in a mixed pixel to at least 0, and alpha to at most 1. The sum
     /// over the surfaces, weighted by their shares, stays the same.
-    static void keep_within(double whole, std::size_t c, std::vector<Portion>& portions) {
+    static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
         for (Portion& portion : portions) {
@@ -205,7 +213,7 @@ class Unmixer {
             s.alpha = static_cast<float>(std::clamp(times * portion.rgba[3], 0.0, 1.0));
             if (1 - s.alpha < static_cast<float>(nothing_left)) s.alpha = 1;
             left -= portion.share * portion.rgba[3];
-            out.push_back(s);
+            if (s.alpha > 0 || s.r != 0 || s.g != 0 || s.b != 0) out.push_back(s);
         }
         // An opaque pixel must stay opaque although the shares are rounded.
         if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;

@@ -4,6 +4,7 @@
 #include <bit>
 #include <gtest/gtest.h>
 #include <map>
+#include <random>
 
 #include "core/error.h"
 #include "pictures/foreign/cryptomatte.h"
@@ -148,6 +149,12 @@ TEST(FocusPasses, CocIsSignedAndOfWhatThePinholeSees) {
     const std::vector<float>& coc = plane(image, "CoC");
     EXPECT_NEAR(coc[0], 12, 1e-3);
     EXPECT_NEAR(coc[79], -16, 1e-3);
+    // Where the lens has a part of its effect, so has the circle.
+    std::vector<float> effect(coc.size(), 1.0F);
+    effect[79] = 0.25F;
+    Image limited(bench.width, bench.height);
+    add_focus_passes(p, settings_of(bench, FocusMethod::scatter), {.coc = true}, limited, effect);
+    EXPECT_NEAR(plane(limited, "CoC")[79], -4, 1e-3);
 }
 
 TEST(FocusPasses, ErrorIsNoneWhereAllViewsAgreeAndThatOfTheViewsAtEdges) {
@@ -174,6 +181,45 @@ TEST(FocusPasses, ErrorIsNoneWhereAllViewsAgreeAndThatOfTheViewsAtEdges) {
     EXPECT_LT(stated, measured * 16);
     s.method = FocusMethod::layers;
     EXPECT_THROW(add_focus_passes(p, s, {.error = true}, image), Error);
+}
+
+TEST(FocusPasses, ErrorOfFewViewsIsThatOfTheirNumber) {
+    // Random pixels of one depth: all pixels share the lens points, of which two sets of a view or two may
+    // agree by chance.
+    const Bench bench{.width = 48, .height = 48, .margin_px = 8};
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> unit(0, 1);
+    const ForeignPicture p = bench.picture([&](int, int) {
+        return Stack{{bench.inverse_z(1), unit(random), unit(random), unit(random), 1}};
+    });
+    FocusSettings s = settings_of(bench, FocusMethod::lightfield);
+    s.views = 4096;
+    const Image truth = focus_foreign(p, s).image;
+    for (const int count : {1, 3, 4, 5}) {
+        s.views = count;
+        Image image = focus_foreign(p, s).image;
+        add_focus_passes(p, s, {.error = true}, image);
+        double stated = 0, measured = 0;
+        for (std::size_t i = 0; i < truth.rgb.size(); ++i) {
+            const auto d = static_cast<double>(image.rgb[i]) - static_cast<double>(truth.rgb[i]);
+            measured += d * d / 3;
+        }
+        for (const float e : plane(image, "error")) stated += static_cast<double>(e) * static_cast<double>(e);
+        EXPECT_GT(stated, measured / 4) << count;
+        EXPECT_LT(stated, measured * 4) << count;
+    }
+}
+
+TEST(FocusPasses, ErrorOfAnEvenPictureIsNoneAtItsBorderToo) {
+    const Bench bench{.width = 40, .height = 16};
+    const ForeignPicture p = bench.picture([&](int, int) {
+        return Stack{{bench.inverse_z(6), 0.5F, 0.5F, 0.5F, 1}};
+    });
+    FocusSettings s = settings_of(bench, FocusMethod::lightfield);
+    s.views = 64;
+    Image image = focus_foreign(p, s).image;
+    add_focus_passes(p, s, {.error = true}, image);
+    for (const float e : plane(image, "error")) EXPECT_NEAR(e, 0, 1e-6);
 }
 
 TEST(FocusPasses, APictureWithoutACryptomatteHasNone) {

@@ -194,6 +194,59 @@ TEST(ForeignFocus, AnEvenTransparencyOfOneDepthStaysEven) {
     }
 }
 
+TEST(ForeignFocus, AnEvenTransparencyOfSeveralDepthsStaysEven) {
+    // Three sheets before nothing, with circles that are alike or not, on both sides of the focus.
+    const Bench bench{.width = 20, .height = 20, .margin_px = 20};
+    for (const double scale : {0.1, 0.3, 1.0, 3.0}) {
+        const ForeignPicture p = bench.picture([&](int, int) {
+            return Stack{{bench.inverse_z(-3 * scale), 0.4F, 0, 0, 0.5F},
+                         {bench.inverse_z(-0.5 * scale), 0, 0.4F, 0, 0.5F},
+                         {bench.inverse_z(0.8 * scale), 0, 0, 0.4F, 0.5F}};
+        });
+        const Image image = bench.focus(p, FocusMethod::layers).image;
+        for (int x = 0; x < 20; ++x) {
+            ASSERT_NEAR(alpha(image, x, 9), 0.875, 2e-6) << scale;
+            ASSERT_NEAR(value(image, x, 9, 0), 0.4, 2e-6) << scale;
+            ASSERT_NEAR(value(image, x, 9, 1), 0.2, 2e-6) << scale;
+            ASSERT_NEAR(value(image, x, 9, 2), 0.1, 2e-6) << scale;
+        }
+    }
+}
+
+TEST(ForeignFocus, AHoleChangesNothingAtTheBorder) {
+    // Light from beyond the border is filled in from around, also in a picture that is transparent elsewhere.
+    const Bench bench{.width = 40, .height = 40};
+    const ForeignPicture p = bench.picture([&](int x, int y) {
+        return x == 20 && y == 20 ? Stack{} : Stack{{bench.inverse_z(6), 0.6F, 0.5F, 0.4F, 1}};
+    });
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield}) {
+        const Image image = bench.focus(p, method).image;
+        for (const int at : {0, 3, 39}) {
+            EXPECT_NEAR(alpha(image, at, 0), 1, 2e-6) << at;
+            EXPECT_NEAR(value(image, at, 20, 0), 0.6, 2e-6) << at;
+        }
+        EXPECT_LT(alpha(image, 20, 20), 0.999);
+    }
+}
+
+TEST(ForeignFocus, AVignettedWallIsDarkAndOpaque) {
+    const Bench bench{.width = 40, .height = 40};
+    ForeignPicture p = bench.picture([&](int x, int y) {
+        return x == 20 && y == 20 ? Stack{} : Stack{{0.1F, 0.6F, 0.5F, 0.4F, 1}};
+    });
+    p.camera.film_distance_mm = 50;
+    FocusSettings settings{
+        .lens = {.focal_length_mm = 50, .f_number = 1}, .focus_distance_m = 3, .views = 1024};
+    settings.impulse.cats_eye = 1;
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield}) {
+        settings.method = method;
+        const Image image = focus_foreign(p, settings).image;
+        EXPECT_NEAR(alpha(image, 2, 2), 1, 1e-5);
+        EXPECT_LT(value(image, 2, 2, 0), 0.4);
+        EXPECT_GT(value(image, 2, 2, 0), 0.2);
+    }
+}
+
 TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(0, 1);

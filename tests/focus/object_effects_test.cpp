@@ -1,7 +1,10 @@
 // Holdouts, objects that stay sharp, objects whose focus is moved, and how objects are chosen.
 #include "focus/foreign/object_effects.h"
 
+#include <array>
 #include <gtest/gtest.h>
+#include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "pictures/foreign/cryptomatte.h"
@@ -81,6 +84,55 @@ TEST_F(ObjectEffectsTest, AnObjectThatIsKeptSharpIsItsPixels) {
     }
 }
 
+/// A flat picture, which does not say what is behind the card: the card with this CoC radius before the wall.
+ForeignPicture flat_card(const StackBench& bench, double card_px) {
+    ForeignPicture p = bench.picture([&](int x, int) {
+        return x < x0 ? Stack{{bench.inverse_z(wall_px), 0, 0.25F, 1, 1, cryptomatte_id("wall")}}
+                      : Stack{{bench.inverse_z(card_px), 1, 0.5F, 0, 1, cryptomatte_id("card")}};
+    });
+    p.channels.matte = Cryptomatte{"CryptoObject", {}, R"({"card":"1","wall":"2"})"};
+    return p;
+}
+
+// What is estimated behind an object is decided by depths, whatever the circles are.
+TEST_F(ObjectEffectsTest, TheWallOfAFlatPictureStaysBehindWithAnyCircles) {
+    const auto offset = [&](const std::string& object, double from_px, double to_px) {
+        return ObjectEffects::Offset{{"--focus-offset", object},
+                                     1 / static_cast<double>(bench_.inverse_z(to_px)) -
+                                         1 / static_cast<double>(bench_.inverse_z(from_px))};
+    };
+    struct Case {
+        double card_px;  ///< of its own depth
+        ObjectEffects effects;
+        double circle_px;  ///< of the card's blur
+    };
+    const Case cases[] = {
+        {near_px, {.sharp = {{"--keep-sharp", "wall"}}}, near_px},
+        {3, {.sharp = {{"--keep-sharp", "wall"}}}, 3},  // both behind the focus: the wall comes nearer
+        {3, {.sharp = {{"--keep-sharp", "card"}}}, 0},
+        {near_px, {.offsets = {offset("wall", wall_px, -12)}}, near_px},
+        {near_px, {.offsets = {offset("card", near_px, 9)}}, 9},
+        {near_px, {.offsets = {offset("card", near_px, 5), offset("wall", wall_px, -7)}}, 5},
+    };
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        Bench bench = bench_;
+        bench.settings.views = 1024;
+        for (const Case& c : cases) {
+            ForeignPicture p = flat_card(bench, c.card_px);
+            apply_object_effects(p, c.effects, bench.inverse_focus_per_m);
+            const Image image = bench.focus(p, method).image;
+            for (int x = 0; x < bench.width; ++x) {
+                const double front = c.circle_px == 0
+                                         ? (x < x0 ? 0 : 1)
+                                         : edge_response((x + 0.5 - x0) / level_radius(c.circle_px));
+                const double tolerance = method == FocusMethod::layers ? 1e-5 : 0.02;
+                EXPECT_NEAR(value(image, x, 1, 0), front, tolerance) << &c - cases << " at " << x;
+                EXPECT_NEAR(value(image, x, 1, 2), 1 - front, tolerance) << &c - cases << " at " << x;
+            }
+        }
+    }
+}
+
 TEST_F(ObjectEffectsTest, AnOffsetGivesTheCirclesOfTheOtherDepth) {
     // From 8 px in front of the focus to 3 px in front of it.
     const double moved_px = -3;
@@ -146,10 +198,50 @@ TEST_F(ObjectEffectsTest, AShareOfAMaskDividesASampleInTwo) {
     const std::vector<std::uint8_t> chosen = choose_samples(p, {"--matte", path});
     ASSERT_EQ(chosen.size(), p.samples.size());
     EXPECT_EQ(chosen, (std::vector<std::uint8_t>{0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0}));
-    EXPECT_FLOAT_EQ(p.samples[2].alpha, 0.1F * 0.75F);
+    EXPECT_FLOAT_EQ(p.samples[2].alpha, 0.1F);
     for (std::size_t i = 0; i < before.rgb.size(); ++i)
         EXPECT_NEAR(p.flattened().rgb[i], before.rgb[i], 1e-6);
     EXPECT_TRUE(p.flattened().alpha.empty());
+}
+
+TEST_F(ObjectEffectsTest, MasksAreCoveragesAndThoseOfTwoFilesAddUp) {
+    const TemporaryFolder folder;
+    const Bench small{.width = 4, .height = 1};
+    const auto mask_file = [&](const std::string& name, std::array<float, 4> of) {
+        Image mask(4, 1);
+        for (std::size_t i = 0; i < mask.rgb.size(); ++i) mask.rgb[i] = of[i / 3];
+        const std::string path = (folder.path() / name).string();
+        write_image(path, mask);
+        return path;
+    };
+    constexpr std::array<float, 4> alphas{1, 0.36F, 0.8F, 1};
+    const auto left_of = [&](const std::vector<std::string>& files) {
+        ForeignPicture p = small.picture([&](int x, int) {
+            const float a = alphas[static_cast<std::size_t>(x)];
+            return Stack{{0.5F, a, a, a, a}};
+        });
+        ObjectEffects effects;
+        for (const std::string& file : files) effects.holdouts.push_back({"--holdout", file});
+        apply_object_effects(p, effects, bench_.inverse_focus_per_m);
+        return small.focus(p, FocusMethod::pinhole).image;
+    };
+    // The object's own coverage takes all of it away, also where it is translucent.
+    const std::string own = mask_file("own.exr", {1, 0.36F, 0.8F, 0}),
+                      half = mask_file("half.exr", {0.5F, 0.18F, 0.3F, 1}),
+                      other = mask_file("other.exr", {0.5F, 0.18F, 0.2F, 1});
+    const auto expect = [&](const std::vector<std::string>& files, std::array<float, 4> covered) {
+        const Image image = left_of(files);
+        for (int x = 0; x < 4; ++x) {
+            EXPECT_NEAR(alpha(image, x, 0), covered[static_cast<std::size_t>(x)], 1e-6)
+                << files.size() << " at " << x;
+            EXPECT_NEAR(value(image, x, 0, 1), covered[static_cast<std::size_t>(x)], 1e-6) << x;
+        }
+    };
+    expect({own}, {0, 0, 0, 1});
+    expect({half}, {0.5F, 0.18F, 0.5F, 0});
+    expect({half, other}, {0, 0, 0.3F, 0});
+    expect({half, half}, {0.5F, 0.18F, 0.5F, 0});
+    expect({half, other, half}, {0, 0, 0.3F, 0});
 }
 
 TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {

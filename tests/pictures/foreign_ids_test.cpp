@@ -372,6 +372,20 @@ TEST(UnmixEdges, AWireThatFillsNoPixelGetsWhatIsLeft) {
     EXPECT_NEAR(stack[1].r, 0.1, 1e-6);
 }
 
+TEST(UnmixEdges, EmptySpaceBesideAnObjectGetsNothingOfIt) {
+    // The alpha is rounded as half floats are, and exceeds the Cryptomatte's coverage.
+    const StackSample ball{1, 0.8F, 0.4F, 0, 1, 1};
+    Row row(3);
+    row.add({0, 0, 0, 0, 0, 0});
+    row.add({1, 0.75F, 0.375F, 0, 0.93751F, 1}, {{1, 0.9375F}, {0, 0.0625F}});
+    row.add(ball);
+    EXPECT_EQ(unmix_edges(row.p), 1U);
+    const auto stack = row.p.stack(1, 0);
+    ASSERT_EQ(stack.size(), 1U);
+    EXPECT_EQ(stack[0].inverse_z, 1);
+    EXPECT_NEAR(stack[0].alpha, 0.9375, 2e-5);
+}
+
 TEST(UnmixEdges, TheBrightestColoursStayFinite) {
     const StackSample near{1, 0, 0, 0, 1, 1};
     Row row(3);

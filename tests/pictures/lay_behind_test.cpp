@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 #include <random>
+#include <string>
 
 #include "core/error.h"
+#include "pictures/foreign/cryptomatte.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens::test::lay_behind_test {
@@ -85,6 +87,44 @@ TEST(LayBehind, ThreeImagesLieInTheirOrder) {
     EXPECT_EQ(front.stack(0, 0).size(), 2U);
     ASSERT_EQ(front.stack(1, 0).size(), 3U);
     EXPECT_FLOAT_EQ(front.stack(1, 0)[2].inverse_z, 0.25F);
+}
+
+TEST(LayBehind, ATranslucentSurfaceThatBothShowCountsOnce) {
+    const Bench bench{.width = 3, .height = 1};
+    const auto veil = [&](std::uint32_t id) {
+        return bench.picture([id](int, int) {
+            StackSample s = sample(2, 0.1F, 0.5F);
+            s.id = id;
+            return Stack{s};
+        });
+    };
+    for (const std::uint32_t id : {0U, 7U, 8U}) {
+        ForeignPicture front = veil(7);
+        lay_behind(front, veil(id), "back.exr");
+        // Of two objects at one depth, both are there.
+        EXPECT_EQ(front.stack(1, 0).size(), id == 8 ? 2U : 1U) << id;
+    }
+}
+
+TEST(LayBehind, TheNamesOfBothCryptomattesAreKept) {
+    const Bench bench{.width = 3, .height = 1};
+    const auto named = [&](const std::string& manifest) {
+        ForeignPicture p = bench.picture([](int, int) { return Stack{sample(2, 0.1F, 0.5F)}; });
+        p.channels.matte = Cryptomatte{"CryptoObject", {}, manifest};
+        return p;
+    };
+    ForeignPicture front = named(R"({"card":"0000000a"})");
+    lay_behind(front, named(R"({"card":"0000000b","wall":"0000000c"})"), "back.exr");
+    const auto objects = manifest_objects(front.channels.matte->manifest);
+    ASSERT_TRUE(objects);
+    ASSERT_EQ(objects->size(), 2U);
+    EXPECT_EQ((*objects)[0].id, 10U);
+    EXPECT_EQ((*objects)[1].name, "wall");
+    EXPECT_EQ((*objects)[1].id, 12U);
+    // A manifest that cannot be read stays as it is.
+    front = named("not JSON");
+    lay_behind(front, named(R"({"wall":"0000000c"})"), "back.exr");
+    EXPECT_EQ(front.channels.matte->manifest, "not JSON");
 }
 
 TEST(LayBehind, StoresThePixelsOfBoth) {
