@@ -39,6 +39,9 @@ double number_in(const std::string& file, int line, std::string_view word, std::
 /// most_surfaces.
 void check_surface_count(const std::string& file, int line, std::size_t count);
 
+/// Throws if the medium between the object and the lens, behind the object's surface, is not air.
+void check_object_medium(const std::string& file, const Surface& object);
+
 /// Finds a glass by name. Throws "FILE:LINE: unknown glass ..." if the name is unknown.
 [[nodiscard]] Glass glass_by_name(const std::string& file, int line, std::string_view name);
 

@@ -110,6 +110,14 @@ void check_surface_count(const std::string& file, int line, std::size_t count) {
          most_surfaces, most_surfaces);
 }
 
+void check_object_medium(const std::string& file, const Surface& object) {
+    if (object.glass.is_air()) return;
+    fail(ExitCode::invalid_input, "{}:{}: the object is not in air (got {}; expected air before the lens)",
+         file, object.line,
+         object.glass.name().empty() ? fmt::format("index {:.6g}", object.glass.index(d_line_nm))
+                                     : excerpt(object.glass.name()));
+}
+
 Glass glass_by_name(const std::string& file, int line, std::string_view name) {
     if (auto glass = find_glass(name)) return *std::move(glass);
     const auto names = glass_names();

@@ -97,9 +97,10 @@ void SeqReader::begin_surface(const std::string& key, const SeqWords& words) {
 bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     static const std::map<std::string, std::size_t> terms{{"A", 1}, {"B", 2}, {"C", 3}, {"D", 4}, {"E", 5},
                                                           {"F", 6}, {"G", 7}, {"H", 8}, {"J", 9}};
-    static const std::vector<std::string> refused{"XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "DAR",
-                                                  "BEN", "REX", "REY", "ELX", "ELY", "GRT", "DIF",
-                                                  "CYL", "YTO", "AAS", "XTO", "SPS", "INR", "NSS"};
+    static const std::vector<std::string> refused{"XDE", "YDE", "ZDE", "ADE", "BDE", "CDE", "DAR", "BEN",
+                                                  "REX", "REY", "ELX", "ELY", "GRT", "DIF", "CYL", "YTO",
+                                                  "AAS", "XTO", "SPS", "INR", "NSS", "CUX", "RDX", "SPL",
+                                                  "HOE", "FRN", "DEL", "INS", "REV", "SCA"};
     std::size_t next = 1;
     if (key == "STO") {
         addressed(words, next).is_stop = true;
@@ -116,6 +117,10 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     } else if (key == "K") {
         Surface& s = addressed(words, next);
         s.conic = number(words, next, "conic constant");
+    } else if (key == "RMD") {
+        static_cast<void>(addressed(words, next));
+        if (next < words.size() && upper_case(words[next]) != "REFR")
+            unsupported("mirrors are not supported");
     } else if (key == "CIR") {
         clear_radius(words);
     } else if (key == "ADX" || key == "ADY" || key == "ARO") {
@@ -219,6 +224,7 @@ Prescription SeqReader::finish() {
              "{}: not a whole lens (got {} surfaces{}; expected SO, at least one S, and SI)", lens_.file,
              all_.size(), has_image_ ? "" : " and no image");
     }
+    check_object_medium(lens_.file, all_.front());
     const double object = all_.front().thickness_mm * mm_per_unit_;
     if (object > 0 && object < 1e9) lens_.object_distance_mm = object;
     for (std::size_t i = 1; i + 1 < all_.size(); ++i) {

@@ -2,6 +2,7 @@
 // surface.
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <map>
 
 #include "core/text.h"
@@ -76,6 +77,7 @@ class ZmxReader {
     int primary_ = 1;
     double mm_per_unit_ = 1;
     bool by_stop_size_ = false;
+    bool fields_are_angles_ = true;  ///< false: they are heights
 };
 
 void ZmxReader::glass(const Words& words) {
@@ -87,13 +89,23 @@ void ZmxReader::glass(const Words& words) {
     }
     if (auto known = find_glass(name)) {
         s.glass = *std::move(known);
-    } else if (words.size() > 5 && number(words, 4, "nd") >= 1 && number(words, 5, "Vd") > 0) {
-        // If the catalogue does not contain the glass, the file's nd and Vd are used.
-        s.glass = Glass::abbe(number(words, 4, "nd"), number(words, 5, "Vd"), std::string(name));
-    } else if (words.size() > 4 && number(words, 4, "nd") > 0) {
-        s.glass = Glass::constant(number(words, 4, "nd"), std::string(name));
-    } else {
+        return;
+    }
+    const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
+    const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
+    // Only a model glass is defined by the numbers of its line. For a glass of a catalogue, many files state
+    // Zemax's placeholder, nd 1.5 and Vd 40, instead of the glass's own numbers.
+    const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
+    if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
+        return;
+    }
+    s.glass =
+        nd >= 1 && vd > 0 ? Glass::abbe(nd, vd, std::string(name)) : Glass::constant(nd, std::string(name));
+    if (!is_model) {
+        lens_.notes.push_back(fmt::format(
+            "{}:{}: the catalogue does not contain glass {}: the nd {:.6g} and Vd {:.4g} of the line count",
+            lens_.file, at_.number, excerpt(name), nd, vd));
     }
 }
 
@@ -175,7 +187,7 @@ void ZmxReader::system_line(std::string_view key, const Words& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     } else if (key == "FTYP" && words.size() > 1) {
-        if (whole(words, 1, "field type") != 0) lens_.field_angles_deg.clear();
+        fields_are_angles_ = whole(words, 1, "field type") == 0;
     }
 }
 
@@ -210,6 +222,7 @@ Prescription ZmxReader::finish() {
              "{}: too few surfaces (got {}; expected the object, at least one of the lens and the image)",
              lens_.file, surfaces_.size());
     }
+    check_object_medium(lens_.file, surfaces_.front().surface);
     const double object = surfaces_.front().thickness * mm_per_unit_;
     if (std::isfinite(object) && object < 1e9) lens_.object_distance_mm = object;
     for (std::size_t i = 1; i + 1 < surfaces_.size(); ++i) finish_surface(surfaces_[i]);
@@ -220,7 +233,10 @@ Prescription ZmxReader::finish() {
         lens_.f_number.reset();
     } else if (lens_.entrance_pupil_diameter_mm) {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
+        lens_.f_number.reset();
     }
+    // Zemax states the type of the fields before the fields.
+    if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;
     return std::move(lens_);

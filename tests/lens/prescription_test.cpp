@@ -5,6 +5,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "lens/prescription/first_order.h"
@@ -189,6 +190,60 @@ TEST_F(PrescriptionFiles, ZemaxAspheres) {
     EXPECT_NEAR(*lens.film_distance_mm, 70, 1e-12);
 }
 
+// A Zemax file of one lens, with `system` before the surfaces and `medium` as the line of its glass.
+std::string zemax_singlet(const std::string& system, const std::string& medium) {
+    return "UNIT MM X W X CM MR CPMM\n" + system +
+           "SURF 0\n  DISZ INFINITY\nSURF 1\n  STOP\n  CURV 0.02\n  DISZ 4\n" + medium +
+           "  DIAM 12\nSURF 2\n  CURV -0.02\n  DISZ 48\n  DIAM 12\nSURF 3\n  DISZ 0\n";
+}
+
+TEST_F(PrescriptionFiles, ZemaxGlassesThatTheCatalogueLacks) {
+    // A model glass (1) is its numbers. Those of an unknown glass of a catalogue (0) count unless they are
+    // Zemax's placeholder.
+    const auto singlet = [this](const std::string& glass) {
+        return read_prescription(write("a.zmx", zemax_singlet("ENPD 10\n", "  GLAS " + glass + "\n")));
+    };
+    const Prescription model = singlet("___BLANK 1 0 1.5 40 0 0");
+    EXPECT_NEAR(model.index_after(0), 1.5, 1e-12);
+    EXPECT_TRUE(model.notes.empty());
+    const Prescription stated = singlet("S-LAH66 0 0 1.7725 4.96E+1 0 0");
+    EXPECT_NEAR(stated.index_after(0), 1.7725, 1e-12);
+    ASSERT_EQ(stated.notes.size(), 1U);
+    EXPECT_NE(stated.notes[0].find(":9: the catalogue does not contain glass 'S-LAH66': the nd 1.7725"),
+              std::string::npos)
+        << stated.notes[0];
+    EXPECT_NEAR(singlet("N-BK7 0 0 1.5 4.0E+1").index_after(0), 1.5168, 1e-5);
+    refused("a.zmx", zemax_singlet("ENPD 10\n", "  GLAS S-LAH66 0 0 1.5 4.0E+1 0 0 0\n"),
+            ":9: unknown glass (got 'S-LAH66'");
+    refused("a.zmx", zemax_singlet("ENPD 10\n", "  GLAS MIRROR 0 0 1.5 4.0E+1 0 0 0\n"),
+            ":9: mirrors are not supported");
+}
+
+TEST_F(PrescriptionFiles, ZemaxPupilPrecedesTheFNumber) {
+    for (const char* system : {"ENPD 10\nFNUM 4 0\n", "FNUM 4 0\nENPD 10\n"}) {
+        const Prescription lens = read_prescription(write("a.zmx", zemax_singlet(system, "  GLAS N-BK7\n")));
+        EXPECT_NEAR(first_order(lens).entrance_pupil_diameter_mm, 10, 1e-12) << system;
+    }
+}
+
+TEST_F(PrescriptionFiles, ZemaxFieldsCountOnlyAsAngles) {
+    for (const char* fields : {"FTYP 1 0 3 3\nYFLN 0 7 100\n", "YFLN 0 7 100\nFTYP 3 0 3 3\n"}) {
+        const std::string text = zemax_singlet(std::string("ENPD 10\n") + fields, "  GLAS N-BK7\n");
+        EXPECT_TRUE(read_prescription(write("a.zmx", text)).field_angles_deg.empty()) << fields;
+    }
+    const std::string angles = zemax_singlet("ENPD 10\nFTYP 0 0 3 3\nYFLN 0 7 10 0\n", "  GLAS N-BK7\n");
+    EXPECT_EQ(read_prescription(write("a.zmx", angles)).field_angles_deg, (std::vector<double>{7, 10}));
+}
+
+TEST_F(PrescriptionFiles, TheObjectIsInAir) {
+    refused("a.zmx", "ENPD 5\nSURF 0\n  GLAS SILICA\n  DISZ 100\nSURF 1\n  STOP\n  CURV 0.02\nSURF 2\n",
+            ":2: the object is not in air (got 'SILICA'");
+    const std::string rest = "\nS 100 5 BK7\nSTO\nS -100 0\nSI 0 0\n";
+    refused("a.seq", "RDM\nEPD 10\nSO 0 1e13 SILICA" + rest, ":3: the object is not in air (got 'SILICA'");
+    refused("a.seq", "RDM\nEPD 10\nSO 0 1e13\nGLA SO 1.333:55" + rest, ":3: the object is not in air");
+    EXPECT_EQ(read_prescription(write("a.seq", "RDM\nEPD 10\nSO 0 1e13 AIR" + rest)).surfaces.size(), 2U);
+}
+
 TEST_F(PrescriptionFiles, ClearRadiiEndWhereSurfacesMeet) {
     // Surfaces with radii of 15 mm and 1 mm of glass between them meet at sags of 0.5 mm, where
     // r^2 = 2 R s - s^2.
@@ -269,6 +324,17 @@ TEST_F(PrescriptionFiles, BadSequencesAreRefused) {
     refused("a.seq", "PRV\nPWL 550\n'G' HRT 1 2 3\nEND\nSO 0 1e10\nS 0.1 1 'G'\n",
             "private glass 'G': line 3 is not understood (got the formula 'HRT'");
     refused("a.seq", "S 1 2 REFL\n", ":1: mirrors are not supported");
+    // RMD states whether a surface refracts, RDX and CUX the shape in the other section. The others change
+    // surfaces, or make them other than smooth and refracting.
+    refused("a.seq", "SO 0 1e10\nS 1 2 SF6\nS 1 2\nRMD S2 REFL\n", ":4: mirrors are not supported");
+    for (const char* command :
+         {"RDX S1 5", "CUX S1 .1", "SPL S1", "HOE S1", "FRN S1", "DEL S1", "INS S1", "REV S1", "SCA SA 2"}) {
+        refused("a.seq", std::string("SO 0 1e10\nS 0.1 1 SF6\n") + command + "\n",
+                ":3: command " + std::string(command).substr(0, 3) + " is not supported");
+    }
+    EXPECT_EQ(read_prescription(write("a.seq", "EPD 2\nSO 0 1e10\nS 0.1 1 SF6\nRMD REFR\nS -.1 2\nSI\n"))
+                  .surfaces.size(),
+              2U);
     refused("a.seq", "STO\n", ":1: this command needs a surface before it");
     refused("a.seq", "SO 0 1e10\nS 0.1 1 XYZ\nSI\n", ":2: unknown glass (got 'XYZ'");
     refused("a.seq", "SO 0 1e10\nS 0.1 1 SF6\n", "no image");
