@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "core/files/text_file.h"
 #include "core/fingerprint.h"
 #include "core/text.h"
 
@@ -102,7 +103,8 @@ ShutterCurve ShutterCurve::read(const std::filesystem::path& path) {
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number) {
         std::pair<double, double> point;
-        if (!parse_line(line, fmt::format("{}:{}", path.string(), number), point)) continue;
+        const std::string_view content = number == 1 ? without_byte_order_mark(line) : line;
+        if (!parse_line(content, fmt::format("{}:{}", path.string(), number), point)) continue;
         points.push_back(point);
         if (points.size() > most_points) {
             fail(ExitCode::invalid_input, "{}:{}: too many points (expected at most {})", path.string(),

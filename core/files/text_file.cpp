@@ -42,4 +42,9 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t lar
     return text;
 }
 
+std::string_view without_byte_order_mark(std::string_view text) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    return text.starts_with(mark) ? text.substr(mark.size()) : text;
+}
+
 }  // namespace postlens

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace postlens {
 
@@ -14,5 +15,8 @@ std::uintmax_t check_regular_file(const std::filesystem::path& path);
 /// Reads a whole file as text. Throws Error(invalid_input) if the path is not a readable regular file, or if
 /// the file is larger than `largest_bytes`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
+
+/// Returns the text without the byte order mark that some programs write before UTF-8.
+[[nodiscard]] std::string_view without_byte_order_mark(std::string_view text);
 
 }  // namespace postlens

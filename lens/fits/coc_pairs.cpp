@@ -14,6 +14,7 @@ std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path) {
     std::vector<CocPair> pairs;
     std::string line;
     for (int number = 1; std::getline(text, line); ++number) {
+        if (number == 1) line = std::string(without_byte_order_mark(line));
         if (!line.empty() && line.back() == '\r') line.pop_back();
         if (line.empty() || line[0] == '#' || (pairs.empty() && line == "distance_m,coc_mm")) continue;
         const std::size_t comma = std::min(line.find(','), line.size());

@@ -49,7 +49,8 @@ bool NffTokens::read_line() {
         chunk_at_ = end == std::string::npos ? chunk_.size() : end + 1;
         if (end != std::string::npos || !fill()) break;
     }
-    const std::string_view text = std::string_view(text_).substr(0, text_.find('#'));
+    std::string_view text = std::string_view(text_).substr(0, text_.find('#'));
+    if (line_ == 1) text = without_byte_order_mark(text);
     for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;) {
         const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
         words_.push_back(text.substr(at, end - at));

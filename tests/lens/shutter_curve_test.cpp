@@ -138,7 +138,8 @@ TEST_F(ShutterFile, CommentsBlanksCommasAndDosLineEnds) {
     const auto expected = ShutterCurve::points({{0, 0}, {0.25, 1}, {1, 0.5}}, "test").fingerprint();
     for (const char* text :
          {"0 0\n0.25 1\n1 0.5\n", "# time, transmission\n0, 0\n\n0.25,1 # open\n   \n1 , 0.5",
-          "0;0\r\n0.25\t1\r\n1;0.5\r\n", "#\n  0 0 #x\n2.5e-1 1e0\n1 .5\n"}) {
+          "0;0\r\n0.25\t1\r\n1;0.5\r\n", "#\n  0 0 #x\n2.5e-1 1e0\n1 .5\n",
+          "\xEF\xBB\xBF#\n0 0\n.25 1\n1 .5\n"}) {
         EXPECT_EQ(ShutterCurve::read(file(text)).fingerprint(), expected) << text;
     }
 }

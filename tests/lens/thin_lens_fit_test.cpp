@@ -130,6 +130,10 @@ TEST(CocPairs, AreReadAndRefusedWithTheirLine) {
     EXPECT_EQ(pairs[0].distance_m, 1.5);
     EXPECT_EQ(pairs[0].coc_mm, 0.2);
     EXPECT_TRUE(std::isinf(pairs[1].distance_m));
+    // Spreadsheets write a byte order mark before UTF-8.
+    std::ofstream(path) << "\xEF\xBB\xBF"
+                        << "distance_m,coc_mm\n1.5,0.2\n";
+    EXPECT_EQ(read_coc_pairs(path).size(), 1U);
     for (const char* text : {"", "distance_m,coc_mm\n", "1\n", "1,x\n", "0,1\n", "-1,1\n", "1,-1\n",
                              "nan,1\n", "1,inf\n", "1,2,3\n"}) {
         std::ofstream(path) << text;

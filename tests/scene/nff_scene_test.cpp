@@ -117,6 +117,13 @@ TEST(PublishedNff, OthersAreReadWithoutNotes) {
     for (const Scene* s : {&jacks, &sample}) EXPECT_TRUE(s->notes.empty()) << s->notes.front();
 }
 
+TEST_F(NffText, AByteOrderMarkBeforeTheFirstWordIsNotRead) {
+    const std::string mark = "\xEF\xBB\xBF";
+    EXPECT_EQ(count(read(mark + view + fill + "s 0 0 0 1\n")).spheres, 1);
+    EXPECT_EQ(error(mark + "x\n").find("t.nff:1: unknown entity (got 'x'"), 0U);
+    EXPECT_EQ(error("# a comment\n" + mark + view).find("t.nff:2: unknown entity"), 0U);
+}
+
 TEST(SmallNff, BallsHaveTheirViewMaterialsAndLights) {
     const Scene s = read_scene(small("balls_s2.nff"));
     EXPECT_EQ(count(s).spheres, 91);
