@@ -100,7 +100,8 @@ Assimp::IOStream* MeshFiles::Open(const char* file, const char* mode) {
         return nullptr;
     }
     try {
-        std::string text = as_utf8(read_text_file(*path, largest_mesh_file_bytes));
+        const std::string bytes = as_utf8(read_text_file(*path, largest_mesh_file_bytes));
+        std::string text = rewritten_mtl(bytes, pictures_, notes_);
         opened_.push_back({name, *path});
         return new MemoryStream(std::move(text));
     } catch (const Error&) {

@@ -4,21 +4,24 @@
 #include <assimp/IOStream.hpp>
 #include <assimp/IOSystem.hpp>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "scene/mesh/obj_text.h"
 #include "scene/referred_files.h"
+#include "scene/scene_notes.h"
 
 namespace postlens {
 
-/// Provides assimp with whole files from memory, as UTF-8. UTF-16 is recognised by its byte order mark. Files
-/// outside the scene's folder are not opened, and nothing is written. Requested files that are missing or
-/// outside the folder are added to a list.
+/// Provides assimp with whole files from memory, as UTF-8. Material libraries are rewritten. UTF-16 is
+/// recognised by its byte order mark. Files outside the scene's folder are not opened, and nothing is
+/// written. Requested files that are missing or outside the folder are added to a list.
 class MeshFiles : public Assimp::IOSystem {
   public:
-    /// `text`: content of the scene file.
-    MeshFiles(std::filesystem::path scene_path, std::string text)
-        : scene_path_(std::move(scene_path)), text_(std::move(text)) {}
+    /// `text`: content of the scene file, as `rewritten_obj` returns it.
+    MeshFiles(std::filesystem::path scene_path, std::string text, SceneNotes& notes)
+        : scene_path_(std::move(scene_path)), text_(std::move(text)), notes_(notes) {}
 
     [[nodiscard]] bool Exists(const char* file) const override;
     [[nodiscard]] char getOsSeparator() const override { return '/'; }
@@ -26,6 +29,8 @@ class MeshFiles : public Assimp::IOSystem {
     void Close(Assimp::IOStream* stream) override;
 
     [[nodiscard]] const std::vector<ReferredFile>& opened() const { return opened_; }
+    /// The options of pictures in the material libraries, by the name of the material.
+    [[nodiscard]] const std::map<std::string, MaterialPictures>& pictures() const { return pictures_; }
     [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
     [[nodiscard]] const std::vector<std::string>& outside() const { return outside_; }
 
@@ -35,7 +40,9 @@ class MeshFiles : public Assimp::IOSystem {
     std::filesystem::path scene_path_;
     std::string text_;
     std::vector<ReferredFile> opened_;
+    std::map<std::string, MaterialPictures> pictures_;
     std::vector<std::string> missing_, outside_;
+    SceneNotes& notes_;
 };
 
 /// Largest file that assimp may read, bytes. Assimp needs about ten times this size in memory.

@@ -44,7 +44,7 @@ Material MeshMaterials::plain() {
     return m;
 }
 
-Material MeshMaterials::read(const aiMaterial& from) {
+Material MeshMaterials::read(const aiMaterial& from, const MaterialPictures& pictures) {
     Material m;
     m.name = printable_name(from.GetName().C_Str(), "material");
     const dvec3 kd = colour(from, AI_MATKEY_COLOR_DIFFUSE, dvec3(0.8), largest_colour);
@@ -79,8 +79,11 @@ Material MeshMaterials::read(const aiMaterial& from) {
         const bool refracts = illum == 6 || illum == 7;
         m.ior = refracts && d < 1 && ni >= 0.01 ? ni : 1;
     }
-    m.colour_texture = picture(from, aiTextureType_DIFFUSE);
-    m.emission_texture = picture(from, aiTextureType_EMISSIVE);
+    m.colour_texture = picture(from, aiTextureType_DIFFUSE, pictures.colour.clamp);
+    m.emission_texture = picture(from, aiTextureType_EMISSIVE, pictures.emission.clamp);
+    if (m.colour_texture && m.emission_texture && !pictures.emission.lies_like(pictures.colour)) {
+        notes_.add("the picture of Ke lies on the surface as that of Kd does, whatever its own -s and -o");
+    }
     for (const aiTextureType type : {aiTextureType_AMBIENT, aiTextureType_SPECULAR, aiTextureType_OPACITY,
                                      aiTextureType_SHININESS, aiTextureType_HEIGHT, aiTextureType_NORMALS,
                                      aiTextureType_DISPLACEMENT, aiTextureType_REFLECTION}) {
@@ -92,16 +95,17 @@ Material MeshMaterials::read(const aiMaterial& from) {
     return m;
 }
 
-std::shared_ptr<const Texture> MeshMaterials::picture(const aiMaterial& from, aiTextureType type) {
+std::shared_ptr<const Texture> MeshMaterials::picture(const aiMaterial& from, aiTextureType type,
+                                                      bool clamp) {
     aiString name;
     if (from.GetTextureCount(type) == 0 || from.GetTexture(type, 0, &name) != aiReturn_SUCCESS)
         return nullptr;
-    return picture(std::string(name.C_Str()));
+    return picture(std::string(name.C_Str()), clamp);
 }
 
-std::shared_ptr<const Texture> MeshMaterials::picture(std::string file) {
+std::shared_ptr<const Texture> MeshMaterials::picture(std::string file, bool clamp) {
     std::replace(file.begin(), file.end(), '\\', '/');
-    const auto [at, is_new] = textures_.try_emplace(file);
+    const auto [at, is_new] = textures_.try_emplace({file, clamp});
     if (!is_new) return at->second;
     const auto path = inside_scene_folder(scene_path_, file);
     if (!path) {
@@ -119,7 +123,8 @@ std::shared_ptr<const Texture> MeshMaterials::picture(std::string file) {
         texture.width = image.width;
         texture.height = image.height;
         texture.rgb = std::move(image.rgb);
-        texture.wrap_v = true;
+        texture.clamp_u = clamp;
+        texture.wrap_v = !clamp;
         at->second = std::make_shared<const Texture>(std::move(texture));
         files_.push_back({file, *path});
     } catch (const Error& error) {

@@ -6,8 +6,10 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "scene/mesh/obj_text.h"
 #include "scene/referred_files.h"
 #include "scene/scene.h"
 #include "scene/scene_notes.h"
@@ -23,22 +25,22 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts a material. Throws Error(invalid_input) if the path of a texture leads out of the scene's
-    /// folder.
-    [[nodiscard]] Material read(const aiMaterial& from);
+    /// Converts a material, whose pictures have these options. Throws Error(invalid_input) if the path of a
+    /// texture leads out of the scene's folder.
+    [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// The default material: white and diffuse.
     [[nodiscard]] static Material plain();
     /// Reads a texture. If the file cannot be read, makes a note and returns null. Throws
     /// Error(invalid_input) if the path leads out of the scene's folder.
-    [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file);
+    [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file, bool clamp = false);
 
   private:
-    std::shared_ptr<const Texture> picture(const aiMaterial& from, aiTextureType type);
+    std::shared_ptr<const Texture> picture(const aiMaterial& from, aiTextureType type, bool clamp);
 
     std::filesystem::path scene_path_;
     std::vector<ReferredFile>& files_;
     SceneNotes& notes_;
-    std::map<std::string, std::shared_ptr<const Texture>> textures_;
+    std::map<std::pair<std::string, bool>, std::shared_ptr<const Texture>> textures_;
 };
 
 }  // namespace postlens

@@ -18,6 +18,7 @@
 #include "records/motion/scene_limits.h"
 #include "scene/mesh/mesh_files.h"
 #include "scene/mesh/mesh_materials.h"
+#include "scene/mesh/obj_text.h"
 #include "scene/mesh/ply_file.h"
 #include "scene/scene_defaults.h"
 #include "scene/toml/toml_objects.h"
@@ -26,6 +27,7 @@
 namespace postlens {
 namespace {
 
+using glm::dvec2;
 using glm::dvec3;
 
 std::string one_line(std::string text) {
@@ -59,7 +61,7 @@ class MeshReader {
   private:
     void add_obj(const std::string& bytes, std::vector<ReferredFile>& referred) {
         // Assimp's importer takes ownership of this object.
-        auto* const files = new MeshFiles(path_, as_utf8(bytes));
+        auto* const files = new MeshFiles(path_, rewritten_obj(as_utf8(bytes)), notes_);
         Assimp::Importer importer;
         importer.SetIOHandler(files);
         const aiScene* found = import(importer);
@@ -74,6 +76,7 @@ class MeshReader {
         }
         referred = files->opened();
         MeshMaterials materials(path_, referred, notes_);
+        pictures_ = files->pictures();
         add_node(*found, *found->mRootNode, materials);
     }
 
@@ -185,7 +188,7 @@ class MeshReader {
             const std::size_t before = scene_.objects.size();
             for (unsigned i = 0; i < node.mNumMeshes; ++i) {
                 const aiMesh& mesh = *from.mMeshes[node.mMeshes[i]];
-                Mesh read = read_mesh(mesh);
+                Mesh read = read_mesh(mesh, uv_options(*from.mMaterials[mesh.mMaterialIndex]));
                 if (read.triangles.empty()) continue;
                 Object object;
                 object.name = printable_name(is_nameless ? scene_.name : name, "mesh");
@@ -203,17 +206,28 @@ class MeshReader {
         for (unsigned i = 0; i < node.mNumChildren; ++i) add_node(from, *node.mChildren[i], materials);
     }
 
+    MaterialPictures pictures_of(const aiMaterial& material) const {
+        const auto found = pictures_.find(material.GetName().C_Str());
+        return found == pictures_.end() ? MaterialPictures{} : found->second;
+    }
+
+    // The options by which the pictures of a material lie on its surfaces.
+    PictureOptions uv_options(const aiMaterial& material) const {
+        const MaterialPictures pictures = pictures_of(material);
+        return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;
+    }
+
     std::size_t material_of(const aiScene& from, unsigned index, MeshMaterials& materials) {
         const auto [at, is_new] = materials_.try_emplace(index, scene_.materials.size());
         if (is_new) {
             const aiMaterial& m = *from.mMaterials[index];
             const bool is_made = std::string_view(m.GetName().C_Str()) == AI_DEFAULT_MATERIAL_NAME;
-            scene_.materials.push_back(is_made ? MeshMaterials::plain() : materials.read(m));
+            scene_.materials.push_back(is_made ? MeshMaterials::plain() : materials.read(m, pictures_of(m)));
         }
         return at->second;
     }
 
-    Mesh read_mesh(const aiMesh& from) {
+    Mesh read_mesh(const aiMesh& from, const PictureOptions& picture) {
         Mesh out;
         std::vector<bool> usable;
         for (unsigned i = 0; i < from.mNumVertices; ++i) {
@@ -225,7 +239,7 @@ class MeshReader {
             }
             if (from.HasTextureCoords(0)) {
                 const aiVector3D& t = from.mTextureCoords[0][i];
-                out.uvs.push_back(finite_uv({t.x, t.y}));
+                out.uvs.push_back(finite_uv(picture.scale * dvec2(t.x, t.y) + picture.offset));
             }
             if (from.HasVertexColors(0)) {
                 const aiColor4D& c = from.mColors[0][i];
@@ -268,6 +282,7 @@ class MeshReader {
     Scene scene_;
     SceneNotes notes_;
     std::map<unsigned, std::size_t> materials_;
+    std::map<std::string, MaterialPictures> pictures_;  ///< options of the pictures of an OBJ's materials
     std::vector<dvec3> corners_;
     std::uint32_t id_ = 0;
 };

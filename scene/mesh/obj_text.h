@@ -1,0 +1,38 @@
+// The text of OBJ and MTL files, rewritten so that assimp reads all of it.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "scene/scene_notes.h"
+
+namespace postlens {
+
+/// How a picture of an MTL file lies on a surface: at scale * (u, v) + offset.
+struct PictureOptions {
+    glm::dvec2 scale{1}, offset{0};  ///< of -s and -o
+    bool clamp = false;              ///< of -clamp: only its edge lies outside the unit square
+    [[nodiscard]] bool lies_like(const PictureOptions& other) const {
+        return scale == other.scale && offset == other.offset;
+    }
+};
+
+/// The options of a material's pictures.
+struct MaterialPictures {
+    PictureOptions colour, emission;  ///< of map_Kd and map_Ke
+};
+
+/// Returns the text of an OBJ file with the same contents, but without blanks around lines and comments
+/// behind numbers, with a digit before every decimal point, and with one `mtllib` line per file name. Assimp
+/// 5.2 loses or rejects such lines.
+[[nodiscard]] std::string rewritten_obj(std::string_view text);
+
+/// Returns the text of an MTL file without comments behind numbers, without `-halo`, and without the options
+/// of map_Kd and map_Ke, which are added to `pictures` by the name of the material. Options that are not read
+/// cause notes.
+[[nodiscard]] std::string rewritten_mtl(std::string_view text,
+                                        std::map<std::string, MaterialPictures>& pictures, SceneNotes& notes);
+
+}  // namespace postlens
