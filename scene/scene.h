@@ -47,6 +47,8 @@ struct Material {
     std::shared_ptr<const Texture> colour_texture;
     /// Multiplies `emission`; null: white.
     std::shared_ptr<const Texture> emission_texture;
+    /// If true, `colour_texture` and the colours of a mesh multiply `emission`, too.
+    bool emission_has_colour = false;
     /// True if the material reflects rays at some angle.
     [[nodiscard]] bool reflects() const {
         return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));

@@ -74,26 +74,36 @@ class MaterialReader {
         if (base_picture) {
             out.colour_texture = picture(*base_picture, uv);
             has_uv = out.colour_texture != nullptr;
-            if (has_uv && s.metallic > 0) {
+            if (has_uv && s.metallic > 0 && !s.unlit) {
                 notes_.add(
                     "the picture of a metal's base colour tints its diffuse light, not its mirror image");
             }
         }
-        if (const auto t = m.object("emissiveTexture")) {
-            UvSource own;
-            auto texture = picture(*t, own);
-            if (has_uv && !(own == uv)) {
-                notes_.add(
-                    "an emissiveTexture lies otherwise on the mesh than the baseColorTexture and is left "
-                    "out");
-            } else {
-                uv = own;
-                out.emission_texture = std::move(texture);
-            }
+        if (s.unlit) {
+            // An unlit material emits its base colour, and nothing of its own.
+            out.emission_has_colour = true;
+        } else if (const auto t = m.object("emissiveTexture")) {
+            read_emissive_picture(*t, has_uv, out, uv);
         }
-        // An unlit material emits its base colour.
-        if (s.unlit) out.emission_texture = std::exchange(out.colour_texture, nullptr);
         return out;
+    }
+
+    // `has_uv`: whether the colour's picture already determines `uv`.
+    void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
+        const RawImage* raw = image_of(info);
+        const UvSource own = uv_source(info);
+        if (!raw) {
+            // Most of an emissive picture is usually black, so without it the surface does not emit.
+            out.emission = dvec3(0);
+            notes_.add("a surface whose emissiveTexture is left out emits nothing");
+        } else if (has_uv && !(own == uv)) {
+            out.emission *= mean_colour(*raw);
+            notes_.add(
+                "an emissiveTexture lies otherwise on the mesh than the baseColorTexture: the mean of it "
+                "counts");
+        } else {
+            out.emission_texture = picture(info, uv);
+        }
     }
 
     void read_alpha(const JsonPlace& m, MetallicRoughness& s) {

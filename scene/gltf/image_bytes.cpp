@@ -89,6 +89,15 @@ ImageTexture colour_image(const RawImage& raw) {
     return out;
 }
 
+glm::dvec3 mean_colour(const RawImage& raw) {
+    const ImageTexture linear = colour_image(raw);
+    glm::dvec3 sum(0);
+    for (std::size_t i = 0; i < linear.rgb.size(); i += 3) {
+        sum += glm::dvec3(linear.rgb[i], linear.rgb[i + 1], linear.rgb[i + 2]);
+    }
+    return sum / (static_cast<double>(linear.rgb.size()) / 3);
+}
+
 double channel_mean(const RawImage& raw, std::size_t channel) {
     double sum = 0;
     for (std::size_t i = channel; i < raw.rgba.size(); i += 4) sum += static_cast<double>(raw.rgba[i]);

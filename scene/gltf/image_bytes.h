@@ -28,6 +28,9 @@ inline constexpr double most_image_pixels = 1 << 26;
 /// Returns a texture with scene-linear colours. The stored values are interpreted as sRGB.
 [[nodiscard]] ImageTexture colour_image(const RawImage& raw);
 
+/// Returns the mean of the scene-linear colours. The stored values are interpreted as sRGB.
+[[nodiscard]] glm::dvec3 mean_colour(const RawImage& raw);
+
 /// Returns the mean of the stored values of one channel (0 to 3).
 [[nodiscard]] double channel_mean(const RawImage& raw, std::size_t channel);
 

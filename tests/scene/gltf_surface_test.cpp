@@ -209,6 +209,60 @@ TEST_F(MeshText, ColoursOfCornersAreMixed) {
     EXPECT_EQ(surface_colour(s.materials.at(0), p), dvec3(p.colour));
 }
 
+TEST_F(MeshText, UnlitSurfacesEmitTheirColoursOfCorners) {
+    write_image(folder_.path() / "four colours.png", four_colours());
+    for (const bool has_picture : {false, true}) {
+        GltfText g;
+        const int colours = g.floats({0.5F, 0.25F, 1, 0.5F, 0.25F, 1, 0.5F, 0.25F, 1}, "VEC3");
+        // All corners lie at the centre of the first texel, which is red.
+        const int uv = g.floats({0.25F, 0.25F, 0.25F, 0.25F, 0.25F, 0.25F}, "VEC2");
+        g.mesh.replace(g.mesh.find("}}]"), 3,
+                       fmt::format(R"(,"COLOR_0":{},"TEXCOORD_0":{}}},"material":0}}])", colours, uv));
+        g.more = fmt::format(R"("materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,1,1,1]{}}},)"
+                             R"("emissiveFactor":[1,1,1],"extensions":{{"KHR_materials_unlit":{{}}}}}}],)"
+                             R"("textures":[{{"source":0}}],"images":[{{"uri":"four%20colours.png"}}],)",
+                             has_picture ? R"(,"baseColorTexture":{"index":0})" : "");
+        const Scene s = read(g);
+        EXPECT_FALSE(notes_have(s, "metal"));
+        const RayScene rays(s, 0);
+        RayBatch batch;
+        batch.clear(false);
+        const dvec3 from(0.25, 0.5, 1), along(0, 0, -1);
+        batch.add(from, along, std::numeric_limits<float>::infinity());
+        rays.intersect(batch, false);
+        ASSERT_TRUE(batch.hit(0).valid());
+        const SurfacePoint p = rays.surface(batch.hit(0), from, along, 1);
+        const Material& m = s.materials.at(0);
+        const dvec3 got = own_radiance(s, m, p, surface_colour(m, p));
+        const dvec3 expected = has_picture ? dvec3(0.25, 0, 0) : dvec3(0.25, 0.25, 1);
+        EXPECT_LT(glm::length(got - expected), 1e-7) << got.x << " " << got.y << " " << got.z;
+    }
+}
+
+TEST_F(MeshText, OfAnEmissivePictureThatLiesOtherwiseTheMeanCounts) {
+    write_image(folder_.path() / "four colours.png", four_colours());
+    GltfText g;
+    const int uv = g.floats({0, 0, 1, 0, 0, 1}, "VEC2");
+    g.mesh.replace(g.mesh.find("}}]"), 3,
+                   fmt::format(R"(,"TEXCOORD_0":{0},"TEXCOORD_1":{0}}},"material":0}}])", uv));
+    const auto scene = [&g, this](const std::string& texture) {
+        g.more =
+            R"("materials":[{"pbrMetallicRoughness":{"metallicFactor":0,"baseColorTexture":{"index":0}},)"
+            R"("emissiveFactor":[1,0.5,1],"emissiveTexture":)" +
+            texture + R"(}],"textures":[{"source":0},{}],"images":[{"uri":"four%20colours.png"}],)";
+        return read(g);
+    };
+    // Of the four colours, two have red, two green and two blue.
+    const Scene otherwise = scene(R"({"index":0,"texCoord":1})");
+    EXPECT_EQ(otherwise.materials.at(0).emission, dvec3(0.5, 0.25, 0.5));
+    EXPECT_FALSE(otherwise.materials.at(0).emission_texture);
+    EXPECT_TRUE(notes_have(otherwise, "the mean of it counts"));
+    const Scene unread = scene(R"({"index":1,"texCoord":1})");
+    EXPECT_EQ(unread.materials.at(0).emission, dvec3(0));
+    EXPECT_TRUE(notes_have(unread, "emits nothing"));
+    EXPECT_TRUE(scene(R"({"index":0})").materials.at(0).emission_texture);
+}
+
 TEST_F(MeshText, TrianglesWithoutAreaAreLeftOut) {
     GltfText g;
     const int p = g.floats({0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 2, 2, 3, 3, 3, 4, 4, 4}, "VEC3");

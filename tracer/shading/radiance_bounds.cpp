@@ -83,7 +83,8 @@ std::vector<double> radiance_bounds(const Scene& scene, int max_depth) {
     for (const Material& m : scene.materials) {
         const double colour = m.colour_texture ? m.colour_texture->maximum() : 1;
         const dvec3 specular = m.fresnel ? glm::max(m.specular, m.specular_grazing) : m.specular;
-        const double glow = m.emission_texture ? m.emission_texture->maximum() : 1;
+        const double glow =
+            (m.emission_texture ? m.emission_texture->maximum() : 1) * (m.emission_has_colour ? colour : 1);
         local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
                                         lit * (colour * (m.diffuse + m.diffuse_transmission) + specular)));
         passed_on = std::max(passed_on, largest(m.reflection + m.transmission));

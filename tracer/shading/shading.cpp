@@ -33,7 +33,8 @@ dvec3 surface_colour(const Material& m, const SurfacePoint& s) {
 
 dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s, const dvec3& colour) {
     dvec3 out = m.ambient * colour * scene.ambient_light;
-    out += m.emission_texture ? m.emission * m.emission_texture->colour(s.object_position, s.uv) : m.emission;
+    const dvec3 emission = m.emission_has_colour ? m.emission * colour : m.emission;
+    out += m.emission_texture ? emission * m.emission_texture->colour(s.object_position, s.uv) : emission;
     return out;
 }
 
