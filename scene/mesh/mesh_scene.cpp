@@ -110,7 +110,7 @@ class MeshReader {
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t at = is_unrolled ? checked(from.corners[i], from.positions.size()) : i;
             add_position(from.positions[at], usable, out);
-            if (!from.normals.empty()) out.normals.push_back(unit_normal(from.normals[at]));
+            if (!from.normals.empty()) out.normals.emplace_back(unit_normal(from.normals[at]));
             if (!from.colours.empty()) out.colours.push_back(screen_colour(from.colours[at]));
             const auto& uvs = is_unrolled ? from.corner_uvs : from.uvs;
             if (!uvs.empty()) out.uvs.push_back(i < uvs.size() ? finite_uv(uvs[i]) : glm::vec2(0));

@@ -175,6 +175,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
+        // A backslash before blanks at the end of a line must not become one that continues the line.
+        if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }
     return out;

@@ -70,6 +70,7 @@ TEST(ObjText, IsRewrittenAsAssimpReadsIt) {
     EXPECT_EQ(rewritten_obj("v 1 \\\n.5 0\n# v .5\no a #1 .5\nusemtl .5 \n"),
               "v 1 \\\n0.5 0\n# v .5\no a #1 .5\nusemtl .5\n");
     EXPECT_EQ(rewritten_obj("v . 0 1.\n\n \nv 1.#INF 0 0\n"), "v . 0 1.\n\n\nv 1.#INF 0 0\n");
+    EXPECT_EQ(rewritten_obj("g a\\ \nv 1 0 0\n"), "g a\\ \nv 1 0 0\n");
     EXPECT_EQ(rewritten_obj("mtllib my a.mtl B.MTL  \n"), "mtllib my a.mtl\nmtllib B.MTL\n");
     EXPECT_EQ(rewritten_obj("mtllib a.mtl # all of it\nmtllib\n"), "mtllib a.mtl\n\n");
 }
