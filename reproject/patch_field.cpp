@@ -268,7 +268,7 @@ class Field {
             }
             w.rays.set_aside(shown, w.sum);
         }
-        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile;
+        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile && !(rays && v.moves());
         // Where both recorded instants of the view show the same surface, their colours are blended.
         // Elsewhere only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {

@@ -2,6 +2,7 @@
 // averages the views.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -43,6 +44,14 @@ struct PatchView {
     double light_before = 0.5;
     std::uint32_t set = 0;
     std::uint32_t number = 0;
+
+    /// Whether something moves between the recorded instants and the view's.
+    [[nodiscard]] bool moves() const {
+        return std::any_of(uses.begin(), uses.end(), [](const Use& use) {
+            return std::any_of(use.motions.begin(), use.motions.end(),
+                               [](const RasterMap& motion) { return !motion.identity(); });
+        });
+    }
 };
 
 /// A set of views. Their mean is an image, or some square pieces of an image.

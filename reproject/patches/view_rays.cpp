@@ -23,12 +23,12 @@ void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weig
     weight_.push_back(weight);
 }
 
-void RaySamples::find_doubtful(const ShownView& shown) {
+void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
     const bool all = whole_tile || shown.view.uses.size() != 1;
     const SeenTile& seen = shown.seen[0];
     const Texel* texels = shown.mesh(0).sheets->texels.data();
     const std::uint32_t doubts =
-        Texel::unsure_bit | Texel::unsure_below_bit | (parents_too ? Texel::children_bits : 0U);
+        Texel::unsure_bit | Texel::unsure_below_bit | (parents ? Texel::children_bits : 0U);
     std::size_t count = 0;
     for (int y = 0; y < shown.at.height; ++y) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
@@ -47,13 +47,19 @@ void RaySamples::find_doubtful(const ShownView& shown) {
 
 void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
     const PatchView& v = shown.view;
+    const bool moves = v.moves();
+    const auto is_parent = [&](std::size_t u, std::size_t k) {
+        const PatchMesh& mesh = shown.mesh(u);
+        const std::uint32_t texel = shown.seen[u].texel[k];
+        return (moves && mesh.sheets->texels[texel].children() != 0) ||
+               (parents_too && mesh.drawn_children(texel) != 0);
+    };
     fill_pixels(shown.at, uses, 0);
-    find_doubtful(shown);
+    find_doubtful(shown, moves || parents_too);
     for (const std::size_t k : doubtful_) {
         bool sure_of_all = !whole_tile;
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
-            sure_of_all = sure_of_all && sure(shown, u, k) &&
-                          !(parents_too && shown.mesh(u).drawn_children(shown.seen[u].texel[k]) != 0);
+            sure_of_all = sure_of_all && sure(shown, u, k) && !is_parent(u, k);
         }
         if (sure_of_all && v.uses.size() == 2) sure_of_all = shown.id(0, k) == shown.id(1, k);
         if (sure_of_all) continue;

@@ -69,7 +69,8 @@ class RaySamples {
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
     /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the
-    /// sample. With `parents_too`, rays also replace the samples of surfaces that reflect or transmit.
+    /// sample. With `parents_too`, rays also replace the samples of surfaces that reflect or transmit; and so
+    /// they do where something moves, because a recorded reflection moves otherwise than its mirror.
     /// `recorded` receives the sums of all other samples.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// If the records do not determine the reflected or transmitted light of a view's sample, a ray replaces
@@ -82,7 +83,7 @@ class RaySamples {
   private:
     /// Lists the pixels in which the view's sample may have to become a ray. Most pixels are excluded by a
     /// test that is faster than that of set_aside.
-    void find_doubtful(const ShownView& shown);
+    void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
 

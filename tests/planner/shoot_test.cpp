@@ -230,6 +230,33 @@ TEST(Shoot, BlurringTwiceIsWrongInEitherOrder) {
     EXPECT_LT(then_shutter, at_once - 10);
 }
 
+// Records of one instant say what a surface reflects and transmits then. A tinted sheet that slides over a
+// striped wall takes nothing of it along.
+TEST(Shoot, RaysSeeWhatMovesInGlassAndMirrors) {
+    for (const bool glass : {true, false}) {
+        SceneBuilder b = bar_and_wall();
+        Material m;
+        m.emission = dvec3(0.05);
+        (glass ? m.transmission : m.reflection) = dvec3(0.8, 0.5, 0.5);
+        Object& sheet = b.add(board(-0.4, 0.1, -0.3, 0.3, 3), m);
+        sheet.id = 3;
+        sheet.keys = from_to({0.6, 0, 0});
+        // Behind the camera, for the mirror: a striped wall that stays.
+        for (int i = -40; i < 40; i += 2) {
+            b.add(board(i * 0.35, i * 0.35 + 0.35, -9, 9, -6), glowing({0.1, 0.8, 0.3})).id = 4;
+        }
+        TraceSettings trace = traced(true);
+        trace.for_shutter = TimeSpan{0, 1};
+        const Shot shot(b, trace);
+        HybridSettings s = shot.settings(2.5, 128);
+        s.scene = &b.scene;
+        const Image truth = rays(b.scene, s, 2048);
+        const HybridResult got = hybrid_picture(shot.frame.file(), s);
+        EXPECT_GT(psnr(got.focus.image, truth), psnr(rays(b.scene, s, 128, true), truth) - 0.5) << glass;
+        EXPECT_LT(got.retraced_share, 0.6) << glass;
+    }
+}
+
 TEST(Shoot, KeysCarryWhatTurns) {
     SceneBuilder b = bar_and_wall();
     Object& turning = b.add(Box{{-0.3, -0.3, -0.3}, {0.3, 0.3, 0.3}}, glowing({0.1, 0.8, 0.3}));
