@@ -66,7 +66,7 @@ class Reader {
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
         z_ = list_->add(c.depth_part, c.z, std::numeric_limits<float>::infinity());
         alpha_ = list_->add(c.alpha_part, c.a, 0);
-        id_ = list_->add(id_part, out.id_name, 0);
+        id_ = list_->add(id_part, out.id_name, 0, ChannelUse::id);
         whole_ids_ = file_.kind(id_part, out.id_name) == ChannelKind::whole;
         list_->read([&](int y, std::span<const float* const> values) {
             for (int x = 0; x < part_->width(); ++x) out.pixels.push_back(pixel(values, x, y));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -35,6 +36,11 @@ struct ForeignPart {
 };
 
 enum class ChannelKind { half, float32, whole };
+
+/// The number whose bits ForeignFile has read from a channel of integers.
+[[nodiscard]] inline float number_of_bits(float bits) {
+    return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
+}
 
 /// Subsampling of a channel. The channel has values where x and y are multiples of these numbers.
 struct ChannelSampling {

@@ -26,7 +26,7 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
 }
 
 std::vector<float> plane_onto(const ForeignFile& file, std::size_t part, const std::string& channel,
-                              const ForeignPart& onto, float otherwise) {
+                              const ForeignPart& onto, float otherwise, bool converts) {
     const std::size_t pixels =
         static_cast<std::size_t>(onto.width()) * static_cast<std::size_t>(onto.height());
     require_memory(pixels * sizeof(float), "the channel of another part");
@@ -34,27 +34,31 @@ std::vector<float> plane_onto(const ForeignFile& file, std::size_t part, const s
     each_row_onto(
         file, part, std::span(&channel, 1), onto,
         [&](std::size_t first, std::size_t count, std::size_t from, std::span<const float* const> values) {
-            std::copy_n(values[0] + from, count, plane.begin() + static_cast<std::ptrdiff_t>(first));
+            const auto to = plane.begin() + static_cast<std::ptrdiff_t>(first);
+            std::copy_n(values[0] + from, count, to);
+            if (converts) std::transform(to, to + static_cast<std::ptrdiff_t>(count), to, number_of_bits);
         });
     return plane;
 }
 
 std::optional<std::size_t> JoinedChannels::add(std::size_t part, const std::string& name, float otherwise,
-                                               bool interpolated) {
+                                               ChannelUse use) {
     if (name.empty()) return std::nullopt;
     for (std::size_t i = 0; i < channels_.size(); ++i) {
-        if (channels_[i].part == part && channels_[i].name == name) return i;
+        if (channels_[i].part == part && channels_[i].name == name && channels_[i].use == use) return i;
     }
     Channel& channel = channels_.emplace_back();
     channel.part = part;
     channel.name = name;
-    if (interpolated && part == part_ && file_.sampling(part, name) != ChannelSampling()) {
+    channel.use = use;
+    const bool converts = use != ChannelUse::id && file_.kind(part, name) == ChannelKind::whole;
+    if (use == ChannelUse::interpolated && part == part_ && file_.sampling(part, name) != ChannelSampling()) {
         channel.plane = file_.read_sampled(part, name);
     } else if (part != part_) {
-        channel.plane = plane_onto(file_, part, name, file_.parts()[part_], otherwise);
+        channel.plane = plane_onto(file_, part, name, file_.parts()[part_], otherwise, converts);
     } else {
-        channel.row = own_.size();
-        own_.push_back(name);
+        channel.row = *own_.add(name);
+        channel.converted = converts;
     }
     return channels_.size() - 1;
 }
@@ -64,11 +68,18 @@ void JoinedChannels::read(
     const ForeignPart& part = file_.parts()[part_];
     const auto width = static_cast<std::size_t>(part.width());
     std::vector<const float*> joined(channels_.size());
-    file_.read_flat(part_, own_, [&](int y, std::span<const float* const> values) {
+    std::vector<std::vector<float>> numbers(channels_.size());
+    for (std::size_t i = 0; i < channels_.size(); ++i) {
+        if (channels_[i].converted) numbers[i].resize(width);
+    }
+    file_.read_flat(part_, own_.names(), [&](int y, std::span<const float* const> values) {
         const std::size_t first = static_cast<std::size_t>(y - part.data.y_min) * width;
         for (std::size_t i = 0; i < channels_.size(); ++i) {
             const Channel& channel = channels_[i];
             joined[i] = channel.plane.empty() ? values[channel.row] : channel.plane.data() + first;
+            if (!channel.converted) continue;
+            std::transform(joined[i], joined[i] + width, numbers[i].begin(), number_of_bits);
+            joined[i] = numbers[i].data();
         }
         take(y, joined);
     });

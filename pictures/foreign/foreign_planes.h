@@ -22,10 +22,16 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns one value of the channel for each pixel of `onto`, row by row. Where the part stores no pixel, the
-/// value is `otherwise`. Throws Error(out_of_memory).
+/// value is `otherwise`. `converts`: whether the channel's values are integers to convert. Throws
+/// Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
-                                            float otherwise);
+                                            float otherwise, bool converts);
+
+/// How the values of a channel are read. The integers of ids are passed as their bits, because a float does
+/// not hold every id; all other integers are converted. Only an interpolated channel may be subsampled
+/// (ForeignFile::read_sampled).
+enum class ChannelUse { number, interpolated, id };
 
 /// Channels of several parts, read row by row as if a single part contained them.
 class JoinedChannels {
@@ -34,11 +40,10 @@ class JoinedChannels {
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
     /// Adds a channel and returns the index of its values in `read`; empty for an empty name. A channel that
-    /// is added again keeps its index. `otherwise` is the value where another part stores no pixel. A
-    /// subsampled channel (ForeignFile::read_sampled) is an error unless `interpolated` is true. Channels of
-    /// other parts are read immediately.
+    /// is added again for the same use keeps its index. `otherwise` is the value where another part stores no
+    /// pixel. Channels of other parts are read immediately.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
-                                   bool interpolated = false);
+                                   ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
     /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, channel by channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
@@ -47,13 +52,15 @@ class JoinedChannels {
     struct Channel {
         std::size_t part = 0;
         std::string name;
+        ChannelUse use = ChannelUse::number;
         std::vector<float> plane;  ///< empty for a channel of the part that is read
         std::size_t row = 0;       ///< index of the channel within the rows of that part
+        bool converted = false;    ///< whether the values of these rows are integers to convert
     };
     const ForeignFile& file_;
     std::size_t part_;
     std::vector<Channel> channels_;
-    std::vector<std::string> own_;
+    ChannelList own_;
 };
 
 }  // namespace postlens

@@ -137,8 +137,10 @@ class Reader {
         JoinedChannels channels(file_, c.part);
         const auto r = channels.add(c.part, c.r, 0), g = channels.add(c.part, c.g, 0),
                    b = channels.add(c.part, c.b, 0), a = channels.add(c.alpha_part, c.a, 0),
-                   z = channels.add(c.depth_part, c.z, infinite), id = channels.add(c.id_part, c.id, 0),
-                   ry = channels.add(c.part, c.ry, 0, true), by = channels.add(c.part, c.by, 0, true);
+                   z = channels.add(c.depth_part, c.z, infinite),
+                   id = channels.add(c.id_part, c.id, 0, ChannelUse::id),
+                   ry = channels.add(c.part, c.ry, 0, ChannelUse::interpolated),
+                   by = channels.add(c.part, c.by, 0, ChannelUse::interpolated);
         std::optional<MatteShares> matte;
         std::vector<std::size_t> of_matte;
         if (c.matte) {
@@ -198,6 +200,9 @@ class Reader {
         ChannelList wanted;
         const auto r = wanted.add(c.r), g = wanted.add(c.g), b = wanted.add(c.b), a = wanted.add(c.a),
                    z = wanted.add(c.z), z_back = wanted.add(c.z_back), id = wanted.add(c.id);
+        std::vector<bool> whole;  // of each channel, whether its values are integers
+        for (const std::string& name : wanted.names())
+            whole.push_back(file_.kind(c.part, name) == ChannelKind::whole);
         std::vector<DeepSample> pixel;
         file_.read_deep(c.part, wanted.names(), [&](const DeepRows& rows) {
             std::size_t at = 0;
@@ -207,7 +212,9 @@ class Reader {
                 pixel.clear();
                 for (std::uint32_t k = 0; k < rows.count[i]; ++k, ++at) {
                     const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
-                        return channel ? rows.values[*channel][at] : otherwise;
+                        if (!channel) return otherwise;
+                        const float stored = rows.values[*channel][at];
+                        return whole[*channel] ? number_of_bits(stored) : stored;
                     };
                     DeepSample s{depths_.distance(value(z, 0)),
                                  depths_.distance(value(z_back, 0)),
@@ -215,7 +222,7 @@ class Reader {
                                  value(g, 0),
                                  value(b, 0),
                                  checked_alpha(value(a, 1)),
-                                 surface_id(value(id, 0), out_.whole_ids)};
+                                 surface_id(id ? rows.values[*id][at] : 0, out_.whole_ids)};
                     pixel.push_back(s);
                 }
                 tidy_volumes(pixel);

@@ -12,7 +12,9 @@
 #include <OpenEXR/ImfStandardAttributes.h>
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <gtest/gtest.h>
 #include <map>
@@ -74,13 +76,16 @@ inline void write_parts(const std::string& path, const std::vector<Part>& parts)
 /// The names of the channels of a deep pixel, in the order of its values.
 using DeepNames = std::array<const char*, 6>;
 
-/// Writes a deep image of one pixel. A sample has one value per channel.
+/// Writes a deep image of one pixel. A sample has one value per channel. `whole`: name of the channel that is
+/// written as integers.
 inline void write_deep_pixel(const std::string& path, const std::vector<std::array<float, 6>>& samples,
-                             const DeepNames& names = {"R", "G", "B", "A", "Z", "ZBack"}) {
+                             const DeepNames& names = {"R", "G", "B", "A", "Z", "ZBack"},
+                             const std::string& whole = "") {
     Imf::Header h(1, 1);
     h.setType(Imf::DEEPSCANLINE);
     h.compression() = Imf::ZIPS_COMPRESSION;
-    for (const char* n : names) h.channels().insert(n, Imf::Channel(Imf::FLOAT));
+    const auto type = [&](const char* n) { return n == whole ? Imf::UINT : Imf::FLOAT; };
+    for (const char* n : names) h.channels().insert(n, Imf::Channel(type(n)));
     Imf::DeepScanLineOutputFile out(path.c_str(), h);
     unsigned count = static_cast<unsigned>(samples.size());
     std::array<Plane, 6> values;
@@ -89,9 +94,12 @@ inline void write_deep_pixel(const std::string& path, const std::vector<std::arr
     frame.insertSampleCountSlice(
         Imf::Slice(Imf::UINT, reinterpret_cast<char*>(&count), sizeof(unsigned), sizeof(unsigned)));
     for (std::size_t c = 0; c < 6; ++c) {
-        for (const auto& s : samples) values[c].push_back(s[c]);
+        for (const auto& s : samples) {
+            values[c].push_back(names[c] == whole ? std::bit_cast<float>(static_cast<std::uint32_t>(s[c]))
+                                                  : s[c]);
+        }
         pointers[c] = values[c].data();
-        frame.insert(names[c], Imf::DeepSlice(Imf::FLOAT, reinterpret_cast<char*>(&pointers[c]),
+        frame.insert(names[c], Imf::DeepSlice(type(names[c]), reinterpret_cast<char*>(&pointers[c]),
                                               sizeof(float*), sizeof(float*), sizeof(float)));
     }
     out.setFrameBuffer(frame);

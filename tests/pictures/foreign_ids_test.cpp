@@ -307,6 +307,33 @@ TEST_F(ForeignIds, ThoseOfMotionVectorsMayLieInAnotherPart) {
     EXPECT_EQ(by_depth.at(1, 1).id, std::bit_cast<std::uint32_t>(4.0F));
 }
 
+TEST_F(ForeignIds, OnlyIdsKeepTheBitsOfIntegers) {
+    Part part = colours();
+    part.name = "beauty";
+    part.channels["R"] = {bits(2), Imf::UINT};
+    part.channels["Z"] = {bits(4), Imf::UINT};
+    part.channels["id"] = {bits(0xFFFFFFFEU), Imf::UINT};
+    part.channels["forward.u"] = {bits(20), Imf::UINT};
+    part.channels["forward.v"] = {even(0)};
+    const ForeignPicture p = read({part});
+    EXPECT_EQ(p.stack(1, 1)[0].r, 2);
+    EXPECT_EQ(p.stack(1, 1)[0].inverse_z, 0.25F);
+    EXPECT_EQ(p.stack(1, 1)[0].id, 0xFFFFFFFEU);
+    const VectorFrame frame = read_vector_frame(in("a.exr"), {});
+    EXPECT_EQ(frame.at(1, 1).rgb[0], 2);
+    EXPECT_EQ(frame.at(1, 1).right_px, 20);
+    EXPECT_EQ(frame.at(1, 1).inverse_z, 0.25F);
+    EXPECT_EQ(frame.at(1, 1).id, 0xFFFFFFFEU);
+    const VectorFrame by_depth = read_vector_frame(in("a.exr"), {}, {.ids = "Z"});
+    EXPECT_EQ(by_depth.at(1, 1).inverse_z, 0.25F);
+    EXPECT_EQ(by_depth.at(1, 1).id, 4U);
+    // Depths and vectors in parts of their own.
+    Part others{{{"Z", part.channels["Z"]}}, "depth", {}};
+    part.channels.erase("Z");
+    EXPECT_EQ(read({part, others}).stack(1, 1)[0].inverse_z, 0.25F);
+    EXPECT_EQ(read_vector_frame(in("a.exr"), {}).at(1, 1).inverse_z, 0.25F);
+}
+
 // --- edges taken apart
 // ---------------------------------------------------------------------------------------------
 

@@ -222,6 +222,12 @@ TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     const auto apart = flat({later, red});
     EXPECT_NEAR(apart[0], 0.3, 1e-6);
     EXPECT_NEAR(apart[1], 0.5 * 0.6, 1e-6);
+    // Depths that are stored as integers are numbers.
+    write_deep_pixel(in("whole.exr"), {red, later}, {"R", "G", "B", "A", "Z", "ZBack"}, "Z");
+    EXPECT_EQ(read_foreign_picture(in("whole.exr"), {}, {}).flattened().rgb,
+              read_deep({red, later}).flattened().rgb);
+    EXPECT_EQ(read_foreign_picture(in("whole.exr"), {}, {}).samples.front().inverse_z,
+              read_deep({red, later}).samples.front().inverse_z);
     // A surface inside a volume stays opaque.
     const std::array<float, 6> wall{0, 1, 0, 1, 3, 3};
     EXPECT_NEAR(read_deep({red, wall}).flattened().alpha.empty() ? 1 : 0, 1, 0);
