@@ -61,11 +61,10 @@ nlohmann::ordered_json object_json(const ObjectReport& o) {
     return out;
 }
 
-void refuse_for_pictures(bool given, const char* option) {
+void refuse_for_pictures(bool given, const char* option, const char* expected = "a sample file") {
     if (!given) return;
-    fail(ExitCode::wrong_arguments,
-         "{}: not for a picture with motion vectors (expected a sample file, or --method lightfield)",
-         option);
+    fail(ExitCode::wrong_arguments, "{}: not for a picture with motion vectors (expected {})", option,
+         expected);
 }
 
 /// Reports the results that sample files and images of other programs have in common: warnings, exit code,
@@ -101,8 +100,14 @@ std::string headline(const MotionBlurOptions& options, const MotionBlurResult& r
 CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
     refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
-    refuse_for_pictures(options.settings.method == MotionMethod::convolve, "--method convolve");
+    refuse_for_pictures(options.settings.method == MotionMethod::convolve, "--method convolve",
+                        "a sample file, or --method lightfield");
     refuse_for_pictures(options.predict, "--predict");
+    refuse_for_pictures(options.retrace.scene.has_value(), "--scene");
+    refuse_for_pictures(options.target_db.has_value(), "--target-db");
+    refuse_for_pictures(options.retrace.explain.has_value(), "--explain");
+    refuse_for_pictures(options.retrace.metres_per_unit.has_value(), "--metres-per-unit");
+    refuse_for_pictures(options.retrace.lumens_per_watt.has_value(), "--lumens-per-watt");
     if (!options.shutter) {
         fail(ExitCode::wrong_arguments,
              "--shutter: missing (got nothing; expected OPEN:CLOSE in frames, 0 this picture, 1 the next)");

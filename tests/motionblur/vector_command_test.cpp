@@ -59,6 +59,9 @@ TEST_F(VectorFrameTest, CommandRefusesInOneLine) {
             "--method convolve");
     refused(with({"--shutter", "0:1", "--paths", "p.toml"}), ExitCode::wrong_arguments, "--paths");
     refused(with({"--shutter", "0:1", "--fit-paths", "1"}), ExitCode::wrong_arguments, "--fit-paths");
+    for (const char* option :
+         {"--scene", "--explain", "--target-db", "--metres-per-unit", "--lumens-per-watt"})
+        refused(with({"--shutter", "0:1", option, "40"}), ExitCode::wrong_arguments, option);
     refused(with({"--shutter", "0:1", "--views", "0"}), ExitCode::wrong_arguments, "--views");
     refused(with({"--shutter", "0:1", "--vectors", "u"}), ExitCode::wrong_arguments, "--vectors");
     refused(with({"--shutter", "0:1", "--vector-scale", "x"}), ExitCode::wrong_arguments, "--vector-scale");
