@@ -15,9 +15,9 @@ namespace postlens {
 /// if the file was traced from another scene, or if the scene has no such camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) if the framing differs from that of the trace, if the impulse response has
-/// no lens points, if the crop exceeds the image, or if the scene's exposure differs from the file's. The
-/// message contains the name `method`.
+/// Throws Error(wrong_arguments) if the file is orthographic, if the framing differs from that of the trace,
+/// if the impulse response has no lens points, if the crop exceeds the image, or if the scene's exposure
+/// differs from the file's. The message contains the name `method`, or `--scene`.
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
 /// Settings of the light field: lens, shutter and crop, without rays.

@@ -382,6 +382,12 @@ TEST_F(MotionblurCommand, AnOrthographicCamera) {
         EXPECT_NEAR(picture().pixel(24, 18)[0], 0.2 + 0.6 * 8.5 / 16, 0.01) << method;
         EXPECT_NEAR(picture().pixel(10, 18)[0], 0.2, 1e-6) << method;
     }
+    for (const char* method : {"lightfield", "auto"}) {
+        refused({"motionblur", frame, "-o", in("rays.exr"), "--shutter", "0:1", "--method", method, "--scene",
+                 in("ortho.toml")},
+                ExitCode::wrong_arguments,
+                "--scene: rays and views need a perspective camera (got an orthographic sample file)");
+    }
 }
 
 TEST_F(MotionblurCommand, NothingBeforeTheCamera) {
