@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
+#include <span>
 #include <utility>
 
 #include "core/error.h"
@@ -28,6 +29,10 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
+/// Largest accepted value of Crossing::most_mse. The error itself is at least ten times smaller in all scenes
+/// of docs/motion.md: 40 dB over the pixels that the group touches.
+constexpr double most_crossing_mse = 1e-3;
+
 class MotionBlur {
   public:
     MotionBlur(const SampleFileReader& file, const MotionBlurSettings& settings)
@@ -35,7 +40,8 @@ class MotionBlur {
           header_(file.header()),
           settings_(settings),
           motion_(motion_of(header_, settings.paths)),
-          bands_(file) {}
+          bands_(file),
+          extents_(file.instants()) {}
 
     MotionBlurResult run() {
         result_.image = file_.picture();
@@ -46,12 +52,12 @@ class MotionBlur {
         // blended.
         const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
                             settings_.exposure.close_s > settings_.exposure.open_s;
-        const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
-                                         reprojected = ids_of(MotionMethod::lightfield);
         const std::size_t pixels = result_.image.rgb.size() / 3;
         touched_.assign(pixels, 0);
         unknown_.assign(pixels, 0);
-        if (!convolved.empty()) convolve_groups();
+        if (!groups_.empty()) convolve_groups();
+        const std::vector<std::uint32_t> convolved = ids_of(MotionMethod::convolve),
+                                         reprojected = ids_of(MotionMethod::lightfield);
         if (!reprojected.empty() || blends) reproject(reprojected);
         result_.method = convolved.empty() == reprojected.empty()
                              ? (convolved.empty() ? settings_.method : MotionMethod::automatic)
@@ -77,19 +83,18 @@ class MotionBlur {
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
         // Neighbouring bands share a row. An object that is recorded only in this row keeps both bands in
         // memory.
-        bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_); });
+        bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
-        for (const auto& [id, extent] : extents_)
+        for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
         // At other recorded instants, the records of an object may move differently. Some objects are
         // recorded only at other instants.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
-            IdExtents extents;
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
-                add_extents(band, only, extents);
+                add_extents(band, only, extents_[i]);
                 return false;
             });
-            for (const auto& [id, extent] : extents) {
+            for (const auto& [id, extent] : extents_[i]) {
                 const IdMotion m = classify(motion_, id, extent, file_.instant_s(i), settings_.exposure);
                 auto [at, is_new] = found.emplace(id, m);
                 if (is_new) {
@@ -114,11 +119,15 @@ class MotionBlur {
             o.deviation_px = m.deviation_px;
             if (m.kind == MotionKind::still) {
                 o.reason = fmt::format("stands still on the raster (moves {:.2g} px)", m.largest_move_px);
-            } else if (settings_.method == MotionMethod::convolve && !extents_.contains(m.id)) {
+            } else if (settings_.method == MotionMethod::convolve && !extents_[0].contains(m.id)) {
                 o.reason = "recorded at other instants only, which convolve does not use";
             } else if (settings_.method != MotionMethod::automatic) {
                 o.method = settings_.method;
                 o.reason = "asked for";
+            } else if (m.kind != MotionKind::general && lightfield_sees_more(m.id)) {
+                o.method = MotionMethod::lightfield;
+                o.reason = fmt::format("moves {:.1f} px, and the border cuts it at the frame's instant",
+                                       m.largest_move_px);
             } else if (m.kind == MotionKind::parallax) {
                 o.method = MotionMethod::convolve;
                 o.reason = "moves parallel to the film";  // prepare_convolution gives the details
@@ -136,6 +145,13 @@ class MotionBlur {
             }
             result_.objects.push_back(std::move(o));
         }
+    }
+
+    // Whether the border of the records cuts an object off at the frame's instant, which is the only one that
+    // convolve uses.
+    [[nodiscard]] bool lightfield_sees_more(std::uint32_t id) const {
+        return file_.instants() > 1 &&
+               is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
     // Rows of the raster in which a moving group of objects is recorded, or over which it passes.
@@ -164,7 +180,8 @@ class MotionBlur {
             if (result_.objects[i].method == MotionMethod::convolve) ids.push_back(motions_[i]);
         }
         if (ids.empty()) return;
-        groups_ = find_groups(motion_, ids, extents_, header_.time_s, settings_.exposure, settings_.fit_px);
+        groups_ =
+            find_groups(motion_, ids, extents_[0], header_.time_s, settings_.exposure, settings_.fit_px);
         const auto [y_begin, y_end] = rows_touched();
         bands_.need(y_begin, y_end);
         surfaces_ = band_surfaces(bands_.bands(), y_begin, y_end);
@@ -198,23 +215,38 @@ class MotionBlur {
             const MovingGroup& g = groups_[i];
             const std::string why =
                 g.has_parallax ? why_not_sliced(groups_, i, table, surfaces_, header_) : "";
-            if (why.empty()) kept.push_back(g);
-            if (why.empty()) continue;
-            for_objects(g, [&](ObjectReport& o) {
-                o.method = MotionMethod::lightfield;
-                o.reason =
-                    fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
-            });
+            if (why.empty()) {
+                kept.push_back(g);
+            } else {
+                leave_to_lightfield(g, why);
+            }
         }
         groups_ = std::move(kept);
     }
 
+    void leave_to_lightfield(const MovingGroup& g, const std::string& why) {
+        for_objects(g, [&](ObjectReport& o) {
+            o.method = MotionMethod::lightfield;
+            o.slices = 0;
+            o.path_points = o.fitted_knots = 0;
+            o.reason = fmt::format("moves parallel to the film, {:.1f} px, but {}", o.largest_move_px, why);
+        });
+    }
+
+    /// With `automatic`, groups that cross use lightfield, which then replaces their pixels.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
         result_.image = std::move(blur.image);
         touched_ = std::move(blur.touched);
         unknown_ = std::move(blur.unknown);
+        if (settings_.method != MotionMethod::automatic) return;
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            const Crossing& at = blur.crossings[g];
+            if (at.most_mse <= most_crossing_mse) continue;
+            leave_to_lightfield(groups_[g], label_of(header_, groups_[at.other].ids.front()) +
+                                                " moves over the same pixels");
+        }
     }
 
     void reproject(const std::vector<std::uint32_t>& wanted) {
@@ -278,7 +310,7 @@ class MotionBlur {
             "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's edge)",
             result_.warnings);
         const std::vector<std::uint32_t> moving = moving_ids(motions_);
-        warn_of_cut(file_, motion_, extents_, moving, settings_.exposure, result_.warnings);
+        warn_of_cut(file_, motion_, result_.objects, extents_, settings_.exposure, result_.warnings);
         warn_of_left_out();
         if (blends) return;
         UnseenMotion unseen(header_, with_unseen(moving), settings_.exposure);
@@ -327,7 +359,7 @@ class MotionBlur {
     const MotionBlurSettings& settings_;
     FrameMotion motion_;
     RecordBands bands_;
-    IdExtents extents_;
+    std::vector<IdExtents> extents_;      ///< at every recorded instant
     std::vector<MovingGroup> groups_;     ///< groups to convolve
     std::vector<BandSurfaces> surfaces_;  ///< surfaces of the rows that the groups touch
     std::vector<IdMotion> motions_;       ///< sorted by id, as result_.objects

@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "core/threads.h"
 #include "records/motion/motion_path.h"
+#include "reproject/instants_around.h"
 
 namespace postlens {
 namespace {
@@ -162,27 +163,23 @@ class ShadowTest {
     std::vector<MovingLight> lights_;
 };
 
-/// Whether an object that is cut off by the border of the recorded area moves so that its cut side comes into
-/// the frame.
-bool border_comes_in(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
-                     const IdExtent& e, const Exposure& exposure) {
+/// Whether an object that the border of the recorded area cuts off at a recorded instant has its cut side
+/// within the frame at another instant. `map`: moves its records to that instant.
+bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
                                   e.y_min <= file.y_begin(), e.y_max >= file.y_end() - 1};
     if (std::find(cut.begin(), cut.end(), true) == cut.end()) return false;
-    for (const double t : probe_times(motion.breaks_s(id), exposure)) {
-        const RasterMap map = motion.map(id, h.time_s, t);
-        for (int k = 0; k < 8; ++k) {
-            const bool right = (k & 1) != 0, low = (k & 2) != 0;
-            const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
-                                (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
-            if (!p) return true;
-            // Without overscan, the border of the recorded area is the border of the frame.
-            constexpr double margin_px = 0.5;
-            if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
-                (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
-                return true;
-        }
+    for (int k = 0; k < 8; ++k) {
+        const bool right = (k & 1) != 0, low = (k & 2) != 0;
+        const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
+                            (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
+        if (!p) return true;
+        // Without overscan, the border of the recorded area is the border of the frame.
+        constexpr double margin_px = 0.5;
+        if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
+            (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
+            return true;
     }
     return false;
 }
@@ -280,22 +277,44 @@ void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vect
     out.push_back({"uncovered", share, fmt::format(fmt::runtime(text), 100 * share)});
 }
 
-void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion, const IdExtents& extents,
-                 const std::vector<std::uint32_t>& moving, const Exposure& exposure,
-                 std::vector<MotionWarning>& out) {
+bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
+            std::span<const IdExtents> instants, const Exposure& exposure) {
+    if (!instants[0].contains(id)) return false;
+    std::vector<double> instants_s;
+    for (std::size_t i = 0; i < instants.size(); ++i) instants_s.push_back(file.instant_s(i));
+    for (const double t : probe_times(motion.breaks_s(id), exposure)) {
+        const auto is_whole = [&](std::size_t instant) {
+            const auto found = instants[instant].find(id);
+            return found != instants[instant].end() &&
+                   !border_is_within(file, motion.map(id, instants_s[instant], t), found->second);
+        };
+        if (is_whole(0)) continue;
+        const std::vector<InstantShare> around = instants_around(instants_s, t);
+        if (std::none_of(around.begin(), around.end(),
+                         [&](const InstantShare& at) { return is_whole(at.instant); }))
+            return true;
+    }
+    return false;
+}
+
+void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
+                 const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
+                 const Exposure& exposure, std::vector<MotionWarning>& out) {
     if (motion.camera_moves(exposure.open_s, exposure.close_s)) return;
     std::string names;
-    for (const std::uint32_t id : moving) {
-        const auto found = extents.find(id);
-        if (id == 0 || found == extents.end()) continue;
-        if (!border_comes_in(file, motion, id, found->second, exposure)) continue;
-        names += (names.empty() ? "" : ", ") + label_of(file.header(), id);
+    bool others_help = false;  // whether lightfield would use more recorded instants than were used
+    for (const ObjectReport& o : objects) {
+        if (o.id == 0 || o.kind == MotionKind::still) continue;
+        const std::size_t used = o.method == MotionMethod::lightfield ? instants.size() : 1;
+        if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;
+        names += (names.empty() ? "" : ", ") + label_of(file.header(), o.id);
+        others_help = others_help || used < instants.size();
     }
     if (names.empty()) return;
     out.push_back({"overscan", 0,
-                   fmt::format("moving objects are cut by the border of the records: {} (expected `trace "
-                               "--overscan auto --for-shutter`)",
-                               names)});
+                   fmt::format("moving objects are cut by the border of the records: {} (expected {})", names,
+                               others_help ? "--method lightfield or auto, which use all keys"
+                                           : "`trace --overscan auto --for-shutter --keys auto`")});
 }
 
 }  // namespace postlens

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "motionblur/groups/band_surfaces.h"
@@ -45,10 +46,17 @@ class UnseenMotion {
 /// affected pixels in per cent.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Adds the warning "overscan" for those objects of `moving` that the border of the recorded area cuts off
-/// and whose cut side moves into the frame.
-void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion, const IdExtents& extents,
-                 const std::vector<std::uint32_t>& moving, const Exposure& exposure,
-                 std::vector<MotionWarning>& out);
+/// Whether the border of the recorded area cuts off an object so that a part of it is missing in the frame
+/// while the shutter is open. False for objects that are not recorded at the frame's own instant.
+/// `instants`: extents of the objects at the first recorded instants of the file, which are the ones to use.
+/// At every instant, one of the two around it suffices if it shows the whole object.
+[[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
+                          std::span<const IdExtents> instants, const Exposure& exposure);
+
+/// Adds the warning "overscan" for those moving objects that are cut off (`is_cut`). lightfield uses all
+/// recorded instants of `instants`, convolve the first.
+void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
+                 const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
+                 const Exposure& exposure, std::vector<MotionWarning>& out);
 
 }  // namespace postlens

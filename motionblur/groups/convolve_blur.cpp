@@ -177,6 +177,37 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
+/// Upper bound of the sum, over the pixels, of the squared covariance of the nearer group's coverage with the
+/// farther group's light, for light of up to 1. A group that covers a pixel for the share c of the exposure
+/// has a variance of its coverage of c (1 - c), and of its light of at most c.
+double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
+    double sum = 0;
+    for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {
+        for (int x = std::max(nearer.x_begin, farther.x_begin); x < std::min(nearer.x_end, farther.x_end);
+             ++x) {
+            const double c = std::clamp(static_cast<double>((*nearer.at(x, y))[3]), 0.0, 1.0);
+            sum += c * (1 - c) * std::clamp(static_cast<double>((*farther.at(x, y))[3]), 0.0, 1.0);
+        }
+    }
+    return sum;
+}
+
+std::vector<Crossing> crossings_of(const std::vector<GroupPicture>& blurred) {
+    std::vector<Crossing> out(blurred.size());
+    parallel_for(blurred.size(), [&](std::size_t g) {
+        const auto touched =
+            std::count_if(blurred[g].rgba.begin(), blurred[g].rgba.end(),
+                          [](const std::array<float, 4>& pixel) { return pixel[3] > least_coverage; });
+        for (std::size_t other = 0; other < blurred.size() && touched > 0; ++other) {
+            if (other == g) continue;
+            const double mse = covariance_bound(blurred[std::min(g, other)], blurred[std::max(g, other)]) /
+                               static_cast<double>(touched);
+            if (mse > out[g].most_mse) out[g] = {other, mse};
+        }
+    });
+    return out;
+}
+
 }  // namespace
 
 ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
@@ -201,6 +232,7 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         out.direct_groups += blur.direct();
         out.fft_groups += blur.fft();
     }
+    out.crossings = crossings_of(blurred);
     Composite(bands, groups, table, blurred, recorded, still, out).run();
     return out;
 }

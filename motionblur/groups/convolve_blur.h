@@ -12,10 +12,19 @@
 
 namespace postlens {
 
+/// The error where two groups cross. A pixel is composited as if the nearer group covered it independently of
+/// what the farther one shows there, which is wrong where both change during the exposure.
+struct Crossing {
+    std::size_t other = 0;  ///< the group with the largest `most_mse`
+    /// Upper bound of the mean squared error over the pixels that the group touches, for light of up to 1.
+    double most_mse = 0;
+};
+
 struct ConvolveBlur {
     Image image;                        ///< equal to `still` in pixels over which nothing moves
     std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded in it
     std::vector<float> unknown;         ///< share of a pixel's light whose background is not recorded
+    std::vector<Crossing> crossings;    ///< of each group
     int direct_groups = 0, fft_groups = 0;
 };
 

@@ -275,6 +275,83 @@ TEST(MotionBlur, AutomaticConvolvesTranslationsAndReprojectsTheRest) {
     }
 }
 
+TEST(MotionBlur, AutomaticReprojectsWhatTheBorderCutsAtTheFramesInstant) {
+    // The bar comes in from columns [-20, 4). The second key shows it whole, in columns [20, 44).
+    TraceSettings settings = for_shutter();
+    settings.overscan_px = 0;
+    settings.keys = 2;
+    const Scene scene = bar(-20, 24, 40);
+    const TracedFrame frame(scene, settings);
+    ASSERT_EQ(frame.file().instants(), 2U);
+    const MotionBlurResult r = frame.blur(MotionMethod::automatic);
+    ASSERT_EQ(r.objects.size(), 1U);
+    EXPECT_EQ(r.objects[0].kind, MotionKind::translation);
+    EXPECT_EQ(r.objects[0].method, MotionMethod::lightfield);
+    EXPECT_NE(r.objects[0].reason.find("the border cuts it"), std::string::npos) << r.objects[0].reason;
+    EXPECT_FALSE(has_warning(r, "overscan"));
+    for (int x = 0; x < 64; ++x)
+        EXPECT_NEAR(static_cast<double>(r.image.pixel(x, 20)[0]), pixel_mean(x, -20, 24, 40), 0.03) << x;
+    EXPECT_TRUE(has_warning(frame.blur(MotionMethod::convolve), "overscan"));
+    // With one instant alone, lightfield lacks the same part.
+    settings.keys = 1;
+    const MotionBlurResult one = TracedFrame(scene, settings).blur(MotionMethod::automatic);
+    ASSERT_EQ(one.objects.size(), 1U);
+    EXPECT_EQ(one.objects[0].method, MotionMethod::convolve);
+    EXPECT_TRUE(has_warning(one, "overscan"));
+}
+
+// Plates of 15 px at two depths. `apart_px`: distance of their rows.
+Scene two_plates(double apart_px, double near_way_px, double far_way_px) {
+    SceneBuilder b;
+    const auto add = [&](double depth, double top_px, double way_px, double radiance) {
+        const double px = depth / px_per_m;
+        b.add(Rectangle{{-(7.5 + way_px / 2) * px, top_px * px, -depth}, {15 * px, 0, 0}, {0, 15 * px, 0}},
+              glowing(dvec3(radiance)))
+            .keys = from_to({way_px * px, 0, 0});
+    };
+    add(3, apart_px / 2 - 7.5, near_way_px, 0.02);
+    add(4, -apart_px / 2 - 7.5, far_way_px, 0.9);
+    b.add(Rectangle{{-9, -9, -8}, {18, 0, 0}, {0, 18, 0}}, glowing(dvec3(0.2)));
+    return b.scene;
+}
+
+TEST(MotionBlur, AutomaticReprojectsWhatCrosses) {
+    // Both plates stand in the middle at the same instants, where the far one must never show.
+    const Scene scene = two_plates(0, 24, -24);
+    RenderSettings truth;
+    truth.spp = 1024;
+    truth.shutter = TimeSpan{0, 1};
+    const Image reference = render_picture(scene, truth).image;
+    const TracedFrame frame(scene, for_shutter(4));
+    const MotionBlurResult r = frame.blur(MotionMethod::automatic);
+    ASSERT_EQ(r.objects.size(), 2U);
+    for (const ObjectReport& o : r.objects) {
+        EXPECT_EQ(o.kind, MotionKind::translation);
+        EXPECT_EQ(o.method, MotionMethod::lightfield) << o.reason;
+        EXPECT_NE(o.reason.find("moves over the same pixels"), std::string::npos) << o.reason;
+        EXPECT_EQ(o.slices, 0);
+    }
+    EXPECT_GT(psnr(r.image, reference), 42);
+    EXPECT_LT(psnr(frame.blur(MotionMethod::convolve).image, reference), 36);
+    // A plate covers a texture that moves behind it at some instants only.
+    SceneBuilder striped;
+    striped.add(Rectangle{{-0.6, -0.5, -4}, {0.8, 0, 0}, {0, 1, 0}}, glowing(dvec3(0.5))).keys =
+        from_to({20 * m_per_px, 0, 0});
+    for (int i = -20; i < 20; ++i) {
+        striped
+            .add(Rectangle{{i * 0.4, -9, -8}, {0.4, 0, 0}, {0, 18, 0}},
+                 glowing(dvec3(i % 2 == 0 ? 0.9 : 0.1)))
+            .keys = from_to({1, 0, 0});
+    }
+    EXPECT_EQ(TracedFrame(striped.scene, for_shutter()).blur(MotionMethod::automatic).method,
+              MotionMethod::lightfield);
+    // Plates beside each other, and plates that stand still on the raster or move alike, do not cross.
+    for (const Scene& other : {two_plates(16, 24, -24), two_plates(0, 24, 0), two_plates(0, 24, 24)}) {
+        const MotionBlurResult alone = TracedFrame(other, for_shutter()).blur(MotionMethod::automatic);
+        EXPECT_EQ(alone.method, MotionMethod::convolve);
+    }
+}
+
 TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
     TraceSettings settings = for_shutter();
     settings.keys = 2;
