@@ -244,8 +244,8 @@ class MotionBlur {
         for (std::size_t g = 0; g < groups_.size(); ++g) {
             const Crossing& at = blur.crossings[g];
             if (at.most_mse <= most_crossing_mse) continue;
-            leave_to_lightfield(groups_[g], label_of(header_, groups_[at.other].ids.front()) +
-                                                " moves over the same pixels");
+            leave_to_lightfield(
+                groups_[g], label_of(header_, groups_[at.other].ids.front()) + " moves over the same pixels");
         }
     }
 

@@ -272,6 +272,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         return measured_error(views.half(0), views.half(1), where, views.checked_pixels(), use,
                               layers ? &*layers : nullptr);
     };
+    bool is_met = false;
     double most_samples = 0;  // limit for narrowing the interval; 0 until the target is met
     for (int comparisons = 0;;) {
         views.draw(wanted);
@@ -293,9 +294,12 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             return doubled(wanted, measured.tiles, mix, grid, std::max(goal - others, goal / 2));
         };
         std::vector<int> next = wanted;
-        const bool is_met = error.high_mse <= most_mse;
+        is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            next = doubled_for(most_mse);
+            // Neither views nor rays reduce the error of highlights. If that alone, less its standard error,
+            // misses the target, views need only have a quarter of it.
+            const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
+            next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
             if (measured.bias_variance > error.variance / 4 &&
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2)))
@@ -343,9 +347,19 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         out.plan +=
             fmt::format("{:.1f} dB ({:.1f} to {:.1f})", stated.db(), stated.low_db(), stated.high_db());
         reason = fmt::format("{:.1f} dB are stated", stated.db());
-        reason += *most == most_lens_views
-                      ? fmt::format(", with {} views (expected a lower target)", most_lens_views)
-                      : ", by rays that decided nothing (expected a somewhat higher target)";
+        if (*most == most_lens_views) {
+            reason += fmt::format(", with {} views (expected a lower target)", most_lens_views);
+        } else if (stated.highlights_mse > stated.mse() / 2) {
+            reason += fmt::format(
+                ": highlights have an error of {:.1f} dB, which neither views nor rays reduce (expected a "
+                "lower target{})",
+                stated_db(stated.highlights_mse),
+                whole.shutter && frame.file().instants() == 1 ? ", or `trace --keys`" : "");
+        } else if (!is_met) {
+            reason += ", and neither more views nor rays reduce the error (expected a lower target)";
+        } else {
+            reason += ", by rays that decided nothing (expected a somewhat higher target)";
+        }
     } else {
         const RecordsBound bound = records_bound(frame, whole, out.hybrid.focus.image);
         out.unsure_share = bound.unsure_share(grid.width, crop);

@@ -10,6 +10,7 @@
 #include "focus/focus.h"
 #include "motionblur/motion_blur.h"
 #include "motionblur/paths/paths_file.h"
+#include "planner/auto_picture.h"
 #include "planner/hybrid.h"
 #include "records/sample_file.h"
 #include "tests/planner/bar_scene.h"
@@ -126,6 +127,25 @@ TEST(Shoot, AMovingLampIsAStreakForAnyNumberOfViews) {
         EXPECT_GT(psnr(few, truth), 43.3) << focus_m;
         EXPECT_GT(psnr(many, truth), 44.8) << focus_m;
     }
+}
+
+// Without subdivision, the streak has an error that neither views nor rays reduce. No views are added that
+// only reduce the noise, which is far smaller.
+TEST(Shoot, AutoStopsWhereHighlightsMissTheTarget) {
+    const SceneBuilder b = moving_light();
+    TraceSettings trace = traced(true, 0);
+    trace.for_shutter = TimeSpan{0, 1};
+    const Shot shot(b, trace);
+    FocusFrame frame(shot.frame.file(), true);
+    AutoSettings s{.hybrid = shot.settings(3.4, 1), .target_db = 70};
+    s.hybrid.scene = &b.scene;
+    const AutoResult r = auto_picture(frame, s);
+    EXPECT_FALSE(r.met);
+    EXPECT_LE(r.hybrid.focus.views, 32) << r.plan;  // 128 for half of the error that the target allows
+    ASSERT_FALSE(r.hybrid.focus.warnings.empty());
+    EXPECT_EQ(r.hybrid.focus.warnings.back().code, "target");
+    EXPECT_NE(r.hybrid.focus.warnings.back().text.find("highlights have an error of 33."), std::string::npos)
+        << r.hybrid.focus.warnings.back().text;
 }
 
 // A bar in front of the light's path hides the light for a while, at a different time for each lens point.
