@@ -56,6 +56,26 @@ glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const gl
     return px_from_lens * (widening / -4.0);
 }
 
+/// A part of an interval, and its share of the whole.
+struct Span {
+    double middle, share;
+};
+
+/// Divides an interval at the borders of pixels.
+std::vector<Span> divided_at_pixels(double middle, double length) {
+    constexpr double least_px = 1e-3;  // shorter parts stay with their neighbour
+    std::vector<Span> out;
+    double from = middle - length / 2;
+    const double end = middle + length / 2;
+    for (double border = std::floor(from) + 1; border < end - least_px; ++border) {
+        if (border - from < least_px) continue;
+        out.push_back({(from + border) / 2, (border - from) / length});
+        from = border;
+    }
+    out.push_back({(from + end) / 2, out.empty() ? 1 : (end - from) / length});
+    return out;
+}
+
 }  // namespace
 
 HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry) {
@@ -173,16 +193,6 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     KernelKey key = round_ ? KernelKey::ellipse(Ellipse::from_map(map, DepthLevels::smallest_radius_px), true)
                            : KernelKey::map(map, true);
     s.at = glm::dvec2(h.x, h.y) - glm::dvec2(window_.x_begin, window_.y_begin);
-    const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens),
-                     whole = glm::floor(middle);
-    s.x = static_cast<int>(whole.x);
-    s.y = static_cast<int>(whole.y);
-    const auto phase = [](double part) {
-        return static_cast<std::int32_t>(std::lround(part * KernelKey::phase_steps));
-    };
-    key.phase_x = phase(middle.x - whole.x);
-    key.phase_y = phase(middle.y - whole.y);
-    s.kernel = cache.number_of(key);
     for (std::size_t c = 0; c < 3; ++c) s.rgb[c] = static_cast<float>(m.share) * h.rgb[c];
     const double most = static_cast<double>(std::max({h.rgb[0], h.rgb[1], h.rgb[2]}));
     s.light = light_of(s.rgb);
@@ -194,7 +204,31 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    sources_.push_back(s);
+    // A kernel is that of a point. If it is about as small as a pixel, a highlight that motion has brought
+    // across the border of pixels is divided there, because a point would be in one of them.
+    const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
+    const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
+    for (const Span& y : divided_at_pixels(middle.y, side)) {
+        for (const Span& x : divided_at_pixels(middle.x, side)) {
+            Source part = s;
+            const glm::dvec2 at(x.middle, y.middle), whole = glm::floor(at);
+            part.at += at - middle;
+            part.x = static_cast<int>(whole.x);
+            part.y = static_cast<int>(whole.y);
+            const auto phase = [](double in_pixel) {
+                return static_cast<std::int32_t>(std::lround(in_pixel * KernelKey::phase_steps));
+            };
+            key.phase_x = phase(at.x - whole.x);
+            key.phase_y = phase(at.y - whole.y);
+            part.kernel = cache.number_of(key);
+            const double share = x.share * y.share;
+            for (float& channel : part.rgb) channel *= static_cast<float>(share);
+            part.light *= share;
+            part.area *= share;
+            part.square *= share;
+            sources_.push_back(part);
+        }
+    }
 }
 
 // Groups the highlights of one surface that lie in the same square of group_px. Visibility is computed once
