@@ -171,7 +171,10 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         const Source& s = sources_[i];
         const Kernel& k = (*kernels_)[s.kernel];
         if (k.rows.empty()) continue;
-        const Reach reach{{s.x + k.x_begin, s.x + k.x_end, s.y + k.y_begin, s.y + k.y_end()}, i};
+        const int around = s.u >= 0 && s.by_all ? passing_px : 0;
+        const Reach reach{{s.x + k.x_begin - around, s.x + k.x_end + around, s.y + k.y_begin - around,
+                           s.y + k.y_end() + around},
+                          i};
         const int first = std::max(0, reach.pixels.y_begin),
                   last = std::min(window.height(), reach.pixels.y_end) - 1;
         for (int band = first / band_px; first <= last && band <= last / band_px; ++band)

@@ -40,7 +40,8 @@ class FieldHighlights {
                                                const std::vector<double>& instants = {}) const;
 
     /// Lights::aim: lines from random points of the recorded highlights that reach the pixel, through the
-    /// lens points at which each of them is seen there.
+    /// lens points at which each of them is seen there. For a sharp light in motion: random lines of the
+    /// pixel while the light is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Numbers of the sources that reach a rectangle within a row of tiles.
@@ -89,6 +90,9 @@ class FieldHighlights {
     };
     /// Part of the light of a source that reaches a pixel of the image if nothing hides it.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
+    /// Whether a sharp source in motion is so near the pixel that the light may reach it by an error of its
+    /// records.
+    [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
     const TreeSheets& sheets_;
@@ -100,12 +104,14 @@ class FieldHighlights {
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<Group> groups_;
-    /// A source and the image pixels within its kernel's bounds, which are read once per piece of the image.
+    /// A source and the image pixels within its kernel's bounds, or near them (passes_near), which are read
+    /// once per piece of the image.
     struct Reach {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
     static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
+    static constexpr int passing_px = 1;            ///< how far from its kernel a source in motion is near
     std::vector<std::vector<Reach>> rows_;          ///< per row of tiles, the sources that reach it
 };
 

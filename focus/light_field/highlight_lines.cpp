@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/sample_hash.h"
@@ -13,6 +14,42 @@ namespace {
 
 /// Attempts to find a lens point for a line.
 constexpr int attempts = 256;
+/// Lines to a sharp light that moves, for each line to another one: many of them miss it.
+constexpr int passing_lines = 16;
+
+/// A sharp light that passes a pixel: its light, and the parts of the exposure during which it is near.
+struct Passing {
+    NodeIdentity identity;
+    double light = 0;
+    std::vector<std::pair<double, double>> spans;
+
+    void join_spans() {
+        std::sort(spans.begin(), spans.end());
+        std::size_t count = 0;
+        for (const auto& span : spans) {
+            if (count > 0 && span.first <= spans[count - 1].second) {
+                spans[count - 1].second = std::max(spans[count - 1].second, span.second);
+            } else {
+                spans[count++] = span;
+            }
+        }
+        spans.resize(count);
+    }
+    [[nodiscard]] double duration() const {
+        double sum = 0;
+        for (const auto& [begin, end] : spans) sum += end - begin;
+        return sum;
+    }
+    /// The instant at which `part` of the spans is over.
+    [[nodiscard]] double instant(double part) const {
+        double left = part * duration();
+        for (const auto& [begin, end] : spans) {
+            if (left < end - begin) return begin + left;
+            left -= end - begin;
+        }
+        return spans.back().second;
+    }
+};
 
 /// Random numbers in [0, 1).
 class Randoms {
@@ -39,6 +76,13 @@ double FieldHighlights::response(const Source& s, int x, int y) const {
     return column >= row.x_begin && column < row.x_end ? kernel.at(row, column) : 0;
 }
 
+bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
+    if (s.u < 0 || !s.by_all) return false;
+    const Kernel& k = (*kernels_)[s.kernel];
+    return x >= s.x + k.x_begin - passing_px && x < s.x + k.x_end + passing_px &&
+           y >= s.y + k.y_begin - passing_px && y < s.y + k.y_end() + passing_px;
+}
+
 std::vector<std::uint32_t> FieldHighlights::reaching(int x, int y, int width, int height) const {
     std::vector<std::uint32_t> out;
     const RasterWindow part{x, x + width, y, y + height};
@@ -55,18 +99,50 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         double light_until;
     };
     std::vector<Reached> reached;
-    double light = 0;
+    std::vector<Passing> passing;
+    double light = 0, of_passing = 0;
     for (const std::uint32_t i : sources) {
-        const double share = response(sources_[i], x, y);
+        const Source& s = sources_[i];
+        if (s.u >= 0 && s.by_all) {
+            if (!passes_near(s, x, y)) continue;
+            const NodeIdentity identity{s.key.path, s.key.parent_id, s.key.id};
+            auto of = std::find_if(passing.begin(), passing.end(),
+                                   [&](const Passing& p) { return p.identity == identity; });
+            if (of == passing.end()) of = passing.insert(passing.end(), {identity, 0, {}});
+            const double begin = std::floor(s.u / s.exposure) * s.exposure;
+            of->light += s.light;
+            of->spans.emplace_back(begin, begin + s.exposure);
+            of_passing += s.light;
+            continue;
+        }
+        const double share = response(s, x, y);
         if (!(share > 0)) continue;
-        light += share * sources_[i].light;
+        light += share * s.light;
         reached.push_back({i, light});
     }
-    if (!(light > 0)) return;
+    const double all = light + of_passing;
+    if (!(all > 0)) return;
+    for (Passing& p : passing) p.join_spans();
     Randoms random(seed);
-    for (int n = 0; n < count; ++n) {
+    const int lines_wanted = passing.empty() ? count : passing_lines * count;
+    for (int n = 0; n < lines_wanted; ++n) {
         // Sources are chosen in proportion to their light.
-        const double chosen = (n + random.next()) / count * light;
+        double chosen = (n + random.next()) / lines_wanted * all;
+        if (chosen >= light && !passing.empty()) {
+            // What the records miss of a light in motion is beside them. So these lines go anywhere in the
+            // pixel.
+            chosen -= light;
+            std::size_t k = 0;
+            for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
+            const Passing& p = passing[k];
+            const glm::dvec2 place = random.next_two(), uv = random.next_two();
+            lines.push_back({.line = {.place = place,
+                                      .lens = aperture_.sample(uv.x, uv.y),
+                                      .light_before = p.instant(random.next())},
+                             .highlight = p.identity,
+                             .scale = all / p.light * p.duration()});
+            continue;
+        }
         const Reached& r =
             *std::lower_bound(reached.begin(), std::prev(reached.end()), chosen,
                               [](const Reached& a, double value) { return a.light_until < value; });
@@ -91,7 +167,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
             }
             aimed.line = {.place = place, .lens = lens, .light_before = light_before};
             aimed.highlight = {s.key.path, s.key.parent_id, s.key.id};
-            aimed.scale = light / s.light * s.area * s.exposure;
+            aimed.scale = all / s.light * s.area * s.exposure;
             lines.push_back(aimed);
             break;
         }
