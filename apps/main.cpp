@@ -1,8 +1,10 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <fcntl.h>
 #include <new>
 #include <string>
+#include <unistd.h>
 #include <vector>
 
 #include "apps/cli.h"
@@ -17,8 +19,27 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
+/// Writes a text and the end of its line. Throws nothing: `check_output` reports what standard output did not
+/// take, and what standard error does not take can be reported nowhere.
 void say(std::FILE* where, const std::string& text) {
-    if (!text.empty()) fmt::print(where, "{}{}", text, text.back() == '\n' ? "" : "\n");
+    if (text.empty()) return;
+    std::fputs(text.c_str(), where);
+    if (text.back() != '\n') std::fputc('\n', where);
+}
+
+/// Reports an error if writing to standard output failed, for example because the disk is full or the pipe
+/// is closed.
+void check_output() {
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+        postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
+}
+
+/// If a standard stream is closed, a file that is opened later would get its number, and would receive what
+/// is written to the stream. So its number is taken, by something that cannot be written.
+void take_closed_streams() {
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", O_RDONLY);
+    }
 }
 
 void report(const CommandResult& result, const ParsedCommand& command) {
@@ -47,6 +68,7 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     requeue_code = command.requeue_code;
     if (!command.run) {
         say(stdout, command.text);
+        check_output();
         return 0;
     }
     postlens::Job job(
@@ -54,15 +76,14 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
     const postlens::JobScope scope(job);
     const CommandResult result = postlens::run_timed(command);
     report(result, command);
-    // Reports an error if writing to standard output failed, for example because the disk is full or the pipe
-    // is closed.
-    if (std::fflush(stdout) != 0) postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
+    check_output();
     return static_cast<int>(result.exit_code);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    take_closed_streams();
     static postlens::Job process;  // static, because a signal may arrive until the process ends
     postlens::cancel_on_signals(process);
     // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error

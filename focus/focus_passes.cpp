@@ -187,7 +187,8 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
         const Crop& c = *settings.crop;
         s.drawn = {c.x, c.x + c.width, c.y, c.y + c.height};
     }
-    const std::vector<Behind> behind = pinhole ? std::vector<Behind>() : behind_fill(picture, geometry);
+    const std::vector<Behind> behind =
+        pinhole ? std::vector<Behind>() : behind_fill(picture, geometry, s.aberration_px());
     if (passes.sides || passes.cryptomatte) {
         s.shares = true;
         StackField seen = stack_field(picture, behind, s);

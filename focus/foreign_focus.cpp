@@ -108,9 +108,9 @@ class Spread {
                         : std::shared_ptr<const ResponseModel>(response_model(
                               settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
         if (method_ == FocusMethod::layers) {
-            behind_ = behind_fill(picture, geometry);
+            behind_ = behind_fill(picture, geometry, std::abs(response_->spherical_px()));
         } else {
-            nothing_ = nothing_in_reach(picture, geometry, window);
+            nothing_ = nothing_in_reach(picture, geometry, window, std::abs(response_->spherical_px()));
         }
     }
 
@@ -260,7 +260,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         s.drawn = {window.x_begin + crop->x, window.x_begin + crop->x + crop->width, window.y_begin + crop->y,
                    window.y_begin + crop->y + crop->height};
     }
-    const std::vector<Behind> behind = behind_fill(picture, geometry);
+    const std::vector<Behind> behind = behind_fill(picture, geometry, s.aberration_px());
     StackField field = stack_field(picture, behind, s);
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
     // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so

@@ -25,7 +25,7 @@ CommandResult run_view(const ViewOptions& options) {
     ViewSession session(options);
     ViewServer server(session, options.port);
     // The address is printed here, because the result is only printed after the viewer is closed.
-    fmt::print("{}\n", server.address());
+    std::fputs(fmt::format("{}\n", server.address()).c_str(), stdout);
     std::fflush(stdout);
     if (options.open) open_in_browser(server.address());
     Job& job = Job::current();

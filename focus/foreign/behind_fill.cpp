@@ -37,9 +37,10 @@ bool is_farther(const Radii& other, const Radii& own) {
 /// sample in its stack, or of empty space if the stack never becomes opaque.
 class Search {
   public:
-    Search(const ForeignPicture& picture, const FocusGeometry& geometry)
+    Search(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
         : p_(picture),
           geometry_(geometry),
+          aberration_px_(static_cast<float>(aberration_px)),
           width_(picture.x_end - picture.x_begin),
           height_(picture.y_end - picture.y_begin),
           has_ids_(std::any_of(picture.samples.begin(), picture.samples.end(),
@@ -162,7 +163,7 @@ class Search {
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
-        const float limit_px = std::min(farthest_px, std::abs(blur_px) + widest_px_ + 1);
+        const float limit_px = limit_of(blur_px);
         for (int s = 1; static_cast<float>(s) * step_px <= limit_px; ++s) {
             x += d.dx;
             y += d.dy;
@@ -172,9 +173,13 @@ class Search {
     }
     /// Whether two circles of confusion overlap or are less than a pixel apart. `distance_px` is that of
     /// their centres.
-    [[nodiscard]] static bool reach_each_other(float distance_px, const Radii& a, const Radii& b) {
-        const float other = b.is_nothing() ? 0 : std::abs(b.blur);
-        return distance_px <= std::abs(a.blur) + other + 1;
+    [[nodiscard]] bool reach_each_other(float distance_px, const Radii& a, const Radii& b) const {
+        const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
+        return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
+    }
+    /// Largest distance at which a circle of confusion of this radius may meet another.
+    [[nodiscard]] float limit_of(float blur_px) const {
+        return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
 
     /// Whether a surface farther than `own` begins so near to this pixel that blur can disocclude it. Empty
@@ -247,7 +252,7 @@ class Search {
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
-        const float limit_px = std::min(farthest_px, std::abs(own.blur) + widest_px_ + 1);
+        const float limit_px = limit_of(own.blur);
         for (int s = 0; is_stored(x, y);) {
             const int steps = steps_to_farther_[direction][index(x, y)];
             s += steps;
@@ -306,6 +311,7 @@ class Search {
 
     const ForeignPicture& p_;
     const FocusGeometry& geometry_;
+    float aberration_px_;
     int width_, height_;
     bool has_ids_;
     std::vector<float> last_px_,
@@ -317,8 +323,9 @@ class Search {
 
 }  // namespace
 
-std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry) {
-    const Search search(picture, geometry);
+std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
+                                double aberration_px) {
+    const Search search(picture, geometry, aberration_px);
     require_memory(search.pixels() * sizeof(Behind), "what is hidden in the picture");
     std::vector<Behind> out(search.pixels());
     parallel_for(static_cast<std::size_t>(search.height()), [&](std::size_t y) {
@@ -368,7 +375,7 @@ class RectangleSums {
 }  // namespace
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
-                                    const RasterWindow& window) {
+                                    const RasterWindow& window, double aberration_px) {
     // Raster pixels that are not stored are empty space. Outside both the raster and the stored window the
     // content is unknown, and does not count as empty.
     const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
@@ -405,7 +412,7 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
             // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by up to a quarter
             // of a pixel.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
-            const int reach = static_cast<int>(std::ceil(radius + 0.75)) - 1;
+            const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;
             const double around = sums.of(column - reach, column + reach + 1, row - reach, row + reach + 1) /
                                   std::max(std::numbers::pi * radius * radius, 1.0);

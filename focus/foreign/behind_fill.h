@@ -33,7 +33,9 @@ struct Behind {
 /// pixel. Empty space counts as farther than all surfaces and is not blurred. A translucent pixel is treated
 /// like an opaque one if there is only empty space behind it in every direction (`fills`). The result does
 /// not depend on the number of threads.
-[[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry);
+/// `aberration_px`: how much farther spherical aberration moves light than the CoC radius.
+[[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
+                                              double aberration_px = 0);
 
 /// Computes, for each pixel of a window, row by row, an upper bound of the share of the pixel that shows
 /// empty space after blurring. A bound of 1 or more means the whole pixel.
@@ -41,7 +43,9 @@ struct Behind {
 /// For a pixel with samples, the bound is the area of the empty pixels within the bounding square of the
 /// pixel's CoC, divided by the area of the CoC. It therefore holds for every shape of an edge within the CoC.
 /// For an empty pixel the bound is 1. A translucent sample counts as covering its pixel.
+/// `aberration_px`: as for behind_fill.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
-                                                  const FocusGeometry& geometry, const RasterWindow& window);
+                                                  const FocusGeometry& geometry, const RasterWindow& window,
+                                                  double aberration_px = 0);
 
 }  // namespace postlens

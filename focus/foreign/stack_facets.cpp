@@ -47,7 +47,8 @@ void Facets::add(std::size_t pixel, const StackSample& s) {
     Facet f;
     f.inverse_z.fill(s.spread_inverse_z());
     f.sample = s;
-    f.threshold = random_word(pixel, static_cast<std::uint32_t>(facets_.size() - offsets_.back()));
+    f.layer = static_cast<std::uint32_t>(facets_.size() - offsets_.back());
+    f.seed = random_word(pixel, f.layer);
     facets_.push_back(f);
 }
 

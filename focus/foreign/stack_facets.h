@@ -20,7 +20,8 @@ struct Facet {
     static constexpr std::size_t corners = 4;
     std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
     StackSample sample;
-    std::uint32_t threshold = 0;  ///< random bits that make the sample opaque or transparent in a view
+    std::uint32_t layer = 0;  ///< number of samples in front of it in its pixel
+    std::uint32_t seed = 0;   ///< random bits that make the sample opaque or transparent in a view
 };
 
 /// The samples of an image and of the surfaces behind its edges, as quadrilaterals sorted by pixel. Where

@@ -7,6 +7,8 @@
 #include <glm/glm.hpp>
 
 #include "core/job.h"
+#include "core/sample_hash.h"
+#include "core/sobol.h"
 #include "core/threads.h"
 #include "focus/foreign/stack_facets.h"
 
@@ -23,19 +25,18 @@ struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
     float x, y;  ///< added to every position, px: the lens's offset minus the sample position in the pixel
-    std::uint32_t threshold;
+    std::uint32_t number;
     LensViewPoint point;
 };
 
 std::vector<View> views_of(const StackFieldSettings& s) {
     std::vector<View> out;
-    constexpr std::uint32_t golden = 0x9E3779B9U;  // 2^32 times the golden ratio's fraction
     for (const LensViewPoint& p : lens_view_points(s.aperture, s.geometry, s.views, s.set)) {
         out.push_back({static_cast<float>(p.shift.lens_px.x), static_cast<float>(p.shift.lens_px.y),
                        static_cast<float>(p.shift.inverse_focus_per_m),
                        static_cast<float>(p.shift.offset_px.x - p.place.x),
                        static_cast<float>(p.shift.offset_px.y - p.place.y),
-                       golden * static_cast<std::uint32_t>(out.size()), p});
+                       static_cast<std::uint32_t>(out.size()), p});
     }
     return out;
 }
@@ -65,6 +66,16 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
+/// Whether a sample of this alpha is opaque in a view. The thresholds of a facet are a scrambled van der
+/// Corput sequence over the views in an order of its own, so that facets are opaque independently of each
+/// other: what two of them transmit together is the product of what each transmits.
+bool is_opaque(const Facet& f, std::uint32_t view) {
+    if (f.sample.alpha >= 1) return true;
+    const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
+    const std::uint32_t bits = reverse_bits(owen_scramble_reversed(place, mix32(f.seed)));
+    return static_cast<double>(bits) * 0x1p-32 < static_cast<double>(f.sample.alpha);
+}
+
 /// The rows of the image that one task draws.
 class Band {
   public:
@@ -84,7 +95,7 @@ class Band {
           half_diagonal_px_(std::hypot(s.window.width(), s.window.height()) / 2) {}
 
     void draw(const View& view) {
-        std::fill(nearest_.begin(), nearest_.end(), Nearest{});
+        std::fill(nearest_.begin(), nearest_.end(), Depth{});
         hits_.clear();
         for (int row = 0; row < facets_.height; ++row) {
             if (!reaches(view, row)) continue;
@@ -117,9 +128,16 @@ class Band {
     }
 
   private:
-    struct Nearest {
-        float inverse_z = -1;  ///< of the nearest opaque quadrilateral; negative if there is none
+    /// Order of the quadrilaterals, nearest first. Of two at equal depth, that with fewer samples in front of
+    /// it in its pixel is in front: parts of one sample keep their order also where their blur differs.
+    struct Depth {
+        float inverse_z = -1;  ///< negative: farther than all
+        std::uint32_t layer = ~std::uint32_t{0};
         std::uint64_t number = ~std::uint64_t{0};
+        [[nodiscard]] bool is_behind(const Depth& other) const {
+            if (inverse_z != other.inverse_z) return inverse_z < other.inverse_z;
+            return layer != other.layer ? layer > other.layer : number > other.number;
+        }
     };
     struct Sum {
         std::array<float, 4> rgba{};
@@ -127,8 +145,7 @@ class Band {
     };
     struct Hit {
         std::uint32_t at;
-        float inverse_z;
-        std::uint64_t number;
+        Depth depth;
     };
 
     /// Index in the window of pixel `i` of this band.
@@ -195,17 +212,11 @@ class Band {
     }
 
     void hit(const View& v, const Facet& f, std::uint64_t number, std::size_t at) {
-        const float z = f.sample.inverse_z;
-        Nearest& n = nearest_[at];
-        if (is_behind(z, number, n)) return;
-        hits_.push_back({static_cast<std::uint32_t>(at), z, number});
-        const double share = static_cast<double>(f.threshold + v.threshold) * 0x1p-32;
-        if (share < static_cast<double>(f.sample.alpha)) n = {z, number};
-    }
-    /// Whether a quadrilateral lies behind the nearest one found so far. Of two at equal depth, the one with
-    /// the smaller number is in front.
-    [[nodiscard]] static bool is_behind(float z, std::uint64_t number, const Nearest& n) {
-        return z < n.inverse_z || (z == n.inverse_z && number > n.number);
+        const Depth depth{f.sample.inverse_z, f.layer, number};
+        Depth& nearest = nearest_[at];
+        if (depth.is_behind(nearest)) return;
+        hits_.push_back({static_cast<std::uint32_t>(at), depth});
+        if (is_opaque(f, v.number)) nearest = depth;
     }
 
     /// Adds the premultiplied light of all quadrilaterals that no opaque one hides. The expected value equals
@@ -213,9 +224,9 @@ class Band {
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
-            if (is_behind(h.inverse_z, h.number, nearest_[h.at])) continue;
+            if (h.depth.is_behind(nearest_[h.at])) continue;
             if (!passed_.empty() && passes_[h.at] == 0) continue;
-            const StackSample& s = facets_.facet(h.number).sample;
+            const StackSample& s = facets_.facet(h.depth.number).sample;
             Sum& sum = sums_[h.at];
             if (!s.holdout) {
                 sum.rgba[0] += s.r;
@@ -265,7 +276,7 @@ class Band {
     const std::vector<std::uint8_t>& nothing_;
     const StackFieldSettings& s_;
     int y_begin_, rows_, width_;
-    std::vector<Nearest> nearest_;
+    std::vector<Depth> nearest_;  ///< per pixel, the nearest opaque quadrilateral of the view
     std::vector<Hit> hits_;
     std::vector<Sum> sums_;
     std::vector<std::uint8_t> met_, passes_;

@@ -1,6 +1,7 @@
 // The light field of another program's image: the mean of views from many lens points.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "focus/foreign/behind_fill.h"
@@ -20,6 +21,11 @@ struct StackFieldSettings {
     int views = default_lens_views;
     int set = 0;          ///< number of the set of views (focus/light_field/lens_views.h)
     bool shares = false;  ///< whether to compute StackField::shares as well
+
+    /// How much farther than the CoC radius spherical aberration moves light.
+    [[nodiscard]] double aberration_px() const {
+        return std::abs(geometry.gain_px * geometry.aperture_radius_m * aperture.spherical_per_m());
+    }
 };
 
 /// Share of a pixel that shows one object, on one side of the focus.
@@ -46,8 +52,9 @@ struct StackField {
 ///
 /// A view has one sample point in each pixel. Of the quadrilaterals there, the nearest opaque one is visible.
 /// A quadrilateral is opaque in a fraction of the views that equals its alpha (stochastic transparency
-/// [enderton2010]); its thresholds are distributed uniformly over the views. `behind` adds the estimated
-/// surface behind a pixel, where one is known, to the end of the pixel's stack; `behind` may be empty.
+/// [enderton2010]), independently of all others; its thresholds are distributed uniformly over the views.
+/// `behind` adds the estimated surface behind a pixel, where one is known, to the end of the pixel's stack;
+/// `behind` may be empty.
 ///
 /// The expected value of the image is "over" along each ray through the lens. The result is bit-identical for
 /// any number of threads and any `drawn`. Throws Error(wrong_arguments) for a number of views out of range,

@@ -209,6 +209,21 @@ TEST_F(SafeWriting, AnswersThatCannotBeWrittenAreFour) {
         const int status = std::system((line + " >/dev/full 2>" + quoted(err)).c_str());
         expect_said({WIFEXITED(status) ? WEXITSTATUS(status) : -1, "", bytes_of(err)}, command);
     }
+    const auto code = [](const std::string& words) {
+        const int status = std::system((quoted(POSTLENS_BINARY) + " " + words).c_str());
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    };
+    for (const char* asks : {"--version", "--help", "focus --help"})
+        EXPECT_EQ(code(std::string(asks) + " >/dev/full 2>/dev/null"), 4) << asks;
+    EXPECT_EQ(code("info " + quoted(frame) + " >&- 2>/dev/null"), 4);
+    // An error that cannot be said keeps its exit code, and a file is not mixed with what is said.
+    for (const char* where : {"2>&-", "2>/dev/full"}) {
+        EXPECT_EQ(code("info nofile " + std::string(where)), 3) << where;
+        EXPECT_EQ(code("image " + quoted(frame) + " -o " + quoted(in("closed.exr")) + " >/dev/null " + where),
+                  0)
+            << where;
+        EXPECT_EQ(bytes_of(in("closed.exr")), bytes_of(in("o.exr"))) << where;
+    }
 }
 
 /// Kills a command at random instants of its run and checks the files that remain.

@@ -247,6 +247,61 @@ TEST(ForeignFocus, AVignettedWallIsDarkAndOpaque) {
     }
 }
 
+TEST(ForeignFocus, ViewsSeeThroughSheetsIndependently) {
+    // Two half transparent sheets, black and white, before a grey wall: every pixel is 0.5 of black, a
+    // quarter of white and a quarter of grey.
+    Bench bench{.width = 24, .height = 24, .margin_px = 12};
+    bench.settings.views = 1024;
+    for (const double apart_px : {4.0, 0.1}) {
+        const ForeignPicture p = bench.picture([&](int, int) {
+            return Stack{{bench.inverse_z(-apart_px), 0, 0, 0, 0.5F},
+                         {bench.inverse_z(0), 0.5F, 0.5F, 0.5F, 0.5F},
+                         {bench.inverse_z(apart_px), 0.25F, 0.25F, 0.25F, 1}};
+        });
+        const Image image = bench.focus(p, FocusMethod::lightfield).image;
+        // The pairing of both sheets' thresholds is random: a standard deviation of 0.43 / sqrt(1024) at
+        // most.
+        double sum = 0;
+        for (int y = 0; y < bench.height; ++y) {
+            for (int x = 0; x < bench.width; ++x) {
+                EXPECT_NEAR(value(image, x, y, 0), 0.3125, 5 * 0.43 / 32);
+                sum += static_cast<double>(value(image, x, y, 0));
+            }
+        }
+        EXPECT_NEAR(sum / (bench.width * bench.height), 0.3125, 2e-3);
+    }
+}
+
+TEST(ForeignFocus, AnEdgeBeforeNothingHasTheAberrationOfTheLens) {
+    // The light of a lens point q arrives at (r + s |q|^2) q. The mean over the points is the edge.
+    Bench bench{.width = 60, .height = 4, .margin_px = 20};
+    bench.settings.views = 1024;
+    bench.settings.impulse.spherical = 0.005;
+    const double r = 5;
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        return x < 30 ? Stack{{bench.inverse_z(r), 0.8F, 0.8F, 0.8F, 1}} : Stack{};
+    });
+    const double s_px = 1000 * bench.settings.impulse.spherical;
+    const auto edge = [&](double x) {
+        constexpr int steps = 400;
+        int all = 0, covered = 0;
+        for (int i = 0; i < steps; ++i) {
+            for (int k = 0; k < steps; ++k) {
+                const double u = 2 * (i + 0.5) / steps - 1, v = 2 * (k + 0.5) / steps - 1, q2 = u * u + v * v;
+                if (q2 > 1) continue;
+                ++all;
+                covered += x + (r + s_px * q2) * u < 30 ? 1 : 0;
+            }
+        }
+        return static_cast<double>(covered) / all;
+    };
+    for (const FocusMethod method : {FocusMethod::lightfield, FocusMethod::scatter}) {
+        const Image image = bench.focus(p, method).image;
+        for (int x = 15; x < 45; ++x)
+            EXPECT_NEAR(alpha(image, x, 2), edge(x + 0.5), 0.06) << x << ' ' << static_cast<int>(method);
+    }
+}
+
 TEST(ForeignFocus, VanishingCirclesGiveTheFlattenedPicture) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> unit(0, 1);

@@ -244,6 +244,25 @@ TEST_F(ObjectEffectsTest, MasksAreCoveragesAndThoseOfTwoFilesAddUp) {
     expect({half, other, half}, {0, 0, 0.3F, 0});
 }
 
+TEST_F(ObjectEffectsTest, ASoftMaskHoldsOutItsShareWhateverTheBlur) {
+    const TemporaryFolder folder;
+    const std::string path = (folder.path() / "mask.exr").string();
+    Bench bench{.width = 32, .height = 16, .margin_px = 16};
+    bench.settings.views = 1024;
+    Image mask(bench.width, bench.height);
+    for (std::size_t i = 0; i < mask.rgb.size(); ++i) mask.rgb[i] = static_cast<float>(i / 3 % 32) / 32;
+    write_image(path, mask);
+    for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+        ForeignPicture p = bench.picture([&](int, int) {
+            return Stack{{bench.inverse_z(6), 0.5F, 0.5F, 0.5F, 1}};
+        });
+        apply_object_effects(p, {.holdouts = {{"--holdout", path}}}, bench.inverse_focus_per_m);
+        const Image image = bench.focus(p, method).image;
+        for (int x = 8; x < 24; ++x)
+            EXPECT_NEAR(alpha(image, x, 8), 1 - x / 32.0, method == FocusMethod::layers ? 0.01 : 0.02) << x;
+    }
+}
+
 TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {
     for (const bool whole : {true, false}) {
         ForeignPicture p = bench_.picture([&](int x, int) {

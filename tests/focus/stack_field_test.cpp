@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/sample_hash.h"
+#include "core/sobol.h"
 #include "core/threads.h"
 #include "tests/support/edge_response.h"
 #include "tests/support/stack_bench.h"
@@ -21,6 +22,15 @@ FocusGeometry geometry_of(const Bench& bench) {
 StackField field_of(const Bench& bench, const ForeignPicture& p, int views) {
     const RasterWindow window{0, bench.width, 0, bench.height};
     return stack_field(p, {}, {geometry_of(bench), Aperture(Impulse{}), window, window, views});
+}
+
+/// Threshold of a sample in a view: a scrambled radical inverse of the view's place in an order of the
+/// sample.
+std::uint32_t threshold_of(std::uint32_t seed, std::uint32_t view) {
+    const auto scrambled = [](std::uint32_t digits_reversed, std::uint32_t by) {
+        return reverse_bits(owen_scramble_reversed(digits_reversed, by));
+    };
+    return scrambled(scrambled(reverse_bits(view), seed), mix32(seed));
 }
 
 /// The same picture, one view and one pixel after the other, from all samples. Only for samples none of which
@@ -47,7 +57,7 @@ Image squares_one_by_one(const Bench& bench, const ForeignPicture& p, int views)
                                                    static_cast<std::uint64_t>(p.x_end - p.x_begin) +
                                                static_cast<std::uint64_t>(i - p.x_begin);
                             const std::uint32_t threshold =
-                                random_word(pixel, k++) + 0x9E3779B9U * static_cast<std::uint32_t>(v);
+                                threshold_of(random_word(pixel, k++), static_cast<std::uint32_t>(v));
                             if (at.x >= corner.x && at.x < corner.x + 1 && at.y >= corner.y &&
                                 at.y < corner.y + 1)
                                 here.emplace_back(&s, threshold * 0x1p-32 < static_cast<double>(s.alpha));
