@@ -12,6 +12,7 @@
 #include "core/job.h"
 #include "core/progress.h"
 #include "core/signals.h"
+#include "core/text.h"
 
 namespace {
 
@@ -54,12 +55,8 @@ void report(const CommandResult& result, const ParsedCommand& command) {
     }
 }
 
-/// Reports an error in one line, whatever bytes a file or an option has brought into its text.
-void say_error(std::string text) {
-    for (char& c : text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
-    }
-    say(stderr, "postlens: " + text);
+void say_error(const std::string& text) {
+    say(stderr, "postlens: " + postlens::one_line(text));
 }
 
 int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {

@@ -64,6 +64,13 @@ std::string excerpt(std::string_view text) {
     return out + "'";
 }
 
+std::string one_line(std::string text) {
+    for (char& c : text) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
+    }
+    return text;
+}
+
 std::string rough(double value) {
     if (std::abs(value) >= 99.5) return fmt::format("{:.0f}", value);
     if (std::abs(value) < 1e-3) return fmt::format("{:.3f}", value);

@@ -15,6 +15,9 @@ namespace postlens {
 /// Up to 40 characters of text from a file, in single quotes, with unprintable characters replaced.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
+/// A message in one line: control characters, which files and options bring into it, become question marks.
+[[nodiscard]] std::string one_line(std::string text);
+
 /// Formats a number with two significant digits and without exponent: 0.12, 3.4, 56, 789. Numbers below 0.001
 /// are rounded to three decimals.
 [[nodiscard]] std::string rough(double value);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/text.h"
+
 namespace postlens {
 
 void SceneNotes::add(const std::string& text) {
@@ -19,11 +21,7 @@ void SceneNotes::append_to(std::vector<std::string>& out, const std::filesystem:
 
 std::string printable_name(const std::string& name, const std::string& fallback) {
     constexpr std::size_t most = 255;
-    std::string out = name.substr(0, most);
-    for (char& c : out) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7F) c = '?';
-    }
+    const std::string out = one_line(name.substr(0, most));
     return out.empty() ? fallback : out;
 }
 

@@ -56,19 +56,28 @@ def _text(keyword: str, value: object) -> str:
 
 
 def words_of(options: Mapping[str, object]) -> list[str]:
-    """Returns the command-line words of an option. None and False yield no words, True a flag without a value."""
+    """Returns the command-line words of options. None and False yield no words, True a flag without a value.
+
+    Flags are last, so that an option that needs a value takes none of the other words for it.
+    """
     words: list[str] = []
+    flags: list[str] = []
     for keyword, value in options.items():
         if value is None or value is False:
             continue
         name = option_name(keyword)
-        if isinstance(value, Mapping):
+        if value is True:
+            flags.append(name)
+        elif isinstance(value, Mapping):
             words += [f"{name}={k}={_text(keyword, v)}" for k, v in value.items()]
         elif keyword in _repeated and isinstance(value, (list, tuple)):
             words += [f"{name}={_text(keyword, v)}" for v in value]
         else:
-            words.append(name if value is True else f"{name}={_text(keyword, value)}")
-    return words
+            text = _text(keyword, value)
+            if not text:
+                raise ArgumentError(f"{keyword}: empty (got {value!r}; expected a value, or None)")
+            words.append(f"{name}={text}")
+    return words + flags
 
 
 def path_text(what: str, path: object) -> str:

@@ -104,6 +104,20 @@ def test_names_of_files_need_not_be_text(frame, frame_path, tmp_path):
         frame.image().save(str(tmp_path / "a\0.png"))
 
 
+def test_errors_are_one_line(frame):
+    with pytest.raises(postlens.Error) as error:
+        postlens.open("no\nsuch\tfile")
+    assert "\n" not in str(error.value) and "\t" not in str(error.value)
+
+
+@pytest.mark.parametrize("wrong", [{"f_number": True}, {"views": True}, {"passes": []}, {"method": ""}])
+def test_an_option_without_a_value_takes_no_other_word(frame, wrong):
+    right = {"f_number": 2, "focus_m": 3}
+    with pytest.raises(postlens.ArgumentError) as error:
+        frame.focus(**{**right, **wrong})
+    assert "focus" not in str(error.value).replace("(see postlens help focus)", "")
+
+
 def test_a_frame_is_that_of_one_file(frame_path, tmp_path):
     path = tmp_path / "copy.exr"
     shutil.copy(frame_path, path)

@@ -30,12 +30,6 @@ const char* format_of(std::string_view bytes) {
     return nullptr;
 }
 
-std::string one_line(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7F; }, ' ');
-    return text.substr(0, 200);
-}
-
 }  // namespace
 
 RawImage decode_image(std::string_view bytes, const std::string& name) {
@@ -44,7 +38,8 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
     std::string problem;
     auto in = open_plain_png(bytes);
     if (!in) in = picture_library().open(bytes, format, problem);
-    if (!in) fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem));
+    if (!in)
+        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem.substr(0, 200)));
     const PictureLayout& layout = in->layout();
     const double pixels = static_cast<double>(layout.width) * layout.height;
     if (layout.width < 1 || layout.height < 1 || pixels > most_image_pixels || layout.channels.empty() ||
@@ -60,7 +55,7 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
     std::vector<float> read(count * channels);
     problem = in->read(static_cast<int>(channels), read.data());
     if (!problem.empty())
-        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem));
+        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem.substr(0, 200)));
     const bool grey = channels < 3;
     out.has_alpha = channels == 2 || channels == 4;
     out.rgba.resize(4 * count);
