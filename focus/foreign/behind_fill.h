@@ -24,16 +24,16 @@ struct Behind {
 };
 
 /// Estimates the surface behind every stored pixel, row by row. From an opaque pixel, eight directions are
-/// searched for a farther surface. A surface is farther if its signed CoC radius is larger by at least a
-/// pixel. It must lie within the sum of both CoC radii plus a pixel. If samples have ids, only the id with
-/// the largest sum of 1 / squared distance counts.
+/// searched for a farther surface. A surface is farther if its own depth is, and if the signed CoC radius of
+/// its own depth or of its blur (StackSample::moved_inverse_z) differs by at least a pixel. It must lie
+/// within the sum of both blurs' CoC radii plus a pixel. If samples have ids, only the id with the largest
+/// sum of 1 / squared distance counts.
 ///
-/// The depth and the id are those of the nearest of the farther surfaces. The colour is a mean, weighted by
-/// 1 / squared distance, of the surfaces whose CoC radius differs from that of the nearest by less than a
-/// pixel. Empty space counts as farther than all surfaces and is not blurred. A translucent pixel is treated
-/// like an opaque one if there is only empty space behind it in every direction (`fills`). The result does
-/// not depend on the number of threads.
-/// `aberration_px`: how much farther spherical aberration moves light than the CoC radius.
+/// The depths and the id are those of the nearest of the farther surfaces. The colour is a mean, weighted by
+/// 1 / squared distance, of the surfaces that are neither farther nor nearer than that one. Empty space
+/// counts as farther than all surfaces and is not blurred. A translucent pixel is treated like an opaque one
+/// if there is only empty space behind it in every direction (`fills`). The result does not depend on the
+/// number of threads. `aberration_px`: how much farther spherical aberration moves light than the CoC radius.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 
