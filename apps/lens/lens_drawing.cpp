@@ -41,6 +41,7 @@ Drawing draw_section(const LensSection& section, const Prescription& lens, const
     const auto at = [&](glm::dvec2 p) { return Point{left + (p.x - z0) * scale, middle - p.y * scale}; };
     const auto polyline = [&](const std::vector<glm::dvec2>& points) {
         std::vector<Point> px;
+        px.reserve(points.size());
         for (const auto& p : points) px.push_back(at(p));
         return px;
     };
