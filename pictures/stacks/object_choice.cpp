@@ -78,14 +78,16 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses, of the nearest samples of a stack, those that cover `share` of the pixel. Dividing a sample adds
-/// one to the stack.
+/// Chooses, of the nearest samples of a stack, those that cover a share of the pixel. Dividing a sample adds
+/// one to the stack. Reuses its buffers from pixel to pixel.
 class MaskedStack {
   public:
-    MaskedStack(std::span<const StackSample> stack, std::uint16_t mask)
-        : samples_(stack.begin(), stack.end()), chosen_(stack.size(), 0), mask_(mask) {}
+    explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
 
-    void choose(float share) {
+    void choose(std::span<const StackSample> stack, float share) {
+        samples_.assign(stack.begin(), stack.end());
+        chosen_.assign(stack.size(), 0);
+        if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
         // A mask that divided this stack before has the same part again.
@@ -154,14 +156,14 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     std::vector<std::uint64_t> offsets{0};
     offsets.reserve(picture.offsets.size());
     std::vector<std::uint8_t> chosen;
+    MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            const auto stack = picture.stack(x, y);
             const bool shown = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
-            MaskedStack masked(stack, number);
-            if (shown && !stack.empty())
-                masked.choose(mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
-                                   static_cast<std::size_t>(x)]);
+            masked.choose(picture.stack(x, y),
+                          shown ? mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
+                                       static_cast<std::size_t>(x)]
+                                : 0);
             samples.insert(samples.end(), masked.samples().begin(), masked.samples().end());
             chosen.insert(chosen.end(), masked.chosen().begin(), masked.chosen().end());
             offsets.push_back(samples.size());
