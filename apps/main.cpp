@@ -56,7 +56,7 @@ void report(const CommandResult& result, const ParsedCommand& command) {
 }
 
 void say_error(const std::string& text) {
-    say(stderr, "postlens: " + postlens::one_line(text));
+    say(stderr, "postlens: " + postlens::printable(text));
 }
 
 int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {

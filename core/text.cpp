@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
@@ -64,7 +65,20 @@ std::string excerpt(std::string_view text) {
     return out + "'";
 }
 
-std::string one_line(std::string text) {
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return text;
+}
+
+std::string reason_of(std::string message) {
+    while (!message.empty() && std::isspace(static_cast<unsigned char>(message.back())) != 0)
+        message.pop_back();
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    return message.empty() ? "no reason given" : message;
+}
+
+std::string printable(std::string text) {
     for (char& c : text) {
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = '?';
     }

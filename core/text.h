@@ -15,8 +15,15 @@ namespace postlens {
 /// Up to 40 characters of text from a file, in single quotes, with unprintable characters replaced.
 [[nodiscard]] std::string excerpt(std::string_view text);
 
+/// Converts the letters A to Z to lower case.
+[[nodiscard]] std::string lower_case(std::string text);
+
+/// The reason in a library's message, which may have several lines: one line, "no reason given" if it is
+/// empty.
+[[nodiscard]] std::string reason_of(std::string message);
+
 /// A message in one line: control characters, which files and options bring into it, become question marks.
-[[nodiscard]] std::string one_line(std::string text);
+[[nodiscard]] std::string printable(std::string text);
 
 /// Formats a number with two significant digits and without exponent: 0.12, 3.4, 56, 789. Numbers below 0.001
 /// are rounded to three decimals.

@@ -153,11 +153,7 @@ class Spread {
         splats.finish();
     }
 
-    [[nodiscard]] const Behind& behind_at(int x, int y) const {
-        return behind_[static_cast<std::size_t>(y - picture_.y_begin) *
-                           static_cast<std::size_t>(picture_.x_end - picture_.x_begin) +
-                       static_cast<std::size_t>(x - picture_.x_begin)];
-    }
+    [[nodiscard]] const Behind& behind_at(int x, int y) const { return behind_[picture_.pixel_at(x, y)]; }
 
     void spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {

@@ -2,7 +2,6 @@
 
 #include <Imath/half.h>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -15,6 +14,7 @@
 
 #include "core/error.h"
 #include "core/files/output_file.h"
+#include "core/text.h"
 #include "core/threads.h"
 #include "pictures/crop.h"
 #include "pictures/encoded_picture.h"
@@ -33,21 +33,12 @@ namespace fs = std::filesystem;
 enum class Format { exr, png, tiff, jpeg, unknown };
 
 Format format_of(const fs::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string ending = lower_case(path.extension().string());
     if (ending == ".exr") return Format::exr;
     if (ending == ".png") return Format::png;
     if (ending == ".tif" || ending == ".tiff") return Format::tiff;
     if (ending == ".jpg" || ending == ".jpeg") return Format::jpeg;
     return Format::unknown;
-}
-
-/// Converts an error message of a library, which may have several lines, to a single line.
-std::string one_line(std::string text) {
-    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.empty() ? "no reason given" : text;
 }
 
 /// Interleaves the image's RGB and alpha.
@@ -138,7 +129,7 @@ std::uint64_t write_other(OutputFile& file, Format format, const Image& image) {
                                      problem);
     if (bytes.empty()) {
         fail(ExitCode::cannot_write, "{}: cannot write ({})", file.target().string(),
-             one_line(std::move(problem)));
+             reason_of(std::move(problem)));
     }
     return write_bytes(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
@@ -209,7 +200,7 @@ OpenedImage open_image(const fs::path& path) {
     std::string problem;
     OpenedImage out{open_plain_picture(path)};
     if (!out.in) out.in = picture_library().open(name, problem);
-    if (!out.in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(std::move(problem)));
+    if (!out.in) fail(ExitCode::invalid_input, "{}: cannot read ({})", name, reason_of(std::move(problem)));
     const PictureLayout& spec = out.in->layout();
     if (spec.deep)
         fail(ExitCode::invalid_input, "{}: cannot read (got deep pixels; expected a flat image)", name);
@@ -279,7 +270,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     Image image(spec.width, spec.height);
     // Grey values are read into the first third of the array, and expanded to RGB below.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
-        fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), one_line(problem));
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), reason_of(problem));
     if (channels == 1) {
         for (std::size_t i = image.rgb.size() / 3; i-- > 0;) {
             const float grey = image.rgb[i];

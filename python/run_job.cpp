@@ -28,7 +28,7 @@ struct Shared {
 
 [[noreturn]] void raise(ExitCode code, const std::string& text) {
     py::object make = py::module_::import("postlens._errors").attr("error_of");
-    const py::object error = make(static_cast<int>(code), text_of(one_line(text)));
+    const py::object error = make(static_cast<int>(code), text_of(printable(text)));
     PyErr_SetObject(reinterpret_cast<PyObject*>(Py_TYPE(error.ptr())), error.ptr());
     throw py::error_already_set();
 }

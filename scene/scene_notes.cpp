@@ -21,7 +21,7 @@ void SceneNotes::append_to(std::vector<std::string>& out, const std::filesystem:
 
 std::string printable_name(const std::string& name, const std::string& fallback) {
     constexpr std::size_t most = 255;
-    const std::string out = one_line(name.substr(0, most));
+    const std::string out = printable(name.substr(0, most));
     return out.empty() ? fallback : out;
 }
 

@@ -54,9 +54,7 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
             }
             double left = 1;
             for (const StackSample& s : p.stack(x, y)) left *= 1 - static_cast<double>(s.alpha);
-            const std::size_t k =
-                static_cast<std::size_t>(y - p.y_begin) * static_cast<std::size_t>(p.x_end - p.x_begin) +
-                static_cast<std::size_t>(x - p.x_begin);
+            const std::size_t k = p.pixel_at(x, y);
             out.push_back(left > opaque_transmittance ||
                                   (!behind.empty() && behind[k].known && behind[k].alpha < 1)
                               ? 1
@@ -67,8 +65,8 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
 }
 
 /// Whether a sample of this alpha is opaque in a view. The thresholds of a facet are a scrambled van der
-/// Corput sequence over the views in an order of its own, so that facets are opaque independently of each
-/// other: what two of them transmit together is the product of what each transmits.
+/// Corput sequence over the views, in an order of its own. Facets are therefore opaque independently of each
+/// other, and the transmittance of two of them is the product of both.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));

@@ -22,6 +22,7 @@ struct Passing {
     NodeIdentity identity;
     double light = 0;
     std::vector<std::pair<double, double>> spans;
+    double duration = 0;  ///< of all spans together, once they are joined
 
     void join_spans() {
         std::sort(spans.begin(), spans.end());
@@ -34,15 +35,11 @@ struct Passing {
             }
         }
         spans.resize(count);
-    }
-    [[nodiscard]] double duration() const {
-        double sum = 0;
-        for (const auto& [begin, end] : spans) sum += end - begin;
-        return sum;
+        for (const auto& [begin, end] : spans) duration += end - begin;
     }
     /// The instant at which `part` of the spans is over.
     [[nodiscard]] double instant(double part) const {
-        double left = part * duration();
+        double left = part * duration;
         for (const auto& [begin, end] : spans) {
             if (left < end - begin) return begin + left;
             left -= end - begin;
@@ -108,7 +105,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
             const NodeIdentity identity{s.key.path, s.key.parent_id, s.key.id};
             auto of = std::find_if(passing.begin(), passing.end(),
                                    [&](const Passing& p) { return p.identity == identity; });
-            if (of == passing.end()) of = passing.insert(passing.end(), {identity, 0, {}});
+            if (of == passing.end()) of = passing.insert(passing.end(), {.identity = identity});
             const double begin = std::floor(s.u / s.exposure) * s.exposure;
             of->light += s.light;
             of->spans.emplace_back(begin, begin + s.exposure);
@@ -140,7 +137,7 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
                                       .lens = aperture_.sample(uv.x, uv.y),
                                       .light_before = p.instant(random.next())},
                              .highlight = p.identity,
-                             .scale = all / p.light * p.duration()});
+                             .scale = all / p.light * p.duration});
             continue;
         }
         const Reached& r =

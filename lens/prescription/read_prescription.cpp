@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 
 #include "core/files/text_file.h"
@@ -18,10 +17,7 @@ namespace {
 constexpr std::uintmax_t largest_file_bytes = 64'000'000;
 
 std::string ending_of(const std::filesystem::path& path) {
-    std::string ending = path.extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return ending;
+    return lower_case(path.extension().string());
 }
 
 // Converts UTF-16 to ASCII; Zemax writes UTF-16 with or without a byte order mark. Non-ASCII characters occur

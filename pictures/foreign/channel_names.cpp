@@ -17,12 +17,6 @@ std::pair<std::string, std::string> split_channel(const std::string& name) {
                                     : std::pair(name.substr(0, dot + 1), name.substr(dot + 1));
 }
 
-std::string lower_case(std::string text) {
-    std::transform(text.begin(), text.end(), text.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-    return text;
-}
-
 bool has_any_word(const std::vector<std::string>& words, std::initializer_list<std::string_view> some) {
     return std::any_of(words.begin(), words.end(), [&](const std::string& w) {
         return std::find(some.begin(), some.end(), w) != some.end();

@@ -19,9 +19,6 @@ using ChannelNames = std::vector<std::string>;
 /// Splits a name after its last dot.
 [[nodiscard]] std::pair<std::string, std::string> split_channel(const std::string& name);
 
-/// Converts the letters A to Z to lower case.
-[[nodiscard]] std::string lower_case(std::string text);
-
 /// Whether one of `some` is among the words.
 [[nodiscard]] bool has_any_word(const std::vector<std::string>& words,
                                 std::initializer_list<std::string_view> some);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pictures/foreign/channel_names.h"
 #include "pictures/foreign/foreign_colours.h"
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pictures/foreign/channel_groups.h"
 #include "pictures/foreign/channel_names.h"
 

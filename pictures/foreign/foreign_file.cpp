@@ -14,7 +14,6 @@
 #include <OpenEXR/ImfTileDescription.h>
 #include <OpenEXR/ImfVecAttribute.h>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 
@@ -116,12 +115,6 @@ int threads_of_file(std::uint64_t greatest_chunk) {
 }  // namespace
 
 namespace foreign {
-
-std::string one_line(std::string text) {
-    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back())) != 0) text.pop_back();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text.empty() ? "no reason given" : text;
-}
 
 int chunk_rows(const Imf::Header& h) {
     switch (h.compression()) {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "core/text.h"
 #include "pictures/foreign/foreign_file.h"
 
 namespace postlens {
@@ -24,9 +25,6 @@ inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 /// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032, and no method
 /// compresses twice.
 inline constexpr std::uint64_t densest = 4096;
-
-/// Converts a message of the library to one line.
-[[nodiscard]] std::string one_line(std::string text);
 
 /// Number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
@@ -46,7 +44,7 @@ auto guarded(const std::string& name, const Call& call) {
     } catch (const std::bad_alloc&) {
         fail(ExitCode::out_of_memory, "{}: not enough memory to read it", name);
     } catch (const std::exception& e) {
-        fail(ExitCode::invalid_input, "{}: cannot read ({})", name, one_line(e.what()));
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", name, reason_of(e.what()));
     }
 }
 

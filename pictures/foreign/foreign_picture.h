@@ -25,7 +25,7 @@ struct StackSample {
     /// object with a depth offset, for instance. Negative if there is no such depth (see spread_inverse_z).
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
-    std::uint16_t mask = 0;  ///< number, from 1, of the mask that this sample was divided off by; 0: none
+    std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0: none
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
@@ -77,10 +77,13 @@ struct ForeignPicture {
     std::vector<ForeignRepair> repairs;
 
     [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width; }
+    /// Index of a stored pixel.
+    [[nodiscard]] std::size_t pixel_at(int x, int y) const {
+        return static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
+               static_cast<std::size_t>(x - x_begin);
+    }
     [[nodiscard]] std::span<const StackSample> stack(int x, int y) const {
-        const std::size_t i =
-            static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
-            static_cast<std::size_t>(x - x_begin);
+        const std::size_t i = pixel_at(x, y);
         return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
     }
     /// The sample at which the composited alpha of a stored pixel reaches one half. Null if alpha stays below

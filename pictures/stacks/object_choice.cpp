@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
 
 #include "core/error.h"
 #include "core/memory.h"
+#include "core/text.h"
 #include "pictures/foreign/cryptomatte.h"
 #include "pictures/image.h"
 
@@ -91,7 +91,7 @@ class MaskedStack {
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
         // A mask that divided this stack before has the same part again.
-        if (std::any_of(samples_.cbegin(), nearest_end(), is_same)) {
+        if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
@@ -102,18 +102,13 @@ class MaskedStack {
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// End of the samples that are as near as the nearest one: its own parts.
-    [[nodiscard]] std::vector<StackSample>::const_iterator nearest_end() const {
-        return std::find_if(samples_.begin(), samples_.end(), [this](const StackSample& s) {
-            return s.inverse_z != samples_.front().inverse_z;
-        });
-    }
     /// Chooses those of the nearest samples that `wanted` admits, until they cover `share` of the pixel.
-    /// Returns what is left of the share.
+    /// Returns what is left of the share. All samples at the depth of the nearest one are parts of it.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
-        for (std::size_t k = 0; static_cast<std::ptrdiff_t>(k) < nearest_end() - samples_.begin(); ++k) {
+        const float nearest = samples_.front().inverse_z;
+        for (std::size_t k = 0; k < samples_.size() && samples_[k].inverse_z == nearest; ++k) {
             const StackSample s = samples_[k];
             const float covers = left * s.alpha;
             left -= covers;
@@ -191,9 +186,7 @@ std::vector<std::uint8_t> choose_by_id(const ForeignPicture& picture, const Obje
 }  // namespace
 
 bool ObjectChoice::is_file() const {
-    std::string ending = std::filesystem::path(object).extension().string();
-    std::transform(ending.begin(), ending.end(), ending.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string ending = lower_case(std::filesystem::path(object).extension().string());
     constexpr std::array endings{".exr", ".png", ".tif", ".tiff", ".jpg", ".jpeg"};
     return std::find(endings.begin(), endings.end(), ending) != endings.end();
 }

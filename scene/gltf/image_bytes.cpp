@@ -30,6 +30,11 @@ const char* format_of(std::string_view bytes) {
     return nullptr;
 }
 
+[[noreturn]] void fail_undecoded(const std::string& name, const std::string& problem) {
+    constexpr std::size_t longest = 200;
+    fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, printable(problem.substr(0, longest)));
+}
+
 }  // namespace
 
 RawImage decode_image(std::string_view bytes, const std::string& name) {
@@ -38,8 +43,7 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
     std::string problem;
     auto in = open_plain_png(bytes);
     if (!in) in = picture_library().open(bytes, format, problem);
-    if (!in)
-        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem.substr(0, 200)));
+    if (!in) fail_undecoded(name, problem);
     const PictureLayout& layout = in->layout();
     const double pixels = static_cast<double>(layout.width) * layout.height;
     if (layout.width < 1 || layout.height < 1 || pixels > most_image_pixels || layout.channels.empty() ||
@@ -54,8 +58,7 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
     const auto count = static_cast<std::size_t>(layout.width) * static_cast<std::size_t>(layout.height);
     std::vector<float> read(count * channels);
     problem = in->read(static_cast<int>(channels), read.data());
-    if (!problem.empty())
-        fail(ExitCode::invalid_input, "{}: cannot be decoded ({})", name, one_line(problem.substr(0, 200)));
+    if (!problem.empty()) fail_undecoded(name, problem);
     const bool grey = channels < 3;
     out.has_alpha = channels == 2 || channels == 4;
     out.rgba.resize(4 * count);

@@ -40,10 +40,7 @@ class MeshReader {
   public:
     MeshReader(const std::filesystem::path& path, const SceneReadOptions& options)
         : path_(path), unit_(options.metres_per_unit) {
-        std::string ending = path.extension().string();
-        std::transform(ending.begin(), ending.end(), ending.begin(),
-                       [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-        is_ply_ = ending == ".ply";
+        is_ply_ = lower_case(path.extension().string()) == ".ply";
         scene_.name = path.stem().string();
         scene_.ambient_light = dvec3(mesh_ambient_light);
     }

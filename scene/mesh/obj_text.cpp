@@ -44,13 +44,6 @@ std::string_view without_comment(std::string_view line) {
     return trimmed(line.substr(0, at));
 }
 
-std::string lower_case(std::string_view word) {
-    std::string out(word);
-    std::transform(out.begin(), out.end(), out.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return out;
-}
-
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
     return std::find(words.begin(), words.end(), word) != words.end();
 }
@@ -94,7 +87,7 @@ void append_libraries(std::string_view names, std::string& out) {
         std::size_t end = 0;
         do {
             end += 1 + first_word(names.substr(end + 1)).size();
-        } while (end < names.size() && !lower_case(names.substr(0, end)).ends_with(".mtl"));
+        } while (end < names.size() && !lower_case(std::string(names.substr(0, end))).ends_with(".mtl"));
         out += first ? "mtllib " : "\nmtllib ";
         out += names.substr(0, end);
         names = trimmed(names.substr(end));
@@ -109,13 +102,13 @@ class OptionReader {
     // Returns the file name behind the options.
     std::string_view read(PictureOptions& out) {
         while (rest_.starts_with('-')) {
-            const std::string option = lower_case(take_word());
+            const std::string option = lower_case(std::string(take_word()));
             if (option == "-s") {
                 read_pair(out.scale);
             } else if (option == "-o") {
                 read_pair(out.offset);
             } else if (option == "-clamp") {
-                out.clamp = lower_case(take_word()) == "on";
+                out.clamp = lower_case(std::string(take_word())) == "on";
             } else if (is_one_of(option, {"-blendu", "-blendv", "-boost", "-texres"})) {
                 take_word();  // these options only affect how texels are filtered
             } else {
@@ -188,7 +181,7 @@ std::string rewritten_mtl(std::string_view text, std::map<std::string, MaterialP
     out.reserve(text.size());
     while (!text.empty()) {
         std::string_view line = trimmed(take_line(text, false));
-        const std::string key = lower_case(first_word(line));
+        const std::string key = lower_case(std::string(first_word(line)));
         const std::string_view rest = trimmed(line.substr(key.size()));
         if (key == "newmtl") {
             material = rest;

@@ -154,9 +154,9 @@ TEST(Shoot, AutoStopsWhereHighlightsMissTheTarget) {
 TEST(Shoot, AMovingLampInFocusHasTheEdgesOfItsWay) {
     SceneBuilder b;
     b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
-    Object& lamp = b.add(board(-0.47, -0.35, -0.05, 0.07, 4), glowing({20, 15, 10}));
-    lamp.id = 2;
-    lamp.keys = from_to({0.5, 0.06, 0});
+    Object& light = b.add(board(-0.47, -0.35, -0.05, 0.07, 4), glowing({20, 15, 10}));
+    light.id = 2;
+    light.keys = from_to({0.5, 0.06, 0});
     TraceSettings trace = traced(true, 5);
     trace.for_shutter = TimeSpan{0, 1};
     const Shot shot(b, trace);
@@ -167,14 +167,14 @@ TEST(Shoot, AMovingLampInFocusHasTheEdgesOfItsWay) {
     EXPECT_GT(psnr(got, truth), 45);  // 46.1 measured
 }
 
-// What the records miss of a lamp is beside the light that is known, and the checks find it.
+// The records miss light of a moving source beside the light that they have. The check rays must find it.
 TEST(Shoot, TheErrorOfAMovingLampIsStated) {
     for (const int levels : {2, 4}) {
         SceneBuilder b;
         b.add(board(-90, 90, -90, 90, 10), glowing({0.2, 0.2, 0.2}));
-        Object& lamp = b.add(Sphere{{-0.4, 0.02, -4}, 0.07}, glowing({20, 15, 10}));
-        lamp.id = 2;
-        lamp.keys = from_to({0.8, 0.06, 0});
+        Object& light = b.add(Sphere{{-0.4, 0.02, -4}, 0.07}, glowing({20, 15, 10}));
+        light.id = 2;
+        light.keys = from_to({0.8, 0.06, 0});
         TraceSettings trace = traced(true, levels);
         trace.for_shutter = TimeSpan{0, 1};
         const Shot shot(b, trace);
