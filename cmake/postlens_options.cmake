@@ -54,20 +54,19 @@ if(POSTLENS_SANITIZE)
   target_compile_definitions(postlens_options INTERFACE POSTLENS_NO_MULTIVERSION)
 endif()
 
-# One library per folder: postlens_library(NAME [FEW_LOOPS] SOURCES sources... LINK libraries... PRIVATE libraries...
-# PRECOMPILED set). FEW_LOOPS: nothing in the folder takes long, so optimising it is not worth the time of the compiler.
-set(few_loops_options $<$<CONFIG:Release>:-O1>)
+# One library per folder: postlens_library(NAME [FEW_LOOPS] SOURCES sources... LINK libraries... PRIVATE libraries...).
+# FEW_LOOPS: nothing in the folder takes long, so optimising it is not worth the time of the compiler.
+set(few_loops_options $<$<CONFIG:Release>:-Og>)
 function(postlens_library name)
-  cmake_parse_arguments(arg "FEW_LOOPS" "PRECOMPILED" "SOURCES;LINK;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "FEW_LOOPS" "" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(postlens_${name} STATIC ${arg_SOURCES})
   add_library(postlens::${name} ALIAS postlens_${name})
   target_link_libraries(postlens_${name} PUBLIC postlens_options ${arg_LINK} PRIVATE ${arg_PRIVATE})
-  if(NOT arg_PRECOMPILED)
-    set(arg_PRECOMPILED postlens_library_headers)
-  endif()
-  postlens_use_precompiled(postlens_${name} ${arg_PRECOMPILED})
-  postlens_compile_together(postlens_${name})
   if(arg_FEW_LOOPS)
     target_compile_options(postlens_${name} PRIVATE ${few_loops_options})
+    postlens_use_precompiled(postlens_${name} postlens_few_loops_headers)
+  else()
+    postlens_use_precompiled(postlens_${name} postlens_library_headers)
   endif()
+  postlens_compile_together(postlens_${name})
 endfunction()

@@ -10,8 +10,8 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <xxhash.h>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "core/files/output_file.h"
 #include "core/text.h"
@@ -109,7 +109,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
 
 std::uint64_t write_bytes(OutputFile& file, std::string_view bytes) {
     file.write(bytes);
-    return XXH3_64bits(bytes.data(), bytes.size());
+    return checksum_of(bytes.data(), bytes.size());
 }
 
 std::uint64_t write_other(OutputFile& file, Format format, const Image& image) {

@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <xxhash.h>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "core/memory.h"
 #include "pictures/crop.h"
@@ -25,18 +25,17 @@ constexpr int most_side_px = 1 << 20;
 
 /// Checksum of all values of an image, in the order in which the image stores them.
 std::string checksum(const Image& image) {
-    XXH3_state_t state;
-    XXH3_64bits_reset(&state);
+    Checksum sum;
     const auto add = [&](const std::vector<float>& values) {
-        XXH3_64bits_update(&state, values.data(), values.size() * sizeof(float));
+        sum.add(values.data(), values.size() * sizeof(float));
     };
     add(image.rgb);
     add(image.alpha);
     for (const Image::Plane& p : image.planes) {
-        XXH3_64bits_update(&state, p.name.data(), p.name.size());
+        sum.add(p.name.data(), p.name.size());
         add(p.values);
     }
-    return fmt::format("{:016x}", XXH3_64bits_digest(&state));
+    return checksum_text(sum.value());
 }
 
 bool same_channels(const Image& a, const Image& b) {

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <utility>
-#include <xxhash.h>
 
+#include "core/checksum.h"
 #include "core/files/share_table.h"
 #include "core/files/text_file.h"
 #include "lens/impulse.h"
@@ -20,22 +20,17 @@ namespace {
 std::optional<std::uint64_t> file_checksum(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return std::nullopt;
-    XXH3_state_t state;
-    XXH3_64bits_reset(&state);
+    Checksum sum;
     std::vector<char> buffer(1U << 16U);
     while (in) {
         in.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-        XXH3_64bits_update(&state, buffer.data(), static_cast<std::size_t>(in.gcount()));
+        sum.add(buffer.data(), static_cast<std::size_t>(in.gcount()));
     }
     if (in.bad()) return std::nullopt;
-    return XXH3_64bits_digest(&state);
+    return sum.value();
 }
 
 }  // namespace
-
-std::string checksum_text(std::uint64_t checksum) {
-    return fmt::format("{:016x}", checksum);
-}
 
 std::string file_checksum_text(const std::filesystem::path& path) {
     const std::optional<std::uint64_t> checksum = file_checksum(path);
@@ -66,7 +61,7 @@ std::string SweepKeys::of(const SweepSetting& s) const {
     const Impulse& i = s.impulse;
     key += fmt::format(" {} {} {} {}", impulse_text(i), i.squeeze, i.cats_eye, i.spherical);
     if (!i.file.empty()) key.append(" ").append(file_checksum_text(i.file));
-    return fmt::format("{:016x}", XXH3_64bits(key.data(), key.size()));
+    return checksum_text(checksum_of(key.data(), key.size()));
 }
 
 std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,

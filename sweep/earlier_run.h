@@ -19,7 +19,6 @@ namespace postlens {
 /// Returns the checksum (XXH3) of a file's bytes, in the form in which the table stores it. Empty if the file
 /// cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
-[[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
 /// Keys of the images of a sweep (SweepRow::settings_key). If two keys are equal, so are their images.
 class SweepKeys {

@@ -9,6 +9,7 @@
 #include <map>
 #include <optional>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "core/files/file_identity.h"
 #include "core/files/output_file.h"

@@ -11,7 +11,6 @@
 #include <type_traits>
 #include <unistd.h>
 #include <utility>
-#include <xxhash.h>
 
 #include "core/error.h"
 #include "pictures/exr/exr_attributes.h"
@@ -52,13 +51,6 @@ class MemoryStream : public Imf::OStream {
 
 }  // namespace
 
-struct ExrOutput::Hash {
-    XXH3_state_t state;
-    Hash() {
-        XXH3_64bits_reset(&state);
-    }  // NOLINT(cppcoreguidelines-pro-type-member-init): XXH3_64bits_reset initialises it
-};
-
 ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
                      const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
                      std::optional<std::size_t> chunk_bytes)
@@ -68,13 +60,13 @@ ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
     fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (fd_ < 0) fail_with_errno();
     try {
-        if (chunk_bytes && is_one_part()) hash_ = std::make_unique<Hash>();
+        if (chunk_bytes && is_one_part()) checksum_.emplace();
         append(little_endian(exr_magic, is_one_part() ? one_part_version : parts_version));
         append(stream.bytes);
         if (!is_one_part()) append(little_endian(std::uint8_t{0}));  // an empty header ends the list
         table_position_ = position_;
         const std::size_t entries = std::accumulate(chunks_.begin(), chunks_.end(), std::size_t{0});
-        if (hash_) {
+        if (checksum_) {
             constexpr std::size_t before_data = 8;  // row number and size
             const std::uint64_t first = position_ + entries * 8;
             for (std::size_t i = 0; i < entries; ++i)
@@ -89,8 +81,8 @@ ExrOutput::ExrOutput(const std::filesystem::path& path, std::string shown_name,
 }
 
 std::optional<std::uint64_t> ExrOutput::checksum() const {
-    if (!hash_) return std::nullopt;
-    return XXH3_64bits_digest(&hash_->state);
+    if (!checksum_) return std::nullopt;
+    return checksum_->value();
 }
 
 ExrOutput::~ExrOutput() {
@@ -118,7 +110,7 @@ void ExrOutput::flush() {
 }
 
 void ExrOutput::put(ByteView bytes) {
-    if (hash_) XXH3_64bits_update(&hash_->state, bytes.data(), bytes.size());
+    if (checksum_) checksum_->add(bytes.data(), bytes.size());
     while (!bytes.empty()) {
         const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
         if (written < 0 && errno == EINTR) continue;
@@ -152,7 +144,7 @@ void ExrOutput::write_deep_chunk(int part, int y, ByteView counts, ByteView data
 std::uint64_t ExrOutput::finish() {
     flush();
     for (std::size_t part = 0; part < chunks_.size(); ++part) assert(offsets_[part].size() == chunks_[part]);
-    if (!hash_) write_table();
+    if (!checksum_) write_table();
     // Some file systems report a full disk only here.
     if (::close(std::exchange(fd_, -1)) != 0) fail_with_errno();
     return position_;

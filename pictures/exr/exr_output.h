@@ -10,11 +10,11 @@
 #include <OpenEXR/ImfForward.h>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "core/checksum.h"
 #include "pictures/exr/chunk_codec.h"
 
 namespace postlens {
@@ -60,8 +60,7 @@ class ExrOutput {
     std::uint64_t table_position_ = 0;
     std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, positions of the chunks written so far
     std::vector<std::size_t> chunks_;
-    struct Hash;
-    std::unique_ptr<Hash> hash_;  ///< hash of the bytes written; null: not written front to back
+    std::optional<Checksum> checksum_;  ///< of the bytes written; empty: not written front to back
 };
 
 }  // namespace postlens

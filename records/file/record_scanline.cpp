@@ -7,7 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <xxhash.h>
+
+#include "core/checksum.h"
 
 namespace postlens {
 namespace {
@@ -190,7 +191,7 @@ bool ScanlineBytes::unpack_records(int x_begin, std::span<const std::uint32_t> o
 }
 
 std::uint64_t ScanlineBytes::checksum() const {
-    return XXH3_64bits(bytes_.data(), bytes_.size());
+    return checksum_of(bytes_.data(), bytes_.size());
 }
 
 }  // namespace postlens

@@ -1,7 +1,8 @@
 #include "records/file/sample_file_layout.h"
 
 #include <cstring>
-#include <xxhash.h>
+
+#include "core/checksum.h"
 
 namespace postlens::layout {
 namespace {
@@ -18,7 +19,7 @@ struct RowFields {
             float z_far, z_near;
             std::uint32_t rest[5];
         } bytes{y, z_far, z_near, {checksum_hi, checksum_lo, picture_hi, picture_lo, records}};
-        return static_cast<std::uint32_t>(XXH3_64bits(&bytes, sizeof bytes));
+        return static_cast<std::uint32_t>(checksum_of(&bytes, sizeof bytes));
     }
 };
 static_assert(sizeof(RowFields) == ScanlineRow::byte_count);
@@ -110,7 +111,7 @@ std::optional<ScanlineRow> ScanlineRow::from_bytes(ByteView bytes, int y) {
 }
 
 std::uint64_t picture_row_checksum(ByteView planes) {
-    return XXH3_64bits(planes.data(), planes.size());
+    return checksum_of(planes.data(), planes.size());
 }
 
 }  // namespace postlens::layout

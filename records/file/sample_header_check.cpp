@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <xxhash.h>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "pictures/exposure.h"
 #include "records/file/sample_file_header.h"
@@ -26,7 +26,7 @@ class HeaderBytes {
         bytes_ += value;
     }
     [[nodiscard]] std::string checksum() const {
-        return fmt::format("{:016x}", XXH3_64bits(bytes_.data(), bytes_.size()));
+        return checksum_text(checksum_of(bytes_.data(), bytes_.size()));
     }
 
   private:

@@ -7,8 +7,8 @@
 #include <limits>
 #include <random>
 #include <string>
-#include <xxhash.h>
 
+#include "core/checksum.h"
 #include "core/error.h"
 #include "pictures/exr/flat_exr.h"
 #include "pictures/srgb.h"
@@ -63,7 +63,7 @@ TEST(EncodedPicture, IsWrittenAsThePictureItWasMadeOf) {
 
 std::uint64_t checksum_of(const std::filesystem::path& path) {
     const std::string bytes = bytes_of(path);
-    return XXH3_64bits(bytes.data(), bytes.size());
+    return postlens::checksum_of(bytes.data(), bytes.size());
 }
 
 TEST(WriteImage, ReturnsTheChecksumOfTheFile) {

@@ -12,9 +12,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
+#include "core/checksum.h"
 #include "core/error.h"
 #include "core/files/output_file.h"
 #include "core/memory.h"
@@ -128,7 +126,7 @@ std::string layout_text(const RenderState& s) {
 }
 
 std::string checksum(const std::vector<std::uint32_t>& words) {
-    return fmt::format("{:016x}", XXH3_64bits(words.data(), words.size() * sizeof(std::uint32_t)));
+    return checksum_text(checksum_of(words.data(), words.size() * sizeof(std::uint32_t)));
 }
 
 }  // namespace
