@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from . import camera as cameras
-from . import command, passes
+from . import command, export, passes
 
 # The share of a frame's time that each of its two renders takes in the progress that is shown.
 RENDER_SHARE = 0.4
@@ -46,9 +46,12 @@ class Job:
         """Runs a command and keeps its warnings. A generator that yields while the command runs."""
         said = yield from command.run(self.program, words, self.cancelled)
         for warning in said.get("warnings", []):
-            text = f"frame {frame}: {warning['text']}"
-            if text not in self.warnings:
-                self.warnings.append(text)
+            self.warn(frame, warning["text"])
+
+    def warn(self, frame, text):
+        text = f"frame {frame}: {text}"
+        if text not in self.warnings:
+            self.warnings.append(text)
 
     def pause(self):
         """Lets Blender's window respond between two steps that each take little time. Raises Cancelled."""
@@ -189,16 +192,22 @@ def trace_frames(job):
         for frame in job.frames:
             job.tell(frame, 0, "exporting")
             yield from job.pause()
-            _, _, lens, film = at_frame(job, frame)
+            camera, _, lens, film = at_frame(job, frame)
+            shift = camera.data.shift_x, camera.data.shift_y
+            if shift != (0, 0):
+                raise cameras.CameraError(
+                    f"camera {camera.name}: the lens is shifted, which glTF cannot state "
+                    f"(got {shift[0]:g}, {shift[1]:g}; expected 0)"
+                )
+            if job.scene.render.use_motion_blur:
+                job.warn(frame, "motion blur is on, but a traced picture is of one instant")
             scene, records = job.path("scene", frame, ".glb"), job.path("records", frame)
             os.makedirs(job.folder, exist_ok=True)
-            bpy.ops.export_scene.gltf(
-                filepath=scene, export_cameras=True, export_lights=True, export_current_frame=True,
-                export_animations=False, use_active_scene=True,
-            )  # fmt: skip
+            for text in export.export(camera, scene):
+                job.warn(frame, text)
             job.tell(frame, 0.1, "tracing")
             view = ["--size", f"{film.width_px}x{film.height_px}", "--film-width", f"{film.width_mm:.9g}"]
-            view += ["--film-distance", f"{film.distance_mm:.9g}", "--camera", job.scene.camera.name]
+            view += ["--film-distance", f"{film.distance_mm:.9g}"]
             options = lens.options()
             words = ["trace", scene, "-o", records, *view, "--overscan", "auto"]
             words += ["--for-f-number", f"{lens.f_number:.9g}", "--for-focus", f"{lens.focus_m:.9g}", "--for-rays"]

@@ -13,7 +13,9 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from mathutils import Vector  # noqa: E402
 
-from blender_bench import Program, bars, by_cycles, bpy, folder, words  # noqa: E402
+from blender_bench import Program, bars, box, boxes, by_cycles, bpy, folder, glowing, words  # noqa: E402
+
+from postlens_addon import passes  # noqa: E402
 
 program = Program(words()[0]) if words() else None
 
@@ -45,6 +47,17 @@ class Addon(unittest.TestCase):
         scene = bars(size, spp, **lens)
         scene.postlens.program, scene.postlens.folder = program.path, self.folder
         return scene
+
+    def boxes(self, spp=32, **lens):
+        scene = boxes("160x90", spp, **lens)
+        scene.postlens.program, scene.postlens.folder = program.path, self.folder
+        return scene
+
+    def truth(self, scene, spp=128):
+        """Two halves of the scene's image by Cycles' own lens."""
+        image = scene.render.image_settings
+        with passes.kept((scene.cycles, ("samples", "seed")), (image, ("file_format",)), (scene.render, ("filepath",))):
+            return [by_cycles(scene, self.path(f"half{i}.exr"), spp, i) for i in (1, 2)]
 
     def path(self, name):
         return os.path.join(self.folder, name)
@@ -116,7 +129,6 @@ class Addon(unittest.TestCase):
         # Tests a margin with a shifted sensor. The inner part of the pinhole image with the margin must equal the
         # pinhole image without it.
         from postlens_addon import camera as cameras
-        from postlens_addon import passes
 
         scene = self.scene("96x54", 16)
         scene.camera.data.shift_x, scene.camera.data.shift_y = 0.1, -0.05
@@ -199,6 +211,96 @@ class Addon(unittest.TestCase):
         scene = self.scene("96x54", 16)
         self.assertEqual(bpy.ops.postlens.trace(), {"FINISHED"})
         self.assertEqual(program("info", self.path("traced.0000.exr"))["width"], 96)
+
+    def traces_as_cycles(self, scene, least_db=42):
+        bpy.ops.postlens.trace()
+        found, _ = program.psnr_db(self.path("traced.0000.exr"), self.truth(scene))
+        self.assertGreater(found, least_db)
+
+    def test_the_tracer_sees_what_a_render_shows(self):
+        # Modifiers, shape keys, hidden objects, instances and materials of objects, none as in the edited meshes.
+        scene = self.boxes(f_number=2)
+        wide = scene.objects["box"]
+        wide.shape_key_add(name="Basis")
+        for corner in wide.shape_key_add(name="wide").data:
+            corner.co.x *= 2
+        wide.data.shape_keys.key_blocks["wide"].value = 1
+        row = scene.objects["post 0"].modifiers.new("row", "ARRAY")
+        row.count, row.relative_offset_displace = 3, (2, 0, 0)
+        scene.objects["post 1"].hide_render = True
+        scene.objects["post 2"].hide_viewport = True
+        slot = scene.objects["post 3"].material_slots[0]
+        slot.link, slot.material = "OBJECT", glowing("of the object", (0, 1, 0))
+        unused = bpy.data.collections.new("unused")
+        scene.collection.children.link(unused)
+        unused.objects.link(box(scene, "unused", (0, 0, -2), (1, 1, 1), (1, 1, 1)))
+        scene.collection.objects.unlink(bpy.data.objects["unused"])
+        scene.view_layers[0].layer_collection.children["unused"].exclude = True
+        several = bpy.data.collections.new("several")
+        several.instance_offset = (0, 0, -3)
+        several.objects.link(box(scene, "one", (0, 0, -3), (0.3, 0.3, 0.3), (1, 1, 0)))
+        scene.collection.objects.unlink(bpy.data.objects["one"])
+        bpy.data.objects["one"].rotation_euler = (0.3, 0.2, 0.5)
+        instancer = bpy.data.objects.new("instancer", None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", several
+        instancer.location, instancer.scale, instancer.rotation_euler = (-0.6, 0.3, -4), (2, 0.5, 1), (0, 0, 0.4)
+        scene.collection.objects.link(instancer)
+        bpy.context.view_layer.update()
+        kinds = bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys, bpy.data.scenes
+        counts, before = [len(kind) for kind in kinds], all_settings(scene)
+        self.traces_as_cycles(scene)
+        names = program("info", self.path("records.0000.exr"))["ids"].values()
+        self.assertEqual(set(names), {"post 0", "post 2", "post 3", "post 4", "box", "wall", "one"})
+        self.assertEqual(all_settings(scene), before)
+        self.assertEqual([len(kind) for kind in kinds], counts)
+
+    def test_the_tracer_sees_bones_text_and_generated_instances(self):
+        scene = self.boxes(f_number=2)
+        text = bpy.data.curves.new("text", "FONT")
+        text.body, text.extrude = "A", 0.05
+        text.materials.append(glowing("text", (1, 1, 0)))
+        shown = bpy.data.objects.new("text", text)
+        shown.location = (-1, 0.2, -5)
+        scene.collection.objects.link(shown)
+        bones = bpy.data.armatures.new("bones")
+        rig = bpy.data.objects.new("rig", bones)
+        scene.collection.objects.link(rig)
+        bpy.context.view_layer.objects.active = rig
+        bpy.ops.object.mode_set(mode="EDIT")
+        bone = bones.edit_bones.new("bone")
+        bone.tail = (0, 1, 0)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        moved = scene.objects["box"]
+        moved.vertex_groups.new(name="bone").add(range(8), 1, "REPLACE")
+        moved.modifiers.new("rig", "ARMATURE").object = rig
+        rig.pose.bones["bone"].location = (-0.5, 0.3, 0)
+        cubes = bpy.data.node_groups.new("cubes", "GeometryNodeTree")
+        cubes.inputs.new("NodeSocketGeometry", "Geometry")
+        cubes.outputs.new("NodeSocketGeometry", "Geometry")
+        nodes = [cubes.nodes.new(kind) for kind in ("NodeGroupInput", "GeometryNodeMeshCube", "GeometryNodeSetMaterial",
+                                                    "GeometryNodeInstanceOnPoints", "NodeGroupOutput")]  # fmt: skip
+        given, cube, painted, placed, result = nodes
+        cube.inputs[0].default_value = (0.2, 0.4, 0.1)
+        painted.inputs["Material"].default_value = glowing("painted", (0, 1, 1))
+        for source, target in ((given, placed.inputs["Points"]), (cube, painted.inputs[0]),
+                               (painted, placed.inputs["Instance"]), (placed, result.inputs[0])):  # fmt: skip
+            cubes.links.new(source.outputs[0], target)
+        scene.objects["post 2"].modifiers.new("cubes", "NODES").node_group = cubes
+        bpy.context.view_layer.objects.active = scene.objects["post 4"]
+        bpy.ops.object.mode_set(mode="EDIT")
+        self.traces_as_cycles(scene)
+        self.assertEqual(scene.objects["post 4"].mode, "EDIT")
+
+    def test_the_tracer_says_what_gltf_lacks(self):
+        from postlens_addon import export
+
+        scene = self.boxes(spp=1)
+        lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
+        scene.collection.objects.link(lamp)
+        said = export.export(scene.camera, self.path("scene.glb"))
+        self.assertEqual(said, ["lamp is left out: glTF has no area lights"])
+        scene.camera.data.shift_x = 0.1
+        self.fails(bpy.ops.postlens.trace, "shifted", "0.1, 0")
 
     def test_failures_are_one_line(self):
         scene = self.scene("64x36", 1)

@@ -10,7 +10,9 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 ROOT = os.path.join(HERE, "..", "..")
 sys.path[:0] = [os.path.join(ROOT, "blender"), os.path.join(ROOT, "scripts", "peers")]
 
+import bmesh  # noqa: E402
 import bpy  # noqa: E402
+from mathutils import Matrix  # noqa: E402
 import toml_to_blender  # noqa: E402
 
 BARS = os.path.join(ROOT, "samples", "scenes", "bars.toml")
@@ -31,6 +33,43 @@ def bars(size, spp, f_number=1.4, focus_m=5, seed=0):
     asked += ["--f-number", str(f_number), "--focus", str(focus_m)]
     scene, _ = toml_to_blender.prepare(toml_to_blender.parse(asked))
     postlens_addon.register()
+    return scene
+
+
+def glowing(name, colour):
+    """A material that only emits, for Cycles and for glTF alike."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    inputs = material.node_tree.nodes["Principled BSDF"].inputs
+    inputs["Base Color"].default_value, inputs["Emission"].default_value = (0, 0, 0, 1), (*colour, 1)
+    inputs["Specular"].default_value, inputs["Roughness"].default_value = 0, 1
+    return material
+
+
+def box(scene, name, location, size, colour):
+    """Adds a glowing box."""
+    mesh = bpy.data.meshes.new(name)
+    made = bmesh.new()
+    bmesh.ops.create_cube(made, size=1, matrix=Matrix.Diagonal((*size, 1)))
+    made.to_mesh(mesh)
+    made.free()
+    mesh.materials.append(glowing(name, colour))
+    out = bpy.data.objects.new(name, mesh)
+    out.location = location
+    scene.collection.objects.link(out)
+    return out
+
+
+def boxes(size, spp, f_number=1):
+    """Builds a scene of posts at 1.5 m, a box in focus at 5 m and a wall, with modifiable objects."""
+    scene = bars(size, spp, f_number)
+    for thing in [o for o in scene.objects if o.type == "MESH"]:
+        bpy.data.objects.remove(thing)
+    scene.camera.matrix_world = Matrix()
+    for i in range(5):
+        box(scene, f"post {i}", (-0.8 + 0.4 * i, 0, -1.5), (0.08, 2, 0.05), (1 - 0.2 * i, 0.2 * i, 0.5))
+    box(scene, "box", (0.3, -0.2, -5), (0.8, 0.8, 0.3), (0.9, 0.1, 0.1))
+    box(scene, "wall", (0, 0, -15), (60, 60, 0.1), (0.2, 0.4, 0.6))
     return scene
 
 
