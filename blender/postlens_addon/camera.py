@@ -69,7 +69,7 @@ class Lens:
 
 
 def film_of(scene, camera):
-    """The film of a camera. Raises CameraError if the camera is not a perspective camera with square pixels."""
+    """The film of a camera. Raises CameraError if it is not a single perspective view with square pixels."""
     data = camera.data
     if data.type != "PERSP":
         raise CameraError(f"camera {camera.name}: is {data.type.lower()} (expected a perspective camera)")
@@ -80,6 +80,8 @@ def film_of(scene, camera):
         )
     if render.use_border:
         raise CameraError("a render region is set (expected none: Render Region off)")
+    if render.use_multiview:
+        raise CameraError("the scene has several views (expected one: Stereoscopy off)")
     width = max(1, int(render.resolution_x * render.resolution_percentage / 100))
     height = max(1, int(render.resolution_y * render.resolution_percentage / 100))
     if data.sensor_fit == "VERTICAL":

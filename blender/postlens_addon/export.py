@@ -8,7 +8,7 @@ import struct
 import bpy
 from mathutils import Matrix
 
-from .passes import kept
+from .passes import kept, layer_of
 
 # Types of objects that a render shows and that glTF has no equivalent for.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
@@ -137,11 +137,12 @@ def rename_nodes(path, names):
 def export(camera, path):
     """Writes what Blender renders of the current scene to a .glb file, with this camera alone. Returns a line for each
     object that is left out."""
-    scene, layer, window = bpy.context.scene, bpy.context.view_layer, bpy.context.window
+    layer, window = layer_of(bpy.context.scene), bpy.context.window
     copy = Copy()
     try:
         with left_mode(), seen_as_rendered(layer):
-            depsgraph = bpy.context.evaluated_depsgraph_get()
+            with bpy.context.temp_override(view_layer=layer):
+                depsgraph = bpy.context.evaluated_depsgraph_get()
             for instance in depsgraph.object_instances:
                 copy.add_instance(instance)
             copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)

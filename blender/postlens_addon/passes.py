@@ -19,17 +19,31 @@ WIDEST_MARGIN = 0.25
 VISIBLE_RADIUS_PX = 1.0
 
 
+def curves_of(thing, name):
+    """The animation curves and drivers of properties of this name in the data block of `thing`."""
+    animation = getattr(thing.id_data, "animation_data", None)  # collections, for one, have none
+    if not animation:
+        return []
+    curves = [*(animation.action.fcurves if animation.action else ()), *animation.drivers]
+    return [c for c in curves if c.data_path.rpartition(".")[2] == name and not c.mute]
+
+
 @contextlib.contextmanager
 def kept(*places):
-    """Restores properties after the body of the `with` statement. `places`: pairs of a Blender object and the names of
-    its properties, in the order in which they are set: a file format, for instance, before its colour depth, because it
-    decides which depths exist. A property that cannot be restored does not keep the others from being restored."""
+    """Restores properties after the body of the `with` statement. In the body they have the values that are set there,
+    even if they are animated. `places`: pairs of a Blender object and the names of its properties, in the order in
+    which they are set: a file format, for instance, before its colour depth, because it decides which depths exist. A
+    property that cannot be restored does not keep the others from being restored."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
+    # A render evaluates the animation again, which would replace the values that the body has set.
+    muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
+        for curve, _, _ in muted:
+            curve.mute = True
         yield
     finally:
         failure = None
-        for thing, name, value in before:
+        for thing, name, value in before + muted:
             try:
                 setattr(thing, name, value)
             except ReferenceError:  # the object was removed in the body
@@ -64,21 +78,29 @@ def hidden_before(scene, camera, depsgraph, distance_m):
     return [o for o in shapes(scene) if o.visible_camera and cameras.depths_of(o, camera, depsgraph)[1] < distance_m]
 
 
+def layer_of(scene):
+    """The view layer of which images are made: the first that is used for rendering."""
+    return next((layer for layer in scene.view_layers if layer.use), scene.view_layers[0])
+
+
 @contextlib.contextmanager
 def pinhole(scene, camera, film, vectors):
-    """Within the body, the scene has a pinhole without shutter, the given film, and the passes that postlens needs."""
-    render, data = scene.render, camera.data
-    layers = [(layer, ("use_pass_z", "use_pass_vector", "use_pass_cryptomatte_object", "pass_cryptomatte_depth"))
-              for layer in scene.view_layers]  # fmt: skip
-    image = ("file_format", "color_mode", "color_depth", "exr_codec")
+    """Within the body, the scene has a pinhole without shutter, the given film, a single view layer, and the passes
+    that postlens needs."""
+    render, data, layer = scene.render, camera.data, layer_of(scene)
+    linear = render.image_settings.linear_colorspace_settings
+    image = ("file_format", "color_mode", "color_depth", "exr_codec", "color_management")
     with kept(
-        (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath",
+        (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer")),
         (render.image_settings, image),
+        # The file format replaces this name, which may have no value.
+        (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
         (scene, ("camera",)),
-        *layers,
+        (layer, ("use_pass_z", "use_pass_vector", "use_pass_cryptomatte_object", "pass_cryptomatte_depth")),
+        *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
         # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin changes that
@@ -91,15 +113,18 @@ def pinhole(scene, camera, film, vectors):
         data.sensor_fit, data.sensor_width = "HORIZONTAL", film.width_mm
         data.dof.use_dof = False
         render.resolution_x, render.resolution_y, render.resolution_percentage = film.width_px, film.height_px, 100
-        render.use_motion_blur = render.use_compositing = render.use_sequencer = False
+        render.use_motion_blur = render.use_compositing = render.use_sequencer = render.use_stamp = False
         render.use_file_extension, render.use_overwrite = False, True
         settings = render.image_settings
         settings.file_format, settings.color_mode = "OPEN_EXR_MULTILAYER", "RGBA"
         settings.color_depth, settings.exr_codec = "32", "ZIP"
-        for layer in scene.view_layers:
-            layer.use_pass_z = layer.use_pass_cryptomatte_object = True
-            layer.use_pass_vector = vectors
-            layer.pass_cryptomatte_depth = 6
+        # Colours of the scene's own output may have another colour space.
+        settings.color_management = "FOLLOW_SCENE"
+        for other in scene.view_layers:
+            other.use = other == layer
+        layer.use_pass_z = layer.use_pass_cryptomatte_object = True
+        layer.use_pass_vector = vectors
+        layer.pass_cryptomatte_depth = 6
         yield
 
 

@@ -116,15 +116,10 @@ def render_passes(job, frame, margin_px, split_m):
     return made
 
 
-def layer_words(scene):
-    """Command-line words that select the first view layer in a file with several view layers."""
-    return ["--layer", scene.view_layers[0].name] if len(scene.view_layers) > 1 else []
-
-
 def focus_words(job, made, lens, output, moved=""):
     """Words of the focus command. `moved`: the front image after motion blur, which has a single layer and no depths or
     ids."""
-    film, margin, layer = made.film, made.margin_px, layer_words(job.scene)
+    film, margin = made.film, made.margin_px
     words = ["focus", moved or made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
     words += ["--film-distance", f"{film.distance_mm:.9g}", "--metres-per-unit", "1", "--z", "axial"]
     words += ["--overscan", str(margin), "--method", job.method]
@@ -132,11 +127,9 @@ def focus_words(job, made, lens, output, moved=""):
         words += ["--views", str(job.views)]
     if made.behind:
         words += ["--behind", made.behind]
-    if not moved:
-        return words + layer
-    if made.behind and layer:
-        words += ["--behind-layer", layer[1]]
-    return words + ["--depth-file", made.front, "--ids-file", made.front]
+    if moved:
+        words += ["--depth-file", made.front, "--ids-file", made.front]
+    return words
 
 
 def blur_motion(job, made, frame):
@@ -149,7 +142,7 @@ def blur_motion(job, made, frame):
     ]
     smeared = job.path("moved", frame)
     words = ["motionblur", made.front, "-o", smeared, f"--shutter={begin:.9g}:{begin + shutter:.9g}"]
-    yield from job.run(frame, words + layer_words(job.scene))
+    yield from job.run(frame, words)
     return smeared
 
 

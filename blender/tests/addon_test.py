@@ -162,6 +162,7 @@ class Addon(unittest.TestCase):
         # Each file format has colour modes and depths of its own.
         for file_format, mode, depth in (("PNG", "RGBA", "8"), ("JPEG", "BW", "8"), ("PNG", "RGB", "16"), ("OPEN_EXR", "RGB", "16")):
             image.file_format, image.color_mode, image.color_depth = file_format, mode, depth
+            image.color_management = "OVERRIDE" if mode == "RGB" else "FOLLOW_SCENE"
             before = all_settings(scene)
             bpy.ops.postlens.focus()
             self.assertEqual(all_settings(scene), before)
@@ -172,6 +173,66 @@ class Addon(unittest.TestCase):
         scene.postlens.folder = self.folder
         after = all_settings(scene)
         self.assertEqual(after, before)
+
+    def focused(self, name):
+        """Renders and focuses the current frame. Returns the path of the image, which gets this name."""
+        bpy.ops.postlens.focus()
+        os.rename(self.path(f"focused.{bpy.context.scene.frame_current:04d}.exr"), self.path(name + ".exr"))
+        return self.path(name + ".exr")
+
+    def same(self, found, expected):
+        psnr_db = program("compare", found, expected)["psnr_db"]
+        self.assertTrue(psnr_db is None or psnr_db > 60, psnr_db)
+
+    def test_a_scene_has_one_view_layer(self):
+        # Blender calls the copy of a layer ViewLayer.001.
+        scene = self.boxes(4)
+        near = bpy.data.collections.new("near")
+        scene.collection.children.link(near)
+        near.objects.link(scene.objects["post 0"])
+        scene.collection.objects.unlink(scene.objects["post 0"])
+        scene.render.use_motion_blur = True
+        alone = self.focused("alone")
+        scene.view_layers[0].name = "ViewLayer"
+        other = scene.view_layers.new("ViewLayer.001")
+        other.material_override = glowing("other", (5, 0, 0))
+        before = [(layer.use, layer.use_pass_z) for layer in scene.view_layers]
+        self.same(self.focused("first"), alone)
+        self.assertEqual([(layer.use, layer.use_pass_z) for layer in scene.view_layers], before)
+        scene.view_layers[0].material_override, other.material_override = other.material_override, None
+        scene.view_layers[0].use = False
+        self.same(self.focused("second"), alone)
+        # The tracer takes that layer, too, whichever the window shows.
+        for layer in scene.view_layers:
+            layer.layer_collection.children["near"].exclude = layer != other
+        for shown in scene.view_layers:
+            bpy.context.window.view_layer = shown
+            bpy.ops.postlens.trace()
+            self.assertIn("post 0", program("info", self.path("records.0000.exr"))["ids"].values())
+            self.assertEqual(bpy.context.window.view_layer, shown)
+
+    def test_the_scenes_own_output_changes_nothing(self):
+        scene = self.boxes(4)
+        alone = self.focused("alone")
+        image = scene.render.image_settings
+        image.file_format, image.color_management = "OPEN_EXR", "OVERRIDE"
+        image.linear_colorspace_settings.name = "XYZ"
+        scene.render.use_stamp = True
+        self.same(self.focused("settings"), alone)
+        self.assertEqual((image.color_management, image.linear_colorspace_settings.name), ("OVERRIDE", "XYZ"))
+        scene.render.use_multiview = True
+        self.fails(bpy.ops.postlens.focus, "several views")
+
+    def test_an_animated_shift_is_that_of_the_frame(self):
+        scene = self.boxes(4)
+        camera = scene.camera.data
+        camera.shift_x = 0.2
+        still = self.focused("still")
+        camera.keyframe_insert("shift_x", frame=0)
+        camera.driver_add("shift_y").driver.expression = "0"
+        self.same(self.focused("animated"), still)
+        curves = [*camera.animation_data.action.fcurves, *camera.animation_data.drivers]
+        self.assertEqual([curve.mute for curve in curves], [False, False])
 
     def test_a_pull_of_focus_renders_a_still_scene_once(self):
         scene = self.scene("64x36", 1)
