@@ -43,11 +43,12 @@ class Lens:
 
     @property
     def aperture_radius_m(self):
-        return self.focal_length_mm * 1e-3 / (2 * self.f_number)
+        """Half of the larger side of the aperture. The ratio divides its width and keeps its height."""
+        return self.focal_length_mm * 1e-3 / (2 * self.f_number) * max(1, 1 / self.ratio)
 
     def coc_radius_px(self, distance_m, film):
-        """Radius, px, of the circle of confusion at `distance_m` (may be infinite). It is positive behind the focus
-        distance."""
+        """Radius, px, of the circle of confusion at `distance_m` (may be infinite): half of its larger side. It is
+        positive behind the focus distance."""
         return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
 
     def distance_in_front_m(self, radius_px, film):
@@ -91,15 +92,23 @@ def film_of(scene, camera):
     return Film(width, height, sensor_mm * width / sensor_px, data.lens)
 
 
+def pose_of(camera, depsgraph):
+    """The camera's position and viewing direction. As in Cycles, its scale has no effect."""
+    matrix = camera.evaluated_get(depsgraph).matrix_world
+    return matrix.translation, -matrix.col[2].xyz.normalized()
+
+
 def lens_of(camera, depsgraph):
     """The lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is 0 or less."""
     evaluated = camera.evaluated_get(depsgraph)
     dof = evaluated.data.dof
     focus_m = dof.focus_distance
     if dof.focus_object is not None:
-        target = dof.focus_object.evaluated_get(depsgraph).matrix_world.translation
-        axis = -(evaluated.matrix_world.to_quaternion() @ Vector((0, 0, 1)))
-        focus_m = abs((target - evaluated.matrix_world.translation).dot(axis))
+        target = dof.focus_object.evaluated_get(depsgraph)
+        bone = target.pose and target.pose.bones.get(dof.focus_subtarget)
+        point = (target.matrix_world @ bone.matrix if bone else target.matrix_world).translation
+        eye, axis = pose_of(camera, depsgraph)
+        focus_m = abs((point - eye).dot(axis))
     if not focus_m > 0:
         raise CameraError(f"camera {camera.name}: focus distance {focus_m:g} m (expected more than 0)")
     if not dof.aperture_fstop > 0:
@@ -109,9 +118,12 @@ def lens_of(camera, depsgraph):
     )
 
 
-def depths_of(thing, camera, depsgraph):
-    """Nearest and farthest distance of an object's bounding box along the camera's axis, in Blender's units."""
-    evaluated = thing.evaluated_get(depsgraph)
-    to_camera = camera.evaluated_get(depsgraph).matrix_world.inverted_safe() @ evaluated.matrix_world
-    depths = [-(to_camera @ Vector(corner)).z for corner in evaluated.bound_box]
-    return min(depths), max(depths)
+def depths_of(corners, matrix, pose):
+    """Nearest and farthest distance of a box (Object.bound_box) along the axis of a camera with this pose, in Blender's
+    units."""
+    eye, axis = pose
+    low, high = Vector(corners[0]), Vector(corners[6])
+    along = axis @ matrix.to_3x3()
+    middle = (matrix @ ((low + high) / 2) - eye).dot(axis)
+    half = sum(abs(a) * side / 2 for a, side in zip(along, high - low))
+    return middle - half, middle + half

@@ -54,13 +54,30 @@ def kept(*places):
             raise failure
 
 
-def shapes(scene):
-    return [o for o in scene.objects if o.type in SHAPES and not o.hide_render]
+def depths(scene, camera, depsgraph):
+    """Nearest and farthest distance of what each object shows, itself and all instances that it makes or is made into.
+    Such an object hides all of them with itself from the camera's rays."""
+    pose, out = cameras.pose_of(camera, depsgraph), {}
+
+    def add(owner, thing, matrix):
+        near, far = cameras.depths_of(thing.bound_box, matrix, pose)
+        nearest, farthest = out.get(owner, (math.inf, -math.inf))
+        out[owner] = min(near, nearest), max(far, farthest)
+
+    for o in scene.objects:
+        if o.type in SHAPES and not o.hide_render:
+            shown = o.evaluated_get(depsgraph)
+            add(o, shown, shown.matrix_world)
+    for instance in depsgraph.object_instances:
+        if instance.is_instance and instance.object.type in SHAPES:
+            for owner in {instance.parent.original, instance.object.original}:
+                add(owner, instance.object, instance.matrix_world)
+    return out
 
 
 def nearest_depth(scene, camera, depsgraph):
-    depths = [cameras.depths_of(o, camera, depsgraph)[0] for o in shapes(scene)]
-    return max(camera.data.clip_start, min(depths, default=math.inf))
+    nearest = min((near for near, _ in depths(scene, camera, depsgraph).values()), default=math.inf)
+    return max(camera.data.clip_start, nearest)
 
 
 def margin_px(scene, camera, depsgraph, lens, film):
@@ -74,8 +91,13 @@ def margin_px(scene, camera, depsgraph, lens, film):
 
 def hidden_before(scene, camera, depsgraph, distance_m):
     """Objects that lie entirely nearer than `distance_m`. An object that extends beyond it, such as a floor, is not
-    returned."""
-    return [o for o in shapes(scene) if o.visible_camera and cameras.depths_of(o, camera, depsgraph)[1] < distance_m]
+    returned. Neither is a holdout: where it stands, the image stays empty."""
+    layer = layer_of(scene)
+    return [
+        o
+        for o, (_, far) in depths(scene, camera, depsgraph).items()
+        if far < distance_m and o.visible_camera and not o.is_holdout and not o.holdout_get(view_layer=layer)
+    ]
 
 
 def layer_of(scene):

@@ -156,6 +156,79 @@ class Addon(unittest.TestCase):
         camera = scene.camera.matrix_world
         self.assertAlmostEqual(lens.focus_m, -(camera.inverted() @ target.location).z, 5)
 
+    def test_the_focus_bone_counts_as_in_cycles(self):
+        from postlens_addon import camera as cameras
+
+        scene = self.boxes(1)
+        rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+        scene.collection.objects.link(rig)
+        bpy.context.view_layer.objects.active = rig
+        bpy.ops.object.mode_set(mode="EDIT")
+        bone = rig.data.edit_bones.new("bone")
+        bone.head, bone.tail = (0, 0, -5), (0, 1, -5)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        rig.location = (0, 0, 3.5)
+        dof = scene.camera.data.dof
+        dof.focus_object = rig
+        for name, focus_m in (("bone", 1.5), ("", 3.5), ("no such bone", 3.5)):
+            dof.focus_subtarget = name
+            scene.frame_set(0)
+            lens = cameras.lens_of(scene.camera, bpy.context.evaluated_depsgraph_get())
+            self.assertAlmostEqual(lens.focus_m, focus_m, 5)
+
+    def hidden(self, scene):
+        """Names of the objects that lie before 4 m."""
+        scene.frame_set(0)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        return {o.name for o in passes.hidden_before(scene, scene.camera, depsgraph, 4)}
+
+    def test_the_scale_of_the_camera_has_no_effect(self):
+        scene = self.boxes(1)
+        posts = {f"post {i}" for i in range(5)}
+        self.assertEqual(self.hidden(scene), posts)
+        parent = bpy.data.objects.new("parent", None)
+        scene.collection.objects.link(parent)
+        scene.camera.parent = parent
+        for scale in (0.1, 10):
+            parent.scale = (scale, scale, scale)
+            self.assertEqual(self.hidden(scene), posts)
+
+    def test_instances_are_hidden_with_all_that_shows_them(self):
+        scene = self.boxes(1)
+        several = bpy.data.collections.new("several")
+        several.objects.link(scene.objects["post 0"])
+        instancer = bpy.data.objects.new("instancer", None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", several
+        scene.collection.objects.link(instancer)
+        self.assertLessEqual({"instancer", "post 0"}, self.hidden(scene))
+        # What is also far away is not hidden: neither is the object that it is made of.
+        instancer.location = (0, 0, -9)
+        self.assertTrue({"instancer", "post 0"}.isdisjoint(self.hidden(scene)))
+        scene.collection.objects.unlink(scene.objects["post 0"])
+        instancer.location = (0, 0, 0)
+        self.assertIn("instancer", self.hidden(scene))
+
+    def test_a_holdout_stays_in_front(self):
+        # Neither the holdout of an object nor that of a collection is rendered away with the objects before the focus.
+        scene = self.boxes(16)
+        scene.render.film_transparent = True
+        held = bpy.data.collections.new("held")
+        scene.collection.children.link(held)
+        held.objects.link(scene.objects["post 1"])
+        scene.collection.objects.unlink(scene.objects["post 1"])
+        scene.objects["post 2"].is_holdout = True
+        scene.view_layers[0].layer_collection.children["held"].holdout = True
+        self.assertEqual(self.hidden(scene), {"post 0", "post 3", "post 4"})
+        found, _ = program.psnr_db(self.focused("held"), self.truth(scene, 64))
+        self.assertGreater(found, 22)
+
+    def test_the_larger_side_of_the_aperture_decides_what_is_behind(self):
+        scene = self.boxes(16, f_number=4)
+        scene.camera.data.dof.aperture_ratio = 0.2
+        found, _ = program.psnr_db(self.focused("wide"), self.truth(scene))
+        self.assertTrue(os.path.exists(self.path("behind.0000.exr")))
+        self.assertGreater(found, 34)
+
     def test_everything_is_put_back(self):
         scene = self.scene("64x36", 1)
         image = scene.render.image_settings
