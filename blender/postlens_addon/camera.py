@@ -23,6 +23,10 @@ class Film:
     def pixels_per_radian(self):
         return self.distance_mm / self.width_mm * self.width_px
 
+    @property
+    def view(self):
+        return f"{2 * math.degrees(math.atan(self.width_mm / 2 / self.distance_mm)):.4g} degrees"
+
     def with_margin(self, margin_px):
         """The film enlarged by `margin_px` pixels on every side, for the same camera."""
         width = self.width_px + 2 * margin_px

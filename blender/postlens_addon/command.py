@@ -27,7 +27,7 @@ def find(path):
         raise CommandError(
             f"postlens is not installed (looked for {path or 'postlens on the search path'}; set its path in the add-on's panel)"
         )
-    return program
+    return os.path.abspath(program)
 
 
 def end(child):
@@ -42,15 +42,16 @@ def end(child):
         child.wait()
 
 
-def run(program, words, cancelled=lambda: False):
-    """Runs a command. A generator that yields while the command runs, and returns its JSON report (--json).
+def run(program, words, folder, cancelled=lambda: False):
+    """Runs a command in a folder. A generator that yields while the command runs, and returns its JSON report (--json).
 
     Raises CommandError and Cancelled. The command ends if the generator is closed.
     """
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     child = subprocess.Popen(
-        [program, *words, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
-    )
+        [program, *words, "--json"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder,
+    )  # fmt: skip
     said = []
     reader = threading.Thread(target=lambda: said.extend(child.communicate()), daemon=True)
     reader.start()
@@ -66,4 +67,7 @@ def run(program, words, cancelled=lambda: False):
     if child.returncode not in (0, 6):
         line = (err.strip().splitlines() or [f"postlens ended with code {child.returncode}"])[-1]
         raise CommandError(line)
-    return json.loads(out)
+    try:
+        return json.loads(out)
+    except ValueError as error:
+        raise CommandError(f"{program} is not postlens (expected a report in JSON)") from error

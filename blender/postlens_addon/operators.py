@@ -23,6 +23,8 @@ STATUS_BAR_PX = 21
 def folder_of(scene):
     """The folder for the files. Raises CommandError if it is relative to a file that was never saved."""
     folder = scene.postlens.folder
+    if not folder:
+        raise command.CommandError("no folder is set (expected where passes and pictures are written)")
     if folder.startswith("//") and not bpy.data.filepath:
         raise command.CommandError(
             f"folder {folder} is relative to the .blend file, which is not saved (save it, or choose another folder)"
@@ -38,6 +40,7 @@ def job_of(scene, animation):
         folder=folder_of(scene),
         program=command.find(bpy.path.abspath(s.program) if s.program else ""),
         frames=list(frames),
+        subframe=0 if animation else scene.frame_subframe,
         method=s.method,
         views=s.views,
         behind=s.behind,
@@ -63,10 +66,12 @@ def show(path, can_open=False):
 
     `can_open`: opens the view that Blender's preferences choose for renders, if no image editor is open.
     """
-    image = bpy.data.images.get(IMAGE)
+    # The property tells the image from one of the user's that has this name.
+    image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
-        image.name = IMAGE
+        image.name, image[IMAGE] = IMAGE, True
+        image.use_view_as_render = True  # with the scene's view transform and exposure, as its render
     else:
         image.filepath = path
         image.reload()

@@ -27,7 +27,7 @@ class POSTLENS_PT_render(bpy.types.Panel):
         layout.prop(s, "folder")
         layout.prop(s, "program")
         camera = scene.camera
-        if camera is None:
+        if camera is None or camera.type != "CAMERA":
             layout.label(text="The scene has no camera", icon="ERROR")
             return
         dof = camera.data.dof

@@ -1,6 +1,7 @@
 """Makes focused images of a Blender scene: renders the passes and runs the postlens commands, frame by frame."""
 
 import contextlib
+import math
 import os
 import time
 from dataclasses import dataclass, field
@@ -24,6 +25,7 @@ class Job:
     folder: str
     program: str
     frames: list
+    subframe: float = 0  # of a single frame
     method: str = "layers"
     views: int = 256
     behind: bool = True
@@ -44,7 +46,10 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. A generator that yields while the command runs."""
-        said = yield from command.run(self.program, words, self.cancelled)
+        # The program takes # and % in paths for numbers of frames, so it gets no folder.
+        folder = os.path.join(self.folder, "")
+        names = [word.removeprefix(folder) for word in words]
+        said = yield from command.run(self.program, names, self.folder, self.cancelled)
         for warning in said.get("warnings", []):
             self.warn(frame, warning["text"])
 
@@ -70,12 +75,26 @@ class Passes:
     behind: str = ""
 
 
+def exposure_of(scene):
+    """The middle of the exposure, in frames from the frame's own instant, and its duration, 0 without motion blur.
+
+    Only Cycles writes motion vectors. What another engine blurs itself stays in its picture."""
+    if scene.render.engine != "CYCLES" or not scene.render.use_motion_blur:
+        return 0.0, 0.0
+    duration = scene.render.motion_blur_shutter
+    return {"START": duration / 2, "CENTER": 0.0, "END": -duration / 2}[scene.cycles.motion_blur_position], duration
+
+
 def at_frame(job, frame):
-    """Sets the scene to a frame. Returns its camera, dependency graph, lens and film."""
-    job.scene.frame_set(frame)
+    """Sets the scene to the middle of a frame's exposure, where the depths are nearest to what the exposure shows.
+    Returns the camera, dependency graph, lens and film."""
+    time_frames = frame + job.subframe + exposure_of(job.scene)[0]
+    job.scene.frame_set(math.floor(time_frames), subframe=time_frames % 1)
     camera = job.scene.camera
     if camera is None:
         raise cameras.CameraError(f"scene {job.scene.name} has no camera")
+    if camera.type != "CAMERA":
+        raise cameras.CameraError(f"the scene's camera {camera.name} is a {camera.type.lower()} (expected a camera)")
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return camera, depsgraph, cameras.lens_of(camera, depsgraph), cameras.film_of(job.scene, camera)
 
@@ -86,8 +105,15 @@ def survey(job):
     Objects before that distance are left out of the second image. It is the farthest over all frames.
     """
     margin, split, paused = 0, 0, time.monotonic()
+    first = None
     for frame in job.frames:
         camera, depsgraph, lens, film = at_frame(job, frame)
+        first = first or film
+        if job.only_lens_changes and film != first:
+            raise cameras.CameraError(
+                f"frame {frame}: the camera zooms (got a view of {film.view}; expected {first.view} as in the first "
+                "frame, because only the lens changes)"
+            )
         margin = max(margin, passes.margin_px(job.scene, camera, depsgraph, lens, film))
         split = max(split, lens.distance_in_front_m(passes.VISIBLE_RADIUS_PX, film))
         if time.monotonic() - paused > SURVEY_S:
@@ -101,13 +127,17 @@ def render_passes(job, frame, margin_px, split_m):
     wide = film.with_margin(margin_px)
     made = Passes(film, margin_px, job.path("front", frame))
     near = passes.hidden_before(job.scene, camera, depsgraph, split_m) if job.behind else []
+    if near and job.scene.render.engine != "CYCLES":
+        job.warn(frame, "what is behind is not rendered: only Cycles can hide objects from the camera alone")
+        near = []
 
     def render(path, share, text):
         job.tell(frame, share, text)
         yield from passes.render_to(job.scene, path, job.in_window)
         yield from job.pause()
 
-    with passes.pinhole(job.scene, camera, wide, vectors=job.scene.render.use_motion_blur):
+    _, exposure = exposure_of(job.scene)
+    with passes.pinhole(job.scene, camera, wide, vectors=exposure > 0):
         yield from render(made.front, 0, "rendering")
         if near:
             made.behind = job.path("behind", frame)
@@ -135,13 +165,9 @@ def focus_words(job, made, lens, output, moved=""):
 def blur_motion(job, made, frame):
     """Applies motion blur to the front image by its motion vectors, before the lens is applied. Returns the path of the
     result."""
-    shutter = job.scene.render.motion_blur_shutter
-    # Blender's shutter interval is centred on the frame by default.
-    begin = {"START": 0.0, "CENTER": -shutter / 2, "END": -shutter}[
-        getattr(job.scene.cycles, "motion_blur_position", "CENTER") if hasattr(job.scene, "cycles") else "CENTER"
-    ]
+    _, exposure = exposure_of(job.scene)
     smeared = job.path("moved", frame)
-    words = ["motionblur", made.front, "-o", smeared, f"--shutter={begin:.9g}:{begin + shutter:.9g}"]
+    words = ["motionblur", made.front, "-o", smeared, f"--shutter={-exposure / 2:.9g}:{exposure / 2:.9g}"]
     yield from job.run(frame, words)
     return smeared
 
@@ -149,12 +175,12 @@ def blur_motion(job, made, frame):
 @contextlib.contextmanager
 def frame_kept(scene):
     """Restores the scene's current frame after the body."""
-    start = scene.frame_current
+    start, subframe = scene.frame_current, scene.frame_subframe
     try:
         yield
     finally:
         with contextlib.suppress(ReferenceError):  # the scene was removed, as when another file is opened
-            scene.frame_set(start)
+            scene.frame_set(start, subframe=subframe)
 
 
 def focus_frames(job):
@@ -172,7 +198,7 @@ def focus_frames(job):
             _, _, lens, _ = at_frame(job, frame)
             output = job.path("focused", frame)
             moved = ""
-            if job.scene.render.use_motion_blur:
+            if exposure_of(job.scene)[1] > 0:
                 moved = yield from blur_motion(job, made, frame)
             yield from job.run(frame, focus_words(job, made, lens, output, moved))
             yield frame, output
@@ -192,7 +218,7 @@ def trace_frames(job):
                     f"camera {camera.name}: the lens is shifted, which glTF cannot state "
                     f"(got {shift[0]:g}, {shift[1]:g}; expected 0)"
                 )
-            if job.scene.render.use_motion_blur:
+            if exposure_of(job.scene)[1] > 0:
                 job.warn(frame, "motion blur is on, but a traced picture is of one instant")
             scene, records = job.path("scene", frame, ".glb"), job.path("records", frame)
             os.makedirs(job.folder, exist_ok=True)

@@ -6,6 +6,7 @@ failures.
 
 import math
 import os
+import shutil
 import sys
 import unittest
 
@@ -341,6 +342,50 @@ class Addon(unittest.TestCase):
         self.assertTrue(os.path.exists(self.path("moved.0001.exr")))
         self.assertLess(program("compare", still[True], still[False])["psnr_db"], 40)
 
+    def test_the_shutter_opens_and_closes_as_in_cycles(self):
+        # The camera moves past everything, so the place of the exposure in the frame moves the whole image.
+        scene = self.boxes(32)
+        camera = scene.camera
+        for frame in (0, 2):
+            camera.location.x = 0.1 * (frame - 1)
+            camera.keyframe_insert("location", frame=frame)
+        for key in camera.animation_data.action.fcurves[0].keyframe_points:
+            key.interpolation = "LINEAR"
+        scene.frame_set(1)
+        scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 0.5
+        for position in ("START", "CENTER", "END"):
+            scene.cycles.motion_blur_position = position
+            found, _ = program.psnr_db(self.focused(position), self.truth(scene, 64))
+            self.assertGreater(found, 33, position)
+
+    def test_a_part_of_a_frame_is_its_instant(self):
+        scene = self.boxes(4)
+        for frame in (0, 1):
+            scene.camera.location.x = 0.4 * frame
+            scene.camera.keyframe_insert("location", frame=frame)
+        scene.frame_set(0, subframe=0.5)
+        moving = self.focused("moving")
+        self.assertEqual((scene.frame_current, scene.frame_subframe), (0, 0.5))
+        scene.camera.animation_data_clear()
+        scene.camera.location.x = 0.2
+        self.same(moving, self.focused("still"))
+
+    def test_the_image_has_the_view_of_a_render(self):
+        scene = self.boxes(1)
+        own = bpy.data.images.new("postlens", 8, 8)
+        for _ in range(2):
+            bpy.ops.postlens.focus()
+        shown = [i for i in bpy.data.images if i.filepath]
+        self.assertEqual([(i.size[0], i.use_view_as_render) for i in shown], [(160, True)])
+        self.assertEqual(own.source, "GENERATED")
+
+    def test_folders_have_any_name(self):
+        scene = self.boxes(1)
+        scene.postlens.folder = self.path("shot #2 %04d é") + "/"
+        for operator, made in ((bpy.ops.postlens.focus, "focused"), (bpy.ops.postlens.trace, "traced")):
+            operator()
+            self.assertTrue(os.path.exists(os.path.join(scene.postlens.folder, made + ".0000.exr")))
+
     def test_the_tracer_of_postlens_sees_the_same_scene(self):
         scene = self.scene("96x54", 16)
         self.assertEqual(bpy.ops.postlens.trace(), {"FINISHED"})
@@ -446,7 +491,18 @@ class Addon(unittest.TestCase):
         scene.camera.data.dof.focus_distance = 5
         scene.postlens.program = "/nowhere/postlens"
         self.fails(bpy.ops.postlens.focus, "/nowhere/postlens", "not installed")
-        scene.postlens.program = program.path
+        scene.postlens.program = shutil.which("true")
+        self.fails(bpy.ops.postlens.focus, "true is not postlens")
+        scene.postlens.program, scene.postlens.folder = program.path, ""
+        self.fails(bpy.ops.postlens.focus, "no folder")
+        scene.postlens.folder, scene.postlens.only_lens_changes = self.folder, True
+        for frame, lens in ((0, 50), (1, 80)):
+            scene.camera.data.lens = lens
+            scene.camera.data.keyframe_insert("lens", frame=frame)
+        scene.frame_start, scene.frame_end = 0, 1
+        self.fails(lambda: bpy.ops.postlens.focus(animation=True), "frame 1", "zooms")
+        scene.camera = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "POINT"))
+        self.fails(bpy.ops.postlens.focus, "lamp is a light")
         scene.camera = None
         self.fails(bpy.ops.postlens.focus, "no camera")
 
