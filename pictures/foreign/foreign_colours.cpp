@@ -32,15 +32,17 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
     return std::nullopt;
 }
 
+/// Priority of a layer whose channels hold data, not colours.
+constexpr int data_rank = 4;
+
 /// Priority of a layer as the source of colours; lower is better.
 int rank(const std::string& layer) {
     const std::vector<std::string> words = words_of(layer);
-    // Channels of such layers hold data, not colours.
     const bool data = std::any_of(words.begin(), words.end(),
                                   [](const std::string& w) { return w.find("crypto") != std::string::npos; });
     if (data || has_any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
                                      "velocity", "forward", "uv"}))
-        return 4;
+        return data_rank;
     if (layer.empty()) return 0;
     if (has_any_word(words, {"combined"})) return 1;
     return has_any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
@@ -94,7 +96,7 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
     const auto views = file.views();
     const std::set<Owner> with_depth = owners_of_depths(file);
     std::optional<std::pair<std::size_t, std::string>> best;
-    std::tuple<int, int, std::size_t, bool> least{2, 0, 0, false};
+    std::tuple<int, bool, std::size_t, int, std::size_t, bool> least{2, false, 0, 0, 0, false};
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
@@ -103,7 +105,14 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
             // matter whether a part's `view` attribute or a channel's name states the view.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            const std::tuple order{misfit(file, i, layer, asked), rank(layer),
+            // Of the layers that fit a name, the one with the fewest words is meant: ViewLayer is the
+            // beginning of ViewLayer.001, too.
+            const std::size_t words = asked.empty() ? 0 : group.layer.size();
+            const int kind = rank(layer);
+            const std::tuple order{misfit(file, i, layer, asked),
+                                   kind == data_rank,
+                                   words,
+                                   kind,
                                    by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
                                    !with_depth.contains(owner_of(group))};
             if (order < least) {
@@ -177,7 +186,7 @@ std::vector<ChannelGroup> colour_groups(const ForeignFile& file) {
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : colour_layers(file.parts()[i])) {
-            if (rank(layer) < 4) out.push_back(channel_group(file, i, layer, colour_words));
+            if (rank(layer) != data_rank) out.push_back(channel_group(file, i, layer, colour_words));
         }
     }
     return out;

@@ -52,6 +52,16 @@ TEST_F(ForeignPictureTest, BlendersLayersBelongTogether) {
     EXPECT_EQ(room.channels.a, "Room.Combined.A");
 }
 
+TEST_F(ForeignPictureTest, ANameMeansTheLayerWithoutFurtherWords) {
+    // Blender calls a new view layer ViewLayer.001, and sorts its channels before those of ViewLayer.
+    std::map<std::string, Plane> channels = rgbz(1, 2, "ViewLayer.001.Combined.");
+    channels.merge(rgbz(3, 4, "ViewLayer.Combined."));
+    channels.merge(rgbz(5, 6, "fg.light.diffuse."));
+    channels.merge(rgbz(7, 8, "fg.normal."));
+    for (const auto& [asked, r] : {std::tuple("ViewLayer", 3.0F), {"ViewLayer.001", 1.0F}, {"fg", 5.0F}})
+        EXPECT_EQ(read({{channels}}, {.layer = asked}).stack(0, 0)[0].r, r) << asked;
+}
+
 TEST_F(ForeignPictureTest, ViewsAndPartsAreChosenByName) {
     // A stereo file of several parts, with the depth of each view in a separate part.
     const std::vector<Part> parts{
