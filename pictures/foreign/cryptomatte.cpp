@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 namespace postlens {
 namespace {
@@ -114,6 +115,38 @@ std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
     return "";
 }
 
+/// What stands in a manifest between a name and its id, and between an id and the next name.
+constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
+/// Number of digits in the ids of Cycles.
+constexpr std::size_t id_digits = 8;
+
+/// Position of the end of a name that begins at `begin`, in a manifest of Cycles; npos if no id follows it.
+std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
+    for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
+         at = manifest.find(before_id, at + 1)) {
+        const std::size_t id = at + before_id.size(), end = id + id_digits;
+        if (manifest.find_first_not_of("0123456789abcdef", id) != end) continue;
+        const std::string_view rest = std::string_view(manifest).substr(end);
+        if (rest.starts_with(before_name) || rest == "\"}") return at;
+    }
+    return std::string::npos;
+}
+
+/// Returns a manifest as JSON. Cycles escapes nothing, so a quotation mark or a backslash in a name is not
+/// JSON. The ids show where names end. Other text stays as it is.
+std::string as_json(std::string manifest) {
+    if (nlohmann::json::accept(manifest) || !manifest.starts_with("{\"")) return manifest;
+    auto objects = nlohmann::json::object();
+    for (std::size_t name = 2; name < manifest.size();) {
+        const std::size_t end = end_of_name(manifest, name);
+        if (end == std::string::npos) return manifest;
+        const std::size_t id = end + before_id.size();
+        objects[manifest.substr(name, end - name)] = manifest.substr(id, id_digits);
+        name = id + id_digits + before_name.size();
+    }
+    return objects.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
 }  // namespace
 
 Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
@@ -133,7 +166,7 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
                 if (what == "name") {
                     said.name = std::move(text);
                 } else if (what == "manifest") {
-                    said.manifest = std::move(text);
+                    said.manifest = as_json(std::move(text));
                 }
             }
         }

@@ -271,6 +271,22 @@ TEST_F(ForeignIds, BrokenCryptomattesAreWarnedOfAndLeftAside) {
     EXPECT_EQ(p.stack(0, 0)[0].id, cryptomatte_id("bunny"));
 }
 
+TEST_F(ForeignIds, NamesInTheManifestOfCyclesAreNotEscaped) {
+    const auto names = [&](const std::string& manifest) {
+        Part part = with_matte();
+        part.texts["cryptomatte/1234567/manifest"] = manifest;
+        return manifest_names(read({part}).channels.matte->manifest);
+    };
+    EXPECT_EQ(names(R"({"12" disc":"00000001","a\"\xb":"13851a76","plain":"f763d090"})"),
+              (std::vector<std::string>{"12\" disc", R"(a\"\xb)", "plain"}));
+    EXPECT_EQ(names("{\"tab\t\":\"00000001\"}"), std::vector<std::string>{"tab\t"});
+    EXPECT_EQ(names(R"({"":":"00000001","","":"00000002"})"), (std::vector<std::string>{"\",\"", "\":"}));
+    for (const char* broken :
+         {R"({"a"b":"00000001")", R"({"a"b":"00000001",})", R"({"a"b":"0000001"})", R"({"a"b":"00000001"} )",
+          R"({"a"b":"00000001"x})", R"({"a"b":"00000001","c"})"})
+        EXPECT_EQ(names(broken), std::nullopt) << broken;
+}
+
 TEST_F(ForeignIds, WhoNamesWhatToUseIsToldOfThatAlone) {
     Part part = with_matte();
     part.texts["cryptomatte/7654321/name"] = "CryptoMaterial";
