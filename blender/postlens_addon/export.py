@@ -71,8 +71,8 @@ def left_mode():
 class Copy:
     """A scene of plain meshes, lights and a camera. `names`: names of the objects, by the names of their copies."""
 
-    def __init__(self):
-        self.scene = bpy.data.scenes.new("postlens")
+    def __init__(self, layer):
+        self.layer, self.scene = layer, bpy.data.scenes.new("postlens")
         self.meshes, self.names, self.warnings = {}, {}, []
 
     def add(self, name, data, matrix):
@@ -103,7 +103,10 @@ class Copy:
     def add_instance(self, instance):
         thing, kind = instance.object, instance.object.type
         if isinstance(thing.data, bpy.types.Mesh):
-            if instance.show_self:
+            owners = [o.original for o in (thing, instance.parent) if o]
+            if not all(o.visible_camera and not o.indirect_only_get(view_layer=self.layer) for o in owners):
+                self.warnings.append(f"{thing.name} is left out: it is hidden from the camera's rays alone")
+            elif instance.show_self:
                 self.add_shape(thing, instance.matrix_world)
         elif kind == "LIGHT" and thing.data.type == "AREA" or kind in LEFT_OUT:
             self.warnings.append(f"{thing.name} is left out: glTF has no {LEFT_OUT.get(kind, 'area lights')}")
@@ -138,7 +141,7 @@ def export(camera, path):
     """Writes what Blender renders of the current scene to a .glb file, with this camera alone. Returns a line for each
     object that is left out."""
     layer, window = layer_of(bpy.context.scene), bpy.context.window
-    copy = Copy()
+    copy = Copy(layer)
     try:
         with left_mode(), seen_as_rendered(layer):
             with bpy.context.temp_override(view_layer=layer):

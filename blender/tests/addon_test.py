@@ -476,8 +476,18 @@ class Addon(unittest.TestCase):
         scene = self.boxes(spp=1)
         lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA"))
         scene.collection.objects.link(lamp)
+        scene.objects["post 1"].visible_camera = False
+        reflected = bpy.data.collections.new("reflected")
+        scene.collection.children.link(reflected)
+        reflected.objects.link(scene.objects["post 2"])
+        scene.collection.objects.unlink(scene.objects["post 2"])
+        scene.view_layers[0].layer_collection.children["reflected"].indirect_only = True
         said = export.export(scene.camera, self.path("scene.glb"))
-        self.assertEqual(said, ["lamp is left out: glTF has no area lights"])
+        hidden = "is left out: it is hidden from the camera's rays alone"
+        self.assertEqual(
+            set(said), {"lamp is left out: glTF has no area lights", f"post 1 {hidden}", f"post 2 {hidden}"}
+        )
+        self.assertEqual(program("info", self.path("scene.glb"))["objects"], 5)
         scene.camera.data.shift_x = 0.1
         self.fails(bpy.ops.postlens.trace, "shifted", "0.1, 0")
 
