@@ -140,8 +140,8 @@ float departure(const Mat2& a, const Mat2& b) {
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance of each shading-tree node to TreeSurface::below of all its ancestors. Updates
-/// TreeSurface::strays of the ancestors with the node's difference in the matrix W.
+/// Adds the radiance and the marks of each shading-tree node to TreeSurface::below and marks_below of all its
+/// ancestors. Updates TreeSurface::strays of the ancestors with the node's difference in the matrix W.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -153,6 +153,7 @@ void find_below(const Record* first, const std::vector<std::uint32_t>& parents, 
             const auto bounce = static_cast<std::size_t>(first[at].path.kind()) - 1;
             auto& below = node.below[bounce];
             below = {below[0] + r.r, below[1] + r.g, below[2] + r.b};
+            node.marks_below[bounce] |= r.mark;
             const float stray = bright ? HUGE_VALF : departure(w_of(r), w_of(above));
             node.strays[bounce] = std::max(node.strays[bounce], std::isnan(stray) ? HUGE_VALF : stray);
         }

@@ -30,6 +30,8 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
+    /// For each of the two children, the marks of all nodes in its subtree.
+    std::array<std::uint8_t, 2> marks_below{};
     /// Radiance of the whole subtree of the reflected child node, and of the whole subtree of the transmitted
     /// child node.
     std::array<std::array<float, 3>, 2> below{};

@@ -46,8 +46,11 @@ std::uint8_t SheetBuilder::marks(const LeafPiece& piece) const {
     return out;
 }
 
-bool SheetBuilder::has_contrast_below(const LeafPiece& piece) const {
+bool SheetBuilder::is_unsure_below(const LeafPiece& piece) const {
     for (std::size_t n = 0; n < 2; ++n) {
+        std::uint8_t marked = RecordMark::all;
+        for (const std::uint32_t corner : piece.node) marked &= node(corner).marks_below[n];
+        if (marked != 0) return true;
         for (std::size_t c = 0; c < 3; ++c) {
             if (is_contrast(node(piece.node[0]).below[n][c], node(piece.node[1]).below[n][c],
                             node(piece.node[2]).below[n][c], node(piece.node[3]).below[n][c]))
@@ -174,7 +177,7 @@ std::uint32_t SheetBuilder::add_texel(std::size_t sheet, const LeafPiece& piece)
     t.info = Texel::info_of(
         drafts_[sheet].number, children,
         (!whole || has_contrast(piece) || marked != 0 ? Texel::unsure_bit : 0U) |
-            (children != 0 && (!whole || has_contrast_below(piece)) ? Texel::unsure_below_bit : 0U));
+            (children != 0 && (!whole || is_unsure_below(piece)) ? Texel::unsure_below_bit : 0U));
     out_.texels.push_back(t);
     note_bright(first_light, piece.size * piece.size);
     if (children != 0) {

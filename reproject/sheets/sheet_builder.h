@@ -33,7 +33,9 @@ class SheetBuilder {
     /// The marks that the records at all corners have (RecordMark), for example because their texture is
     /// finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    [[nodiscard]] bool has_contrast_below(const LeafPiece& piece) const;
+    /// Whether the light that the surface reflects or transmits has contrast between the corners, or marks at
+    /// all of them.
+    [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
     void add_cell(std::size_t sheet, std::span<const LeafPiece* const> pieces, int cell);

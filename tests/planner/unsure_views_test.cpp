@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -133,6 +134,31 @@ TEST(UnsureViews, LeavesOfOneMeshAreAsRightAsRays) {
     const HybridResult got = hybrid_picture(frame.file(), s);
     const Image truth = rendered(b.scene, c, 50, 1024, 9);
     EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) - 0.5);
+    EXPECT_LT(got.retraced_share, 0.5);
+}
+
+// The images in a mirror ball move so little over a small lens that they are drawn as part of the ball. Near
+// the horizon in the ball, the floor's cells are finer than the samples: all corners of a leaf may show one
+// colour.
+TEST(UnsureViews, ATextureFinerThanTheSamplesIsUnsureInAMirrorBallToo) {
+    SceneBuilder b;
+    b.scene.background = dvec3(0.2, 0.3, 0.5);
+    Material floor = glowing(dvec3(1));
+    floor.emission_texture = std::make_shared<const Texture>(Checker{
+        .size = dvec3(0.3), .offset = dvec3(0.013, 0.017, 0.019), .even = dvec3(0.9), .odd = dvec3(0.1)});
+    b.add(Plane{dvec3(0, 1, 0), dvec3(0, -0.7, 0)}, floor);
+    Material mirror = glowing(dvec3(0));
+    mirror.reflection = dvec3(0.85);
+    b.add(Sphere{dvec3(0.2, -0.1, -2.2), 0.5}, mirror);
+    const Case c{"", 5, 2};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 256);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const Image truth = rendered(b.scene, c, 50, 4096, 9);
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 256, 5, true), truth) - 0.5);
     EXPECT_LT(got.retraced_share, 0.5);
 }
 
