@@ -6,6 +6,7 @@
 
 #include "core/threads.h"
 #include "pictures/exposure.h"
+#include "tracer/distributed/recentre.h"
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading_trees/whitted.h"
 #include "tracer/trace.h"
@@ -40,8 +41,10 @@ void expose(Scene& scene, double stops) {
 
 double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                            const CameraOverrides& overrides) {
-    const RayScene rays(scene, scene.time_s);
-    const CameraModel camera = preview_camera(find_camera(scene, camera_name), scene.time_s, overrides);
+    const Camera& placed = find_camera(scene, camera_name);
+    const Scene centred = recentred(scene, preview_camera(placed, scene.time_s, overrides).position);
+    const RayScene rays(centred, scene.time_s);
+    const CameraModel camera = preview_camera(find_camera(centred, placed.name), scene.time_s, overrides);
     const WhittedTracer tracer(rays, camera,
                                {.max_depth = 5, .min_contribution = 0, .refocus_matrices = false});
     const auto width = static_cast<std::size_t>(camera.width);

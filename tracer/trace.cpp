@@ -9,6 +9,7 @@
 #include "core/progress.h"
 #include "lens/focus_geometry.h"
 #include "pictures/exposure.h"
+#include "tracer/distributed/recentre.h"
 #include "tracer/recording/expected_size.h"
 #include "tracer/recording/key_instants.h"
 #include "tracer/recording/overscan.h"
@@ -284,9 +285,15 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     return h;
 }
 
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path) {
+TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
+                          const std::filesystem::path& path) {
     check(asked);
     TraceSettings settings = asked;
+    const double time_s = settings.time_s.value_or(placed.time_s);
+    // The camera as the header describes it. All rays are traced around it, as `render` does.
+    const Camera& placed_camera = find_camera(placed, settings.camera_name);
+    const CameraModel camera(placed_camera, time_s, settings.camera);
+    const Scene scene = recentred(placed, camera.position);
     settings.whitted.lens_radius_m = lens_radius_m(scene, asked);
     const ObjectParts parts(scene);
     if (parts.any()) settings.whitted.parts = &parts;
@@ -295,8 +302,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
         settings.subdivision.colour_levels = asked.subdivision.levels;
         settings.subdivision.levels = std::max(asked.subdivision.levels, TraceSettings::lens_levels);
     }
-    const Camera& of = find_camera(scene, settings.camera_name);
-    const double time_s = settings.time_s.value_or(scene.time_s);
+    const Camera& of = find_camera(scene, placed_camera.name);
     TraceResult result;
     result.keys = settings.keys.value_or(1);
     if (!settings.keys) {
@@ -314,7 +320,6 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
     };
     std::unique_ptr<Instant> instant = instant_at(time_s);
     result.overscan_px = settings.overscan_auto ? overscan_for(settings, *instant) : settings.overscan_px;
-    const CameraModel& camera = instant->camera();
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
@@ -334,7 +339,7 @@ TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const 
         small_things[i] = std::move(things);
     }
     instant->look_through_lens(settings, window);
-    SampleHeader header = sample_header(scene, settings, camera, time_s, o);
+    SampleHeader header = sample_header(placed, settings, camera, time_s, o);
     header.has_w = instant->tracer().has_deeper_nodes();
     header.has_layers = instant->has_hidden_layers();
     header.has_bend = instant->tracer().measures_bends();

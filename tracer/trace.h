@@ -89,9 +89,9 @@ struct TraceResult {
 void require_trace_memory(const Scene& scene, const TraceSettings& settings,
                           const std::filesystem::path& path);
 
-/// Traces `scene` and writes a sample file to `path`. The file contains radiance, and the exposure of the
-/// scene. It appears only when it is complete. Throws Error.
-TraceResult trace_to_file(const Scene& scene, const TraceSettings& asked, const std::filesystem::path& path);
+/// Traces the scene `placed` and writes a sample file to `path`. The file contains radiance, and the exposure
+/// of the scene. It appears only when it is complete. Throws Error.
+TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
 /// Returns the header that a trace with these settings writes, without further recorded instants (keys).
 /// Tests and benchmarks use it too.

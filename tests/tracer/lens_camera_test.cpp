@@ -10,9 +10,13 @@
 #include <optional>
 #include <vector>
 
+#include "records/sample_file.h"
 #include "tests/support/random_motion.h"
 #include "tests/support/scene_builder.h"
+#include "tests/support/temporary_folder.h"
+#include "tracer/exposure.h"
 #include "tracer/render.h"
+#include "tracer/trace.h"
 
 namespace postlens::test::lens_camera_test {
 namespace {
@@ -347,6 +351,34 @@ TEST(FarFromTheOrigin, ThePictureIsTheSame) {
     // The camera has moved by 1/8 of its path when the shutter opens, which is also exact.
     EXPECT_EQ(moving[0].rgb, moving[1].rgb);
     EXPECT_NE(moving[0].rgb, near.rgb);
+}
+
+TEST(FarFromTheOrigin, TheRecordsAreTheSame) {
+    const TemporaryFolder folder;
+    TraceSettings settings;
+    settings.subdivision.levels = 1;
+    settings.time_s = 0.25;
+    settings.for_f_number = 1;
+    settings.for_focus_m = 3.5;
+    settings.for_shutter = TimeSpan{0.25, 0.75};
+    settings.keys = 2;
+    std::array<std::array<RecordBand, 2>, 2> records;
+    std::array<double, 2> stops{};
+    for (std::size_t i = 0; i < 2; ++i) {
+        const dvec3 origin = i == 0 ? dvec3(0) : dvec3(1e6, -2e6, 5e5);
+        const Scene scene = placed_scene(origin).scene;
+        trace_to_file(scene, settings, folder.path() / "far.exr");
+        const SampleFileReader file(folder.path() / "far.exr");
+        for (std::size_t key = 0; key < 2; ++key) file.read(0, 24, records[i][key], key);
+        EXPECT_EQ(dvec3(file.header().world_from_camera[3]), origin + dvec3(0.125, 0.25, 1));
+        stops[i] = auto_exposure_stops(scene, "", {});
+    }
+    for (std::size_t key = 0; key < 2; ++key) {
+        EXPECT_EQ(records[0][key].offsets, records[1][key].offsets);
+        EXPECT_TRUE(records[0][key].records == records[1][key].records);
+    }
+    EXPECT_FALSE(records[0][0].records == records[0][1].records);
+    EXPECT_EQ(stops[0], stops[1]);
 }
 
 }  // namespace
