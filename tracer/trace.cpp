@@ -112,6 +112,7 @@ class Instant {
   private:
     HiddenLayers hidden_layers(const TraceSettings& settings) {
         HiddenLayers out;
+        out.parts = settings.whitted.parts;
         if (settings.hidden_layers) {
             out.count = *settings.hidden_layers;
         } else {

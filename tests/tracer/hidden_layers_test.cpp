@@ -10,6 +10,8 @@
 
 #include "core/threads.h"
 #include "records/record_check.h"
+#include "scene/object_parts.h"
+#include "tests/support/quads.h"
 #include "tests/support/scene_builder.h"
 #include "tracer/recording/corner_sampler.h"
 #include "tracer/recording/recorded_motion.h"
@@ -117,6 +119,19 @@ TEST(HiddenLayers, TheWayOutOfASolidIsNoSurface) {
     ASSERT_EQ(mesh.size(), 3U);
     EXPECT_EQ(mesh[1].id, 2U);
     EXPECT_FLOAT_EQ(mesh[1].z, 8);
+}
+
+// A ray through two leaves of one mesh, which face opposite ways, has not left the first one at the second.
+TEST(HiddenLayers, TheBackOfAnotherPartIsNoWayOut) {
+    const auto facing = [](double z, double turn) {
+        return Quad{dvec3(-turn, -1, z), dvec3(turn, -1, z), dvec3(turn, 1, z), dvec3(-turn, 1, z)};
+    };
+    SceneBuilder b;
+    b.add(mesh_of({facing(-2, 1), facing(-3, -1), facing(-4, 1)}), glowing({1, 0, 0}));
+    b.add(square({0, 0, -8}, {0, 0, 1}, 100), glowing({0, 0, 1}));
+    const ObjectParts parts(b.scene);
+    expect_surfaces(trace_at(b.scene, {33.5, 25}, {.count = 16, .parts = &parts}),
+                    {{0, 1, 2}, {1, 1, 3}, {2, 1, 4}, {3, 2, 8}, {4, 0, nothing}});
 }
 
 TEST(HiddenLayers, WhatCoincidesWithAWayOutIsFound) {

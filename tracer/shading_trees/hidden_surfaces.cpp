@@ -36,7 +36,7 @@ struct Chain {
     int layers = 0;                      // number of surfaces hit so far
     int kept = 0;                        // number of hidden surfaces returned so far
     bool still = false;                  // one of the surfaces so far does not move
-    std::vector<std::uint32_t> entered;  // objects whose inside contains the end of the ray so far
+    std::vector<std::uint32_t> entered;  // parts whose inside contains the end of the ray so far
     struct Met {
         std::uint32_t object;
         bool leaving;
@@ -100,13 +100,17 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        const auto inside = std::find(c.entered.begin(), c.entered.end(), s.object);
+        // A ray that enters one part of an object and meets the back of another, as among the leaves of a
+        // tree, has left neither.
+        const std::uint32_t part =
+            wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
+        const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
         if (leaving && inside != c.entered.end()) {
             c.entered.erase(inside);
             return;
         }
         const Object& object = scene_.scene().objects[s.object];
-        if (!leaving && inside == c.entered.end() && !is_flat(object.shape)) c.entered.push_back(s.object);
+        if (!leaving && inside == c.entered.end() && !is_flat(object.shape)) c.entered.push_back(part);
         if (wanted_.motion != nullptr && !wanted_.motion->moves(object.id)) c.still = true;
         take(c, key, s);
     }

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "scene/object_parts.h"
 #include "tracer/intersection/ray_scene.h"
 #include "tracer/shading_trees/film_motion.h"
 #include "tracer/shading_trees/lens_reach.h"
@@ -32,6 +33,8 @@ struct HiddenLayers {
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. They include surfaces behind reflections and refractions.
     const LensReach* lens = nullptr;
+    /// The parts of all objects. Null if every object has a single part.
+    const ObjectParts* parts = nullptr;
 
     [[nodiscard]] bool all() const { return motion == nullptr && lens == nullptr; }
 };
@@ -60,7 +63,7 @@ struct HiddenHit {
 };
 
 /// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. The point where a ray
-/// leaves a closed object that it has entered is not a surface; every hit of a flat object is. A ray that
+/// leaves a part of an object that it has entered is not a surface; every hit of a flat object is. A ray that
 /// leaves the scene behind its last surface has an entry with the key `none`, if this entry satisfies the
 /// same criteria. Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
