@@ -32,7 +32,7 @@ void LeafPieces::collect(const SheetSquare& square) {
                                static_cast<std::size_t>(column);
             const int cell = row * SheetMesh::square_px + column - square.first_pixel;
             for (std::uint32_t i = leaves_.leaf_offsets[pixel]; i < leaves_.leaf_offsets[pixel + 1]; ++i)
-                add_leaf(leaves_.leaves[i], cell);
+                add_leaf(i, cell);
         }
     }
     sort_pieces();
@@ -46,7 +46,8 @@ void LeafPieces::sort_pieces() {
     for (const LeafPiece& p : pieces_) sorted_[key_pieces_[p.key]++] = &p;
 }
 
-void LeafPieces::add_leaf(const Leaf& leaf, int cell) {
+void LeafPieces::add_leaf(std::uint32_t index, int cell) {
+    const Leaf& leaf = leaves_.leaves[index];
     const PointSample& at = leaves_.points.samples[leaf.corner[0]];
     const int row = cell / SheetMesh::square_px;
     const float x = at.x - static_cast<float>(square_.x + cell % SheetMesh::square_px),
@@ -59,7 +60,7 @@ void LeafPieces::add_leaf(const Leaf& leaf, int cell) {
                  keys_.of_node[begin[k]] == keys_.of_node[begin[0]];
     }
     if (simple) {  // by far the most frequent case
-        add_group(keys_.of_node[begin[0]], begin, x, y, leaf.size, cell, leaf);
+        add_group(keys_.of_node[begin[0]], begin, x, y, cell, index);
         return;
     }
     // A surface (SheetKey) may have several shading-tree nodes at one corner of the quadtree leaf. The n-th
@@ -82,7 +83,7 @@ void LeafPieces::add_leaf(const Leaf& leaf, int cell) {
         }
     }
     for (const Group& g : groups_) {
-        add_group(g.key, g.corners, x, y, leaf.size, cell, leaf);
+        add_group(g.key, g.corners, x, y, cell, index);
         key_group_[g.key] = none;
     }
 }
@@ -93,12 +94,14 @@ void LeafPieces::add_piece(const LeafPiece& piece) {
 }
 
 void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
-                           float size, int cell, const Leaf& leaf) {
+                           int cell, std::uint32_t index) {
+    const Leaf& leaf = leaves_.leaves[index];
+    const float size = leaf.size;
     if (std::find(corners.begin(), corners.end(), none) == corners.end()) {
         const auto [low, high] = std::minmax({node(corners[0]).inverse_z, node(corners[1]).inverse_z,
                                               node(corners[2]).inverse_z, node(corners[3]).inverse_z});
         if (continuous(low, high, size)) {
-            LeafPiece piece{key, cell, x, y, size, corners};
+            LeafPiece piece{key, index, cell, x, y, size, corners};
             for (std::size_t k = 0; k < 4; ++k) {
                 // The first node of a corner is the nearest.
                 if (corners[k] != trees_.offsets[leaf.corner[k]] &&
@@ -123,6 +126,7 @@ void LeafPieces::add_group(std::uint32_t key, const std::array<std::uint32_t, 4>
     const auto quarter = [&](std::size_t k, std::uint32_t of, bool maybe) {
         const bool right = (k & 1U) != 0, down = (k & 2U) != 0;
         add_piece({key,
+                   index,
                    cell,
                    right ? x + half : x,
                    down ? y + half : y,

@@ -23,7 +23,8 @@ struct SheetSquare {
 
 /// A leaf that shows one surface, or a quarter of a leaf.
 struct LeafPiece {
-    std::uint32_t key = 0;  ///< index into SheetKeys::keys
+    std::uint32_t key = 0;   ///< index into SheetKeys::keys
+    std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
@@ -68,9 +69,10 @@ class LeafPieces {
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
         std::array<std::uint32_t, 4> corners{};
     };
-    void add_leaf(const Leaf& leaf, int cell);
-    void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y,
-                   float size, int cell, const Leaf& leaf);
+    /// `index`: into PixelLeaves::leaves.
+    void add_leaf(std::uint32_t index, int cell);
+    void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
+                   std::uint32_t index);
     /// What a corner of a quadtree leaf shows besides a given surface. `before`: a nearer surface. `behind`:
     /// a farther surface, and not the given one. `here`: the given surface.
     struct Beside {

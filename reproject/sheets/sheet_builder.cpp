@@ -74,6 +74,18 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
+    // Two nodes at one corner are two surfaces, however little their depths differ. The pieces of a leaf
+    // follow each other.
+    const auto covers = [](const Part& part, const LeafPiece& p) {
+        for (auto other = part.pieces.rbegin(); other != part.pieces.rend(); ++other) {
+            const LeafPiece& o = **other;
+            if (o.leaf != p.leaf) return false;
+            if (!o.maybe && !p.maybe && o.x < p.x + p.size && p.x < o.x + o.size && o.y < p.y + p.size &&
+                p.y < o.y + o.size)
+                return true;
+        }
+        return false;
+    };
     drafts_used_ = 0;
     for (std::size_t i = 0; i < pieces.size();) {
         const int cell = pieces[i]->cell;
@@ -87,7 +99,8 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
             }
             std::size_t part = 0;
             while (part < used &&
-                   !pieces_.continuous(std::min(low, parts[part].low), std::max(high, parts[part].high), 1))
+                   (covers(parts[part], p) ||
+                    !pieces_.continuous(std::min(low, parts[part].low), std::max(high, parts[part].high), 1)))
                 ++part;
             if (part == used) {
                 if (used == parts.size()) parts.emplace_back();
