@@ -113,6 +113,11 @@ TEST_F(ShareCommand, TracesMergeToTheUndividedFile) {
                      {"trace", samples + "/scenes/still_life.toml", "--size", "48x32", "--for-f-number",
                       "1.8", "--for-focus", "0.8", "--compression", "none"},
                      4);
+    // More rows than are in memory at once, so that shares begin at other rows than the bands of the trace.
+    is_the_undivided("bands",
+                     {"trace", samples + "/scenes/still_life.toml", "--size", "24x48", "--for-f-number",
+                      "1.8", "--for-focus", "0.8", "--overscan", "5"},
+                     3);
     is_the_undivided("keys",
                      {"trace", samples + "/scenes/motion.toml", "--size", "48x27", "--for-shutter", "0:0.04",
                       "--keys", "3", "--exposure", "1"},

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/floor_div.h"
 #include "core/threads.h"
 #include "tracer/recording/cell_split.h"
 #include "tracer/recording/corner_grid.h"
@@ -16,11 +17,19 @@
 namespace postlens {
 namespace {
 
-// Rows of pixels whose records are in memory at once, and edge, px, of the squares that a thread traces at
-// once. Two rows of squares are enough for all threads, and need little memory for any width of the raster.
+// Greatest number of rows of pixels whose records are in memory at once, and edge, px, of the squares that a
+// thread traces at once. Two rows of squares are enough for all threads, and need little memory for any width
+// of the raster.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
+
+// Returns the row at which the band that contains row y ends. On the edge between two bands, corners_around
+// uses the pixel above instead of the pixel below. The edges are therefore at fixed rows of the raster, so
+// that a record does not depend on the row at which the window begins.
+int end_of_band(int y) {
+    return (floor_div(y, band_rows) + 1) * band_rows;
+}
 
 class BandSampler {
   public:
@@ -305,6 +314,8 @@ class BandSampler {
     }
 
     // Returns the samples at the four corners of the pixel that contains the point, inside or on its edge.
+    // For a point on the lower edge of the band, this is the pixel above, as the corners below are not traced
+    // yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -400,9 +411,11 @@ RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& windo
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things) {
     BandSampler sampler(tracer, window, settings, things);
     RecordBand band;
-    for (int y = window.y_begin; y < window.y_end; y += band_rows) {
-        sampler.band(y, std::min(y + band_rows, window.y_end), band);
+    for (int y = window.y_begin; y < window.y_end;) {
+        const int end = std::min(end_of_band(y), window.y_end);
+        sampler.band(y, end, band);
         take(band);
+        y = end;
     }
     return sampler.counts;
 }

@@ -38,7 +38,8 @@ struct SampledWindow {
 /// - if it is a pixel beside a divided one, and its centre differs from its corners by these criteria;
 /// - if the narrow objects in `things` require it, down to `levels`.
 /// The criteria of ids, contrast and shadows also apply to every hidden layer. Needs memory for one band
-/// only. The result does not depend on the number of threads. Returns the number of rays.
+/// only. The result does not depend on the number of threads, and the records of a row do not depend on the
+/// rows before it, if the row above is in the window. Returns the number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});
