@@ -144,6 +144,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.width = std::max(1, camera.width / coarser);
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
+    coarse.share.reset();              // all shares of a trace need the same plan
     coarse.seek_small_things = false;  // narrow objects are estimated below, for the pixels of the trace
     const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();

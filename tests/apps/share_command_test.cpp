@@ -118,6 +118,9 @@ TEST_F(ShareCommand, TracesMergeToTheUndividedFile) {
                      {"trace", samples + "/scenes/still_life.toml", "--size", "24x48", "--for-f-number",
                       "1.8", "--for-focus", "0.8", "--overscan", "5"},
                      3);
+    // The rows differ in detail, and the plan is that of the whole image.
+    is_the_undivided("planned",
+                     Words{"trace", scene_, "--size", "50x33", "--plan", "--target-db", "40"} + lens, 3);
     is_the_undivided("keys",
                      {"trace", samples + "/scenes/motion.toml", "--size", "48x27", "--for-shutter", "0:0.04",
                       "--keys", "3", "--exposure", "1"},
