@@ -93,7 +93,7 @@ struct LensOptions {
 /// The scene in which `hybrid` and `auto` trace rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
-    std::optional<double> metres_per_unit;  ///< absent: 1
+    std::optional<double> metres_per_unit;  ///< absent: the sample file's
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
 };
 
@@ -228,7 +228,7 @@ struct CompareCommandOptions {
     std::optional<std::string> map_causes, frame;
     /// scene of the sample file, in which rays test whether they remove an error
     std::optional<std::string> scene;
-    double metres_per_unit = 1;
+    std::optional<double> metres_per_unit;  ///< absent: the sample file's
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
     ExposureOption exposure;                ///< absent: the reference's
     LensOptions lens;  ///< lens with which the image was made, for the map of error causes

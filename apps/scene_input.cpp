@@ -5,6 +5,20 @@
 #include "tracer/exposure.h"
 
 namespace postlens {
+namespace {
+
+// Returns the unit with which the scene of a sample file is read. Rays in a scene of other units would not
+// agree with the records.
+double unit_of(const char* option, const std::optional<double>& asked,
+               const std::optional<double>& of_trace) {
+    if (asked && of_trace && *asked != *of_trace) {
+        fail(ExitCode::wrong_arguments, "{}: other than in the trace (got {}; expected {})", option, *asked,
+             *of_trace);
+    }
+    return asked.value_or(of_trace.value_or(1));
+}
+
+}  // namespace
 
 Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                             const std::vector<std::filesystem::path>& written, CommandResult& out) {
@@ -15,14 +29,17 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
     return scene;
 }
 
-Scene read_scene_of_file(const std::string& path, double metres_per_unit,
+Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // A sample file without this value was written by an old version, which did not convert the intensities
-    // of light sources. That corresponds to 1 lm/W.
-    const double lumens = lumens_per_watt.value_or(file.header().lumens_per_watt.value_or(1));
-    Scene scene = read_scene_of_command(path, {.metres_per_unit = metres_per_unit, .lumens_per_watt = lumens},
-                                        written, out);
+    // A sample file without these values was written by an old version, which read lengths in metres unless
+    // asked otherwise, and did not convert the intensities of light sources. That corresponds to 1 lm/W.
+    const SampleHeader& h = file.header();
+    Scene scene = read_scene_of_command(
+        path,
+        {.metres_per_unit = unit_of("--metres-per-unit", metres_per_unit, h.metres_per_unit),
+         .lumens_per_watt = unit_of("--lumens-per-watt", lumens_per_watt, h.lumens_per_watt)},
+        written, out);
     expose(scene, file.exposure_stops());
     return scene;
 }

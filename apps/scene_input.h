@@ -16,8 +16,9 @@ namespace postlens {
                                           CommandResult& out);
 
 /// Reads the scene from which a sample file was traced, at the exposure of `file`. Checks and warns as
-/// read_scene_of_command does. If `lumens_per_watt` is absent, the value in the sample file is used.
-[[nodiscard]] Scene read_scene_of_file(const std::string& path, double metres_per_unit,
+/// read_scene_of_command does. Units that are absent are those with which the sample file was traced. Throws
+/// Error(wrong_arguments) if others are given.
+[[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,
                                        const std::vector<std::filesystem::path>& written, CommandResult& out);

@@ -51,6 +51,7 @@ struct SampleHeader {
     double exposure_stops = 0;  ///< radiance times 2^this is relative to white; records have radiance
     std::optional<double> auto_exposure_stops;  ///< result of `--exposure auto` for this scene and camera
     std::optional<double> lumens_per_watt;      ///< divisor of the scene's photometric lights
+    std::optional<double> metres_per_unit;      ///< of the scene's lengths; older files do not have it
 
     std::string scene_name;
     std::string scene_sha256;

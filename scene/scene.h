@@ -178,6 +178,7 @@ struct Scene {
     /// Number by which the intensities of photometric lights were divided. Empty if the file has no such
     /// lights.
     std::optional<double> lumens_per_watt;
+    double metres_per_unit = 1;      ///< factor by which the reader has multiplied all lengths of the file
     double time_s = 0;               ///< default instant
     std::vector<std::string> notes;  ///< warnings of the reader about defaults and omitted contents
 };

@@ -22,6 +22,16 @@ std::string ending_of(const std::filesystem::path& path) {
     return ending;
 }
 
+Scene read_by_ending(const std::filesystem::path& path, const SceneReadOptions& options) {
+    const std::string ending = ending_of(path);
+    if (ending == ".toml") return read_toml_scene(path, options);
+    if (ending == ".nff") return read_nff_scene(path, options);
+    if (ending == ".gltf" || ending == ".glb") return read_gltf_scene(path, options);
+    if (ending == ".obj" || ending == ".ply") return read_mesh_scene(path, options);
+    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected {})", path.string(),
+         ending, fmt::join(endings, ", "));
+}
+
 }  // namespace
 
 bool is_scene_file(const std::filesystem::path& path) {
@@ -39,13 +49,9 @@ Scene read_scene(const std::filesystem::path& path, const SceneReadOptions& opti
         fail(ExitCode::wrong_arguments, "--lumens-per-watt: out of range (got {}; expected {} to {})",
              options.lumens_per_watt, least_lumens, most_lumens);
     }
-    const std::string ending = ending_of(path);
-    if (ending == ".toml") return read_toml_scene(path, options);
-    if (ending == ".nff") return read_nff_scene(path, options);
-    if (ending == ".gltf" || ending == ".glb") return read_gltf_scene(path, options);
-    if (ending == ".obj" || ending == ".ply") return read_mesh_scene(path, options);
-    fail(ExitCode::invalid_input, "{}: not a scene by its ending (got '{}'; expected {})", path.string(),
-         ending, fmt::join(endings, ", "));
+    Scene scene = read_by_ending(path, options);
+    scene.metres_per_unit = options.metres_per_unit;
+    return scene;
 }
 
 }  // namespace postlens

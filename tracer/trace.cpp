@@ -269,6 +269,7 @@ SampleHeader sample_header(const Scene& scene, const TraceSettings& settings, co
     h.exposure_stops = scene.exposure_stops;
     h.auto_exposure_stops = settings.auto_exposure_stops;
     h.lumens_per_watt = scene.lumens_per_watt;
+    h.metres_per_unit = scene.metres_per_unit;
     h.scene_name = scene.name;
     h.scene_sha256 = scene.sha256;
     h.made_by = settings.made_by;

@@ -83,6 +83,8 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
                                                       : nlohmann::ordered_json(nullptr)},
         {"lumens_per_watt",
          h.lumens_per_watt ? nlohmann::ordered_json(*h.lumens_per_watt) : nlohmann::ordered_json(nullptr)},
+        {"metres_per_unit",
+         h.metres_per_unit ? nlohmann::ordered_json(*h.metres_per_unit) : nlohmann::ordered_json(nullptr)},
         {"refocus_matrices", h.has_w},
         {"refocus_bends", h.has_bend},
         {"marks", h.has_marks},

@@ -40,8 +40,8 @@ std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileRea
     if (!retrace.scene) return std::nullopt;
     std::vector<std::filesystem::path> written{picture};
     if (retrace.explain) written.emplace_back(*retrace.explain);
-    return read_scene_of_file(*retrace.scene, retrace.metres_per_unit.value_or(1), retrace.lumens_per_watt,
-                              file, written, out);
+    return read_scene_of_file(*retrace.scene, retrace.metres_per_unit, retrace.lumens_per_watt, file, written,
+                              out);
 }
 
 }  // namespace

@@ -132,8 +132,8 @@ CommandResult run_sweep(const SweepOptions& o) {
     settings.picture.curve = shutter_curve(o.curve);
     if (o.retrace.scene) {
         const SampleFileReader file(o.input, settings.damage, settings.exposure_stops);
-        scene = read_scene_of_file(*o.retrace.scene, o.retrace.metres_per_unit.value_or(1),
-                                   o.retrace.lumens_per_watt, file, {}, out);
+        scene = read_scene_of_file(*o.retrace.scene, o.retrace.metres_per_unit, o.retrace.lumens_per_watt,
+                                   file, {}, out);
         settings.picture.scene = &*scene;
     }
     const SweepResult result = sweep(o.input, settings, o.output);

@@ -73,7 +73,8 @@ void add_compare(CLI::App& root, CommandOptions& s) {
               "shortcoming at "
               "a time where the frame alone leaves causes open [default: nothing is]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.metres_per_unit, "With --scene: size of its unit", "X", units_m);
+    number(app, "--metres-per-unit", o.metres_per_unit,
+           "With --scene: size of its unit, m [default: as the sample file was traced]", "X", units_m);
     lumens_option(app, o.lumens_per_watt, "With --scene: ");
     exposure_option(app, o.exposure, "the reference's");
     reads(

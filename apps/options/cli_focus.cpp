@@ -13,8 +13,11 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
                          "tell what a point "
                          "of the lens sees [default: they tell what they can]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.metres_per_unit,
-           "Size of the unit of the scene, or of another program's depths, m [default: 1]", "X", units_m);
+    number(
+        app, "--metres-per-unit", o.metres_per_unit,
+        "Size of the unit of the scene, or of another program's depths, m [default: as the sample file was "
+        "traced; 1 of another program's picture]",
+        "X", units_m);
     lumens_option(app, o.lumens_per_watt, "With --scene: ");
     writes(app.add_option(
                "--explain", o.explain,

@@ -89,7 +89,8 @@ void method_options(CLI::App& app, SweepOptions& o) {
                          "The scene that the frame was traced from: rays look wherever the records do not "
                          "tell what a point of the lens sees [default: they tell what they can]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.retrace.metres_per_unit, "Size of the scene's unit", "X", units_m);
+    number(app, "--metres-per-unit", o.retrace.metres_per_unit,
+           "With --scene: size of its unit, m [default: as the sample file was traced]", "X", units_m);
     lumens_option(app, o.retrace.lumens_per_watt, "With --scene: ");
 }
 

@@ -252,6 +252,7 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
     }
     add_fact("exposure", "exposure_stops");
     add_fact("lumens-per-watt", "lumens_per_watt");
+    add_fact("metres-per-unit", "metres_per_unit");
     if (!parameters.contains("shutter")) add_fact("time", "time_s");
     return words;
 }
@@ -385,7 +386,7 @@ CauseMap ViewSession::causes_of(const ViewParameters& parameters, const MadeImag
     const ResolvedLens resolved = resolve_lens(lens, file);
     const FrameMotion motion = motion_of(file.header(), {});
     CommandResult warnings;
-    const Scene scene = read_scene_of_file(*options_.scene, 1, std::nullopt, file, {}, warnings);
+    const Scene scene = read_scene_of_file(*options_.scene, std::nullopt, std::nullopt, file, {}, warnings);
     CauseRequest request;
     request.view.focus.lens = resolved.lens;
     request.view.focus.focus_distance_m = resolved.focus_m;

@@ -83,6 +83,7 @@ std::string header_checksum(const SampleHeader& h) {
         bytes.number<std::uint8_t>(6);
         bytes.text(h.made_by);
     }
+    later(7, h.metres_per_unit);
     return bytes.checksum();
 }
 
@@ -170,6 +171,10 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
     if (h.lumens_per_watt) {
         demand(std::isfinite(*h.lumens_per_watt) && *h.lumens_per_watt > 0, "lumens per watt",
                *h.lumens_per_watt, "greater than 0");
+    }
+    if (h.metres_per_unit) {
+        demand(std::isfinite(*h.metres_per_unit) && *h.metres_per_unit > 0, "metres per unit",
+               *h.metres_per_unit, "greater than 0");
     }
     demand(!h.has_bend || h.has_w, "W.bend", "it alone", "the channels of W as well");
     demand(!h.object_names.contains(0), "object name", "one for id 0", "none, as 0 is nothing");

@@ -33,6 +33,7 @@ inline constexpr const char* sufficient_close_name = "postlens.sufficient.shutte
 inline constexpr const char* exposure_stops_name = "postlens.exposure_stops";
 inline constexpr const char* auto_exposure_stops_name = "postlens.auto_exposure_stops";
 inline constexpr const char* lumens_per_watt_name = "postlens.lumensPerWatt";
+inline constexpr const char* metres_per_unit_name = "postlens.metresPerUnit";
 inline constexpr const char* key_time_name = "postlens.time_s";
 inline constexpr const char* checksum_name = "postlens.headerChecksum";
 

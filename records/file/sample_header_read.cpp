@@ -154,6 +154,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
     h.exposure_stops = part.get_double(exposure_stops_name).value_or(0);
     h.auto_exposure_stops = part.get_double(auto_exposure_stops_name);
     h.lumens_per_watt = part.get_double(lumens_per_watt_name);
+    h.metres_per_unit = part.get_double(metres_per_unit_name);
     h.scene_name = need_text(scene_name_name);
     h.scene_sha256 = need_text(scene_sha256_name);
     h.made_by = part.get_string(made_by_name).value_or("");

@@ -94,6 +94,7 @@ void add_own_attributes(Imf::Header& out, const SampleHeader& h) {
     if (h.exposure_stops != 0) add_double(exposure_stops_name, h.exposure_stops);
     add_optional(auto_exposure_stops_name, h.auto_exposure_stops);
     add_optional(lumens_per_watt_name, h.lumens_per_watt);
+    add_optional(metres_per_unit_name, h.metres_per_unit);
     add_text(scene_name_name, h.scene_name);
     add_text(scene_sha256_name, h.scene_sha256);
     if (!h.made_by.empty()) add_text(made_by_name, h.made_by);

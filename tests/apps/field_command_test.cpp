@@ -69,6 +69,41 @@ TEST_F(FieldCommand, CapsInsideCylindersStayHidden) {
     }
 }
 
+// The camera is at the origin, so that it does not tell the unit of the scene.
+TEST_F(FieldCommand, RaysTakeTheUnitsOfTheTrace) {
+    const Words trace{"trace", in("scene.toml"), "-o", in("frame.exr"), "--size", "64x36"};
+    const Words rays{"--scene", in("scene.toml"), "--f-number", "0.7", "--focus", "2", "--views", "8"};
+    const auto made = [&](const Words& more) {
+        Words words = rays;
+        words.insert(words.end(), more.begin(), more.end());
+        const Outcome r = focus(words);
+        EXPECT_EQ(r.exit_code, 0) << r.err;
+        return bytes_of(in("out.exr"));
+    };
+    Words quarter = trace;
+    quarter.insert(quarter.end(), {"--metres-per-unit", "0.25"});
+    ASSERT_EQ(run(quarter).exit_code, 0);
+    EXPECT_EQ(json::parse(run({"info", in("frame.exr"), "--json"}).out).at("metres_per_unit"), 0.25);
+    EXPECT_TRUE(made({"--method", "hybrid"}) == made({"--method", "hybrid", "--metres-per-unit", "0.25"}));
+    const std::string wrong = "--metres-per-unit: other than in the trace (got 1; expected 0.25)";
+    for (const char* method : {"hybrid", "auto"}) {
+        Words words{"focus", in("frame.exr"),     "-o", in("x.exr"), "--method",
+                    method,  "--metres-per-unit", "1"};
+        words.insert(words.end(), rays.begin(), rays.end());
+        refused(words, ExitCode::wrong_arguments, wrong);
+    }
+    refused({"compare", in("out.exr"), in("out.exr"), "--map-causes", in("x.png"), "--frame", in("frame.exr"),
+             "--f-number", "0.7", "--focus", "2", "--scene", in("scene.toml"), "--metres-per-unit", "1"},
+            ExitCode::wrong_arguments, wrong);
+    ASSERT_EQ(run(trace).exit_code, 0);
+    EXPECT_EQ(json::parse(run({"info", in("frame.exr"), "--json"}).out).at("metres_per_unit"), 1);
+    const std::string lit = POSTLENS_SAMPLES "/scenes/blender_still.glb";
+    ASSERT_EQ(run({"trace", lit, "-o", in("lit.exr"), "--size", "16x9"}).exit_code, 0);
+    refused({"focus", in("lit.exr"), "-o", in("x.exr"), "--f-number", "2", "--focus", "5", "--method",
+             "hybrid", "--scene", lit, "--lumens-per-watt", "100"},
+            ExitCode::wrong_arguments, "--lumens-per-watt: other than in the trace (got 100; expected 683)");
+}
+
 TEST_F(FieldCommand, LightFieldSaysItsViewsAndWhatWasNotRecorded) {
     const Outcome r = focus({"--method", "lightfield", "--views", "32"});
     ASSERT_EQ(r.exit_code, 0) << r.err;

@@ -41,6 +41,7 @@ void expect_equal_headers(const SampleHeader& a, const SampleHeader& b) {
     EXPECT_EQ(a.min_contribution, b.min_contribution);
     EXPECT_EQ(a.scene_name, b.scene_name);
     EXPECT_EQ(a.scene_sha256, b.scene_sha256);
+    EXPECT_EQ(a.metres_per_unit, b.metres_per_unit);
     EXPECT_EQ(a.object_names, b.object_names);
     EXPECT_EQ(a.moving_ids, b.moving_ids);
     EXPECT_EQ(a.lights_move, b.lights_move);

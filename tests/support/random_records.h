@@ -135,6 +135,7 @@ inline SampleHeader full_header(int width, int height, int overscan_px, const Ra
     h.min_contribution = 1.0 / 256;
     h.scene_name = "two spheres, \"quoted\"";
     h.scene_sha256 = std::string(64, 'a');
+    h.metres_per_unit = 0.01;
     h.object_names = {{1, "floor"}, {7, "mirror ball"}, {4000000000U, "lamp"}};
     h.moving_ids = {7, 4000000000U};
     h.lights_move = true;

@@ -153,6 +153,7 @@ TEST(Exposure, FilesWithoutItAreReadAsBefore) {
     EXPECT_EQ(file.exposure_stops(), 0);
     EXPECT_FALSE(file.header().auto_exposure_stops);
     EXPECT_FALSE(file.header().lumens_per_watt);
+    EXPECT_FALSE(file.header().metres_per_unit);
     EXPECT_EQ(pinhole_picture(file).rgb, file.picture().rgb);
 }
 
