@@ -285,6 +285,9 @@ TEST_F(RenderInterrupted, OtherSettingsAndDamageAreThree) {
           settings("512", "3", "160x120", "0:1") + Words{"--shutter-curve", "triangle"},
           settings("512", "3", "160x120", "0:1") + Words{"--max-depth", "4"}})
         refused(resume(other), three, "other settings");
+    refused(resume(settings("512", "4", "160x120", "0:1")), three,
+            "x.partial.exr: cannot go on from this file: it was made with other settings: seed (got 3; "
+            "expected 4) (without");
     const Words same = settings("512", "3", "160x120", "0:1");
     const auto damaged = [&](const std::string& bytes) {
         std::ofstream(in("x.partial.exr"), std::ios::binary) << bytes;

@@ -266,6 +266,18 @@ void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     unpack(words, state);
 }
 
+// Returns the first setting of two fingerprints (RenderSetup::fingerprint) that differs, with both values.
+std::string first_difference(const std::string& found, const std::string& expected) {
+    const nlohmann::json got = nlohmann::json::parse(found, nullptr, false);
+    const nlohmann::ordered_json wanted = nlohmann::ordered_json::parse(expected);
+    for (const auto& [name, value] : wanted.items()) {
+        const nlohmann::json other = got.is_object() ? got.value(name, nlohmann::json()) : nlohmann::json();
+        if (other != nlohmann::json(value))
+            return fmt::format("{} (got {}; expected {})", name, other.dump(), value.dump());
+    }
+    return "of another version";
+}
+
 }  // namespace
 
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state) {
@@ -276,7 +288,8 @@ void read_state(const std::filesystem::path& path, const std::string& settings, 
     const std::unique_ptr<Imf::InputFile> in = opened(path, bad);
     const std::string found = text_of(in->header(), settings_attribute);
     if (found.empty()) bad("it is no picture that an interrupted run left");
-    if (found != settings) bad(fmt::format("other settings (got {}; expected {})", found, settings));
+    if (found != settings)
+        bad(fmt::format("it was made with other settings: {}", first_difference(found, settings)));
     read_pixels(*in, bad, state);
 }
 
