@@ -138,6 +138,12 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
     const AveragedShading averaged = averaged_shading(scene);
     out.json["averaged"] = {{"materials", averaged.materials}, {"lights", averaged.lights}};
+    if (settings.share && settings.share->count > 1 && averaged.materials > 0) {
+        out.warnings.push_back(
+            {"share",
+             "the merged trace differs from the undivided one by the noise of the means over lobes, "
+             "as neighbouring samples share the rays of these means"});
+    }
     if (options.plan) out.json["plan"] = plan;
     out.json["rays"]["hidden"] = r.rays.hidden;
     out.json["rays"]["lens"] = r.rays.lens;

@@ -125,6 +125,10 @@ TEST_F(ShareCommand, TracesMergeToTheUndividedFile) {
                      {"trace", samples + "/scenes/motion.toml", "--size", "48x27", "--for-shutter", "0:0.04",
                       "--keys", "3", "--exposure", "1"},
                      3);
+    // Samples of a batch share the rays of the means over rough surfaces, and a share has other batches.
+    const json rough = done({"trace", samples + "/scenes/blender_still.glb", "-o", in("rough.exr"), "--size",
+                             "16x9", "--share", "0/2"});
+    EXPECT_EQ(rough.at("warnings").at(0).at("code"), "share");
     // A part opens like any sample file; what it lacks shows nothing.
     EXPECT_EQ(done({"info", part("lens", 2)}).at("width"), 48);
     const auto bad = ExitCode::invalid_input;
