@@ -85,6 +85,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
         std::replace(what.begin(), what.end(), '\n', ' ');
         fail(ExitCode::wrong_arguments, "{} (see postlens --help)", what);
     }
+    refuse_empty_values(app);
     refuse_shared_files(files_of(app), state->frames.frames);
     if (state->frames.frames) {
         state->frames.asked_for = [asked = asked_for(app)](int frame) {

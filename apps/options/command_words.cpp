@@ -5,6 +5,7 @@
 #include <set>
 
 #include "apps/options/frame_range.h"
+#include "core/error.h"
 #include "lens/impulse.h"
 #include "pictures/stacks/object_choice.h"
 
@@ -80,6 +81,17 @@ std::vector<NamedFile> files_of(CLI::App& app) {
         }
     }
     return out;
+}
+
+void refuse_empty_values(CLI::App& app) {
+    for (CLI::App* inner : app.get_subcommands()) refuse_empty_values(*inner);
+    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
+        const std::vector<std::string>& texts = option->results();
+        if (std::find(texts.begin(), texts.end(), "") == texts.end()) continue;
+        const std::string type = option->get_type_name();
+        fail(ExitCode::wrong_arguments, "{}: no value (got an empty text; expected {})",
+             option->get_positional() ? type : option->get_name(), type);
+    }
 }
 
 AskedFor asked_for(CLI::App& app) {
