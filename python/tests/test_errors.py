@@ -115,7 +115,7 @@ def test_an_option_without_a_value_takes_no_other_word(frame, wrong):
     right = {"f_number": 2, "focus_m": 3}
     with pytest.raises(postlens.ArgumentError) as error:
         frame.focus(**{**right, **wrong})
-    assert "focus" not in str(error.value).replace("(see postlens help focus)", "")
+    assert "focus" not in str(error.value).replace("(see postlens focus help)", "")
 
 
 def test_a_frame_is_that_of_one_file(frame_path, tmp_path):

@@ -212,6 +212,14 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
     refused({"lens", "nosuch"}, two, "(got nosuch; expected one of coc, dof");
     refused({"--nonsense"}, two, "unknown option (got --nonsense");
+    const Words image{"image", frame, "-o", in("x.exr")};
+    refused(image + Words{"--explosure=1"}, two,
+            "unknown option (got --explosure; expected --exposure, see postlens image --help)");
+    refused(image + Words{"--methd", "layers"}, two,
+            "unknown option (got --methd; expected an option, see postlens image --help)");
+    refused({"lens", "psf", in("x.exr"), "--focal-lenght", "50", "--f-number"}, two,
+            "unknown option (got --focal-lenght; expected --focal-length, see postlens lens psf --help)");
+    refused(image + Words{"left", "over"}, two, "not expected: over left (see postlens image --help)");
     refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
     refused({"lens", "trace", lens, "-o", in("x.foo")}, two, "expected csv, svg, exr, png");
     refused({"sweep", frame, "-o", in("s"), "--f-number", "2", "--focus", "1", "--frames", "p.%04d.gif"}, two,
