@@ -90,12 +90,19 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
+/// Throws Error(wrong_arguments) if a target error is given for a method that has none.
+void check_target(const std::optional<double>& target_db, FocusMethod method);
+
 /// The scene in which `hybrid` and `auto` trace rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< absent: the sample file's
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
 };
+
+/// Throws Error(wrong_arguments) if units of a scene are given without the scene. The records of a sample
+/// file are in metres, so the units would have no effect.
+void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
 struct ForeignOptions {

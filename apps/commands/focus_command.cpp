@@ -82,12 +82,21 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
     return out;
 }
 
+void check_target(const std::optional<double>& target_db, FocusMethod method) {
+    if (target_db && method != FocusMethod::automatic) {
+        fail(ExitCode::wrong_arguments, "--target-db: not with the method {} (expected --method auto)",
+             method_name(method));
+    }
+}
+
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
+    check_target(options.target_db, options.method);
     // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
     // it.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign);
+    check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
                                  exposure_of_samples(options.exposure, options.input, damage), damage);

@@ -160,8 +160,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (o.settings.fit_px)
         fail(ExitCode::wrong_arguments, "--fit-paths: not with --scene (expected nothing)");
     const bool automatic = o.settings.method == MotionMethod::automatic;
-    if (o.target_db && !automatic)
-        fail(ExitCode::wrong_arguments, "--target-db: not with --method lightfield (expected auto)");
+    check_target(o.target_db, automatic ? FocusMethod::automatic : FocusMethod::lightfield);
     ShootOptions shoot{.focus = {.shared = o.shared,
                                  .input = o.input,
                                  .output = o.output,
@@ -220,6 +219,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
              "motion "
              "(expected a flat OpenEXR picture)");
     }
+    check_units(options.retrace);
     if (options.retrace.scene || options.retrace.explain || options.target_db) return blur_with_rays(options);
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);

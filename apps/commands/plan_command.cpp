@@ -1,6 +1,7 @@
 #include "apps/commands/plan_command.h"
 
 #include <cmath>
+#include <utility>
 
 #include "apps/scene_input.h"
 #include "pictures/srgb.h"
@@ -45,6 +46,16 @@ std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileRea
 }
 
 }  // namespace
+
+void check_units(const RetraceOptions& options) {
+    if (options.scene) return;
+    for (const auto& [name, value] : {std::pair{"--metres-per-unit", options.metres_per_unit},
+                                      std::pair{"--lumens-per-watt", options.lumens_per_watt}}) {
+        if (!value) continue;
+        fail(ExitCode::wrong_arguments, "{}: of which scene? (got {}; expected --scene with it)", name,
+             *value);
+    }
+}
 
 HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings, const RetraceOptions& retrace,
                         const std::string& picture, CommandResult& out) {

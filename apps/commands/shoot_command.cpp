@@ -42,6 +42,8 @@ void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& moti
 CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
     check_output(o.output);
+    check_target(o.target_db, o.method);
+    check_units(o.retrace);
     const Damage damage = damage_rule(o.salvage);
     const auto open = open_frame(o.input, o.kept, exposure_of_samples(o.exposure, o.input, damage), damage);
     const SampleFileReader& file = open->file;

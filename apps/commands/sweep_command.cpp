@@ -113,6 +113,7 @@ std::size_t pictures_of(const SweepOptions& o) {
 CommandResult run_sweep(const SweepOptions& o) {
     SweepSettings settings = o.settings;
     take_format(o, settings);
+    check_units(o.retrace);
     settings.exposure_stops = exposure_of_samples(o.exposure, o.input, settings.damage);
     std::optional<Scene> scene;
     CommandResult out;

@@ -235,6 +235,24 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     refused({"trace", scene(), "-o", in("x.exr"), "--size", "8x8", "--camera", ""}, two, "--camera" + empty);
     refused({"view", frame, "--export", ""}, two, "--export" + empty + "PAGE.html)");
     refused({"image", "", "-o", in("x.exr")}, two, "FRAME" + empty + "FRAME)");
+    // What would have no effect.
+    const auto refused_with = [&](const Words& words, const Words& more, const std::string& part) {
+        refused(words + Words{"--f-number", "2", "--focus", "1"} + more, two, part);
+    };
+    const Words focus{"focus", frame, "-o", in("x.exr")}, sweep{"sweep", frame, "-o", in("s")},
+        shoot{"shoot", frame, "-o", in("x.exr"), "--shutter", "0:1"};
+    refused_with(focus, {"--target-db", "40", "--method", "layers"},
+                 "--target-db: not with the method layers");
+    refused_with(sweep, {"--target-db", "40", "--method", "hybrid"},
+                 "--target-db: not with the method hybrid");
+    for (const Words& words : {shoot, sweep + Words{"--shutter", "0:1"}})
+        refused_with(words, {"--target-db", "40"}, "--target-db: not with the method lightfield");
+    for (const Words& words : {focus, sweep, shoot}) {
+        refused_with(words, {"--metres-per-unit", "2"}, "--metres-per-unit: of which scene? (got 2");
+        refused_with(words, {"--lumens-per-watt", "1"}, "--lumens-per-watt: of which scene? (got 1");
+    }
+    refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--metres-per-unit", "2"}, two,
+            "--metres-per-unit: of which scene?");
     EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
     EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
 }
