@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/job.h"
 #include "lens/traced/meridional_rotation.h"
 
 namespace postlens {
@@ -388,6 +389,7 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     for (std::size_t k = 0; k < count; ++k) {
         const auto n = static_cast<std::size_t>(nodes);
         const std::size_t i = k % n, j = k / n;
+        if (i == 0) throw_if_interrupted();
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);

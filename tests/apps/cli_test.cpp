@@ -6,6 +6,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -370,20 +371,28 @@ TEST_F(Cli, StrictTurnsAShortfallIntoSix) {
 }
 
 TEST_F(Cli, CtrlCStopsWithinASecondAndLeavesNothing) {
-    const std::string scene_file = POSTLENS_SAMPLES "/scenes/still_life.toml";
-    const std::string out = in("big.exr");
-    const pid_t child = begin({"trace", scene_file, "-o", out, "--size", "7680x4320", "--quiet"});
-    wait_for_handler(child);
-    std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-    ASSERT_EQ(::kill(child, SIGINT), 0);
-    const auto start = std::chrono::steady_clock::now();
-    int status = 0;
-    ASSERT_EQ(::waitpid(child, &status, 0), child);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    ASSERT_TRUE(WIFEXITED(status));
-    EXPECT_EQ(WEXITSTATUS(status), 130);
-    EXPECT_LT(seconds, seconds_to_stop);
-    EXPECT_EQ(folder_.file_count(), 0U);
+    const std::string samples = POSTLENS_SAMPLES;
+    Words lens{"lens", "trace",         samples + "/lenses/double_gauss.toml",
+               "-o",   in("spots.csv"), "--rays",
+               "1025", "--fields",      "0"};
+    for (int field = 1; field < 40; ++field) lens.back() += fmt::format(",{}", field / 10.0);
+    for (const Words& words : {Words{"trace", samples + "/scenes/still_life.toml", "-o", in("big.exr"),
+                                     "--size", "7680x4320", "--quiet"},
+                               lens}) {
+        const pid_t child = begin(words);
+        wait_for_handler(child);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+        ASSERT_EQ(::kill(child, SIGINT), 0);
+        const auto start = std::chrono::steady_clock::now();
+        int status = 0;
+        ASSERT_EQ(::waitpid(child, &status, 0), child);
+        const double seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        ASSERT_TRUE(WIFEXITED(status)) << words[0];
+        EXPECT_EQ(WEXITSTATUS(status), 130) << words[0];
+        EXPECT_LT(seconds, seconds_to_stop) << words[0];
+        EXPECT_EQ(folder_.file_count(), 0U) << words[0];
+    }
 }
 
 }  // namespace
