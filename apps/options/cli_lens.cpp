@@ -11,10 +11,9 @@ namespace postlens {
 namespace {
 
 void lens_numbers(CLI::App& app, LensCommandOptions& o) {
-    number(app, "--focal-length", o.focal_length_mm, "Focal length F", "MM", above_0)->required();
-    number(app, "--f-number", o.f_number, "Aperture number n; inf: pinhole", "N", f_numbers, true)
-        ->required();
-    number(app, "--focus", o.focus_m, "Focus distance s, beyond F", "M", above_0, true)->required();
+    required_number(app, "--focal-length", o.focal_length_mm, "Focal length F", "MM", above_0);
+    required_number(app, "--f-number", o.f_number, "Aperture number n; inf: pinhole", "N", f_numbers, true);
+    required_number(app, "--focus", o.focus_m, "Focus distance s, beyond F", "M", above_0, true);
     number(app, "--coc-limit", o.coc_limit_mm, "Widest circle of confusion that counts as sharp", "MM",
            above_0);
     number(app, "--pixel-pitch", o.pixel_pitch_um,

@@ -65,6 +65,16 @@ CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& t
     return bounded(app, name, to, help, bounds, parse_whole)->type_name(unit);
 }
 
+CLI::Option* required_number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                             const std::string& unit, const OptionRange& bounds, bool infinite) {
+    return number_into(app, name, to, help, unit, bounds, infinite)->required();
+}
+
+CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                            const std::string& unit, const OptionRange& bounds) {
+    return bounded(app, name, to, help, bounds, parse_whole)->type_name(unit)->required();
+}
+
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help) {
     return app
@@ -257,11 +267,11 @@ void behind_options(CLI::App& app, ForeignOptions& to) {
               "what the first one hides; may be given again, each behind the one before"))
         ->type_name("PICTURE.exr")
         ->allow_extra_args(false);
-    app.add_option(
-           "--overscan", to.camera.overscan_px,
-           "Of another program's picture: how far it shows more than the frame on every side, as where the "
-           "film and the raster were made larger for that; --film-width is the frame's [default: 0]")
-        ->type_name("PX");
+    whole(
+        app, "--overscan", to.camera.overscan_px,
+        "Of another program's picture: how far it shows more than the frame on every side; for a film and a "
+        "raster that were made larger; --film-width is the frame's",
+        "PX", from_0);
     app.add_option("--behind-layer", to.behind_layer,
                    "--layer of the pictures behind [default: that of --layer]")
         ->type_name("NAME");

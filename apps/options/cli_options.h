@@ -30,6 +30,11 @@ CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::s
                    const std::string& unit, const OptionRange& bounds);
 CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds);
+/// Add an option that must be given. Its help text names no default.
+CLI::Option* required_number(CLI::App& app, const std::string& name, double& to, const std::string& help,
+                             const std::string& unit, const OptionRange& bounds, bool infinite = false);
+CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
+                            const std::string& unit, const OptionRange& bounds);
 inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
     depth_counts{.low = 2, .high = DepthLevels::most_depths};
 

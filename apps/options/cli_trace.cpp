@@ -127,7 +127,7 @@ void add_render(CLI::App& root, CommandOptions& s) {
     choice(app, "--share-by", s.render.share_by_samples,
            "What --share divides: rows of the picture, or the samples of every pixel",
            {{"tiles", false}, {"samples", true}});
-    whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20})->required();
+    required_whole(app, "--spp", r.spp, "Samples per pixel", "N", {.low = 1, .high = 1 << 20});
     lens_options(app, o.lens, "the camera's");
     impulse_options(app, o.impulse);
     number(app, "--time", r.time_s, "Instant without a shutter [default: the scene's]", "S", any_value);

@@ -236,6 +236,11 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     refused({"trace", scene(), "-o", in("x.exr"), "--size", "8x8", "--camera", ""}, two, "--camera" + empty);
     refused({"view", frame, "--export", ""}, two, "--export" + empty + "PAGE.html)");
     refused({"image", "", "-o", in("x.exr")}, two, "FRAME" + empty + "FRAME)");
+    refused({"focus", frame, "-o", in("x.exr"), "--f-number", "2", "--focus", "1", "--overscan", "nan"}, two,
+            "--overscan: not a whole number (got nan");
+    refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--shutter-curve", "bx"},
+            ExitCode::invalid_input,
+            "--shutter-curve: no such file (got bx; expected box, triangle or a file)");
     // What would have no effect.
     const auto refused_with = [&](const Words& words, const Words& more, const std::string& part) {
         refused(words + Words{"--f-number", "2", "--focus", "1"} + more, two, part);
@@ -254,6 +259,11 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     }
     refused({"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--metres-per-unit", "2"}, two,
             "--metres-per-unit: of which scene?");
+    // What must be given has no default.
+    for (const char* command : {"coc", "dof"})
+        EXPECT_EQ(run({"lens", command, "--help"}).out.find("MM REQUIRED      Focal length F, more than 0 ["),
+                  std::string::npos);
+    EXPECT_EQ(run({"render", "--help"}).out.find("[default: 64]"), std::string::npos);
     EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
     EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
 }
