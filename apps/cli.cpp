@@ -4,12 +4,11 @@
 #include <limits>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <span>
-#include <utility>
 
 #include "apps/options/cli_chart.h"
 #include "apps/options/command_options.h"
+#include "core/text.h"
 
 #ifndef POSTLENS_VERSION
 #define POSTLENS_VERSION "unknown"
@@ -45,38 +44,18 @@ std::string full_name(const CLI::App& app) {
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();
 }
 
-/// Returns the number of letters to insert, delete or replace to make one word of the other.
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t above_left = std::exchange(row[0], i + 1);
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = above_left + (a[i] == b[j] ? 0 : 1);
-            above_left = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, above_left + 1});
-        }
-    }
-    return row.back();
-}
-
 // Reports the first unknown option with the most similar one that exists, because CLI11's own message lists
 // all unused words from the last to the first.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
         if (!word.starts_with("--")) continue;
         const std::string name = word.substr(0, word.find('='));
-        std::string nearest;
+        std::vector<std::string_view> known;
         for (const CLI::Option* option : command.get_options()) {
-            const std::string known = option->get_name();
-            if (known.starts_with("--") &&
-                (nearest.empty() || edit_distance(name, known) < edit_distance(name, nearest)))
-                nearest = known;
+            for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        // Words that differ in more than a third of their letters are not meant as each other.
-        if (edit_distance(name, nearest) * 3 > nearest.size()) nearest = "an option";
-        fail(ExitCode::wrong_arguments, "unknown option (got {}; expected {}, see {} --help)", name, nearest,
-             full_name(command));
+        fail(ExitCode::wrong_arguments, "unknown option (got {}; expected --{}, see {} --help)", name,
+             nearest_word(name.substr(2), known), full_name(command));
     }
 }
 

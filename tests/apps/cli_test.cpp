@@ -216,8 +216,8 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     const Words image{"image", frame, "-o", in("x.exr")};
     refused(image + Words{"--explosure=1"}, two,
             "unknown option (got --explosure; expected --exposure, see postlens image --help)");
-    refused(image + Words{"--methd", "layers"}, two,
-            "unknown option (got --methd; expected an option, see postlens image --help)");
+    refused({"focus", frame, "-o", in("x.exr"), "--methd", "layers"}, two,
+            "unknown option (got --methd; expected --method, see postlens focus --help)");
     refused({"lens", "psf", in("x.exr"), "--focal-lenght", "50", "--f-number"}, two,
             "unknown option (got --focal-lenght; expected --focal-length, see postlens lens psf --help)");
     refused(image + Words{"left", "over"}, two, "not expected: over left (see postlens image --help)");
