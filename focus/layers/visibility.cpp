@@ -127,11 +127,16 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
         // The surface's coverage is at most the share of the lens that is still uncovered, and at least the
         // part of the surface that nothing can hide.
-        const double least =
-            std::min(f.seen.alpha + f.hidden.alpha, 1.0) - std::max(1 - free.mean, f.covered);
-        const double got = light.alpha > 0 ? std::clamp(light.alpha, std::max(least, 0.0), free.mean) : 0;
-        const double limit = light.alpha > 0 ? got / light.alpha : 0;
-        for (std::size_t c = 0; c < 3; ++c) rgb[c] += limit * light.rgb[c];
+        const double whole = f.seen.alpha + f.hidden.alpha;
+        const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
+        const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
+        // Coverage above the limit is removed with its light. Coverage that is missing takes an equal share
+        // of the light that was held back. Light and alpha are attenuated separately, so scaling the light
+        // that arrived could make a pixel arbitrarily bright where almost no alpha arrived.
+        const double kept = got < light.alpha ? got / light.alpha : 1;
+        const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
+        for (std::size_t c = 0; c < 3; ++c)
+            rgb[c] += kept * light.rgb[c] + regained * (f.seen.rgb[c] + f.hidden.rgb[c] - light.rgb[c]);
         total += got;
         const OverLens cover{got, light.lens};
         laid.push_back({radius_px, cover});
