@@ -48,14 +48,16 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
                                     const std::array<float, 3>& rgb, float weight, double inverse_depth,
                                     const LayerPart& part) {
     const std::uint32_t number = number_of(part);
+    const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    if (!alone_ && response.radius_px >= quarter_steps_from_px)
+    // Spherical aberration makes a bright core, which coarser steps would blur, whatever the radius.
+    if (!alone_ && spherical_px == 0 && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
                                                                                    : quarter_steps_radius_px);
     const Phases phases = t_.responses_.phases(s, coarser);
-    const auto lens_per_px = static_cast<float>(
-        lens_radii_per_px(t_.geometry(), inverse_depth, t_.responses_.model().spherical_px()));
+    const auto lens_per_px =
+        static_cast<float>(lens_radii_per_px(t_.geometry(), inverse_depth, spherical_px));
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <gtest/gtest.h>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "core/error.h"
@@ -17,6 +18,7 @@
 #include "tests/focus/mosaic.h"
 #include "tests/planner/bar_scene.h"
 #include "tests/support/motion_frame.h"
+#include "tests/support/random_records.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/render.h"
 #include "tracer/trace.h"
@@ -138,6 +140,28 @@ TEST(SphericalAberration, HidesWhatRaysDoNotSee) {
         // 32.5 and 40.0 dB measured. For lens points of a perfect lens, -1.5 has 26.2 dB.
         EXPECT_GT(psnr(got, truth), 31.5) << spherical;
     }
+}
+
+// A strong aberration has a wide halo around a core as sharp as the focus. Where pixels are subdivided, the
+// core must stay at the position of its sample.
+TEST(SphericalAberration, KeepsTheCoreOfAWideHalo) {
+    constexpr int overscan = 20;
+    std::mt19937 random(5);
+    RecordBand band = random_band(random, -overscan, 40 + overscan + 1, -overscan, 30 + overscan + 1,
+                                  {.levels = 3, .probability = 0.4});
+    for (Record& r : band.records) {
+        r.id = 1;
+        r.z = 0.5F;
+    }
+    FocusGeometry geometry = unit_geometry;
+    geometry.gain_px *= 4;
+    geometry.inverse_focus_per_m = 2;
+    const std::shared_ptr<const ResponseModel> response =
+        response_model({.spherical = 4}, geometry, std::hypot(40, 30) / 2);
+    Image by_scatter, by_layers;
+    scatter(*tables_of(band, overscan, {.geometry = geometry}, response), by_scatter);
+    layers(*splats_of(band, overscan, {.geometry = geometry}, response), by_layers);
+    EXPECT_LT(difference(by_layers, by_scatter), 1e-4);
 }
 
 // Each pixel of a uniform wall is darkened by the share of the lens through which it sees, without seams
