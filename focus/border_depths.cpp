@@ -39,14 +39,15 @@ void BorderDepths::add_corner(const RecordBand& band, int x, int y) {
     }
 }
 
-BorderRadii BorderDepths::radii(const FocusGeometry& geometry) const {
+BorderRadii BorderDepths::radii(const FocusGeometry& geometry, const ResponseModel& response) const {
     BorderRadii out(source_);
     const auto fill = [&](const std::vector<Range>& from, std::vector<float>& to) {
         std::transform(from.begin(), from.end(), to.begin(), [&](const Range& range) {
             if (range.farthest > range.nearest) return 0.0F;
-            // The signed radius is linear in 1/z', so it is largest at one end.
+            // The signed radius is linear in 1/z', and the distance of its light convex in it, so the
+            // distance is largest at one end.
             const auto radius_px = [&](float inverse) {
-                return std::abs(geometry.coc_diameter_px(static_cast<double>(inverse)) / 2);
+                return response.farthest_light_px(geometry.coc_diameter_px(static_cast<double>(inverse)) / 2);
             };
             return static_cast<float>(std::max(radius_px(range.nearest), radius_px(range.farthest)));
         });

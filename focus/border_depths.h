@@ -17,8 +17,8 @@ class BorderDepths {
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// CoC radii for a lens, px.
-    [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry) const;
+    /// Largest distances at which light arrives, for a lens, px.
+    [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:
     /// 1/m; no surface has been seen if `farthest` exceeds `nearest`.

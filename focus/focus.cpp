@@ -203,7 +203,9 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
     out.image = std::move(seen.image);
     out.views = settings.views;
     out.largest_coc_px = largest_coc_px(depth_range(frame.file()), geometry);
-    if (auto warning = overscan_warning(frame.border_depths().radii(by_field.geometry),
+    const auto response = aperture_model(by_field.aperture, by_field.geometry,
+                                         std::hypot(window.width(), window.height()) / 2.0);
+    if (auto warning = overscan_warning(frame.border_depths().radii(by_field.geometry, *response),
                                         recorded_corners(frame.file()), window, crop))
         out.warnings.push_back(*std::move(warning));
     constexpr double noticeable = 1e-3;

@@ -183,6 +183,20 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
            std::abs(image.spherical_px) * farthest * farthest * farthest;
 }
 
+double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
+    // Light through the zone rho of the lens arrives at the distance |R rho + S rho^3|.
+    // Aperture::farthest is a little larger, as it holds for outlines with a tolerance.
+    const dvec2 half = aperture.half_extent();
+    const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
+                 square = rim * rim;
+    const double out = rim * std::abs(radius_px + spherical_px * square);
+    // Inside the rim, the distance has a maximum where R + 3 S rho^2 is 0.
+    if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
+        return out;
+    const double zone = std::sqrt(-radius_px / (3 * spherical_px));
+    return std::max(out, 2 * std::abs(radius_px) * zone / 3);
+}
+
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
     // With cats_eye, the outline varies with the field position, but one response serves a whole region of

@@ -36,6 +36,11 @@ inline constexpr double smallest_response_px = 1e-4;
 /// Largest distance from the response's centre at which it has light, px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
+/// Largest distance, px, from the image of a point at which light of the point arrives. `radius_px`: signed
+/// radius of the circle of confusion; `spherical_px`: as in ApertureImage. Unlike largest_reach_px, it is not
+/// larger than necessary where the aberration counteracts the defocus.
+[[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
+
 /// The response of any aperture within a window. Over the whole plane, its values add up to 1 (0 if no light
 /// passes). The aperture is divided into cells: the pixels of an aperture image, or rings and sectors whose
 /// images deviate from polygons by less than 0.02 px. The light of each cell is spread uniformly over the

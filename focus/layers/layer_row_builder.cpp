@@ -175,7 +175,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
         // As in `scatter`, the largest CoC is that of the directly visible surfaces at a finite depth.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
-        t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
+        t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     }
     if (!(s.total_weight() > 0)) return;
     LayerPart part{.surface = surface, .kind = kind};
@@ -289,7 +289,7 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     if (!light.hidden) {
         if (light.inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
-        t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+        t_.border_.note_pixel(t_.source_, light.x, y_, response.farthest_px);
     }
     const LayerPart part{.surface = {light.surface, 0},
                          .kind = light.hidden ? LayerPart::Kind::hidden : LayerPart::Kind::seen};

@@ -18,6 +18,7 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     const bool round = response_->is_round();
     const double signed_radius_px = geometry_.coc_diameter_px(inverse_depth_per_m) / 2;
     out.exact_radius_px = std::abs(signed_radius_px);
+    out.farthest_px = round ? out.exact_radius_px : response_->farthest_light_px(signed_radius_px);
     if (const auto level = levels_.level_of(inverse_depth_per_m)) {
         out.key = KernelKey::disc(*level);
         out.radius_px = levels_.radius_px()[*level];

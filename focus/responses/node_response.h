@@ -45,6 +45,7 @@ struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
+    double farthest_px = 0;      ///< largest distance at which light arrives; only set by to_depth
     /// Inverse depth of the node's level, 1/m. Used only for apertures that vary over the image.
     double inverse_depth_per_m = 0;
 };

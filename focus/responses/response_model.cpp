@@ -41,6 +41,9 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         return largest_reach_px(aperture_, image({.map_px = map_px}));
     }
+    [[nodiscard]] double farthest_light_px(double radius_px) const override {
+        return postlens::farthest_light_px(aperture_, radius_px, spherical_px_);
+    }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
         // The shape of a response smaller than a pixel is not visible, so a disc is used. For a sample on a

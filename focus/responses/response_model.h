@@ -54,6 +54,9 @@ class ResponseModel {
     [[nodiscard]] virtual double spherical_px() const { return 0; }
     /// Radius outside which the response is 0, px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
+    /// Largest distance, px, at which light of a scene point arrives. `radius_px`: signed radius of the
+    /// point's circle of confusion.
+    [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
     /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 

@@ -83,7 +83,7 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     // The largest CoC is that of surfaces seen directly, because the matrix W of other surfaces is unbounded
     // near a caustic. Infinitely far surfaces are left out, because the CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
-    t_.border_.note(t_.source_, s, y_, primary.exact_radius_px);
+    t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
     for (const Record& node : nodes.subspan(1)) {
         if (is_dark(node)) continue;
@@ -143,7 +143,7 @@ void SplatTables::RowBuilder::add_light(const PixelLight& light) {
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
     if (light.inverse_depth > 0) largest_radius_px_ = std::max(largest_radius_px_, response.exact_radius_px);
-    t_.border_.note_pixel(t_.source_, light.x, y_, response.exact_radius_px);
+    t_.border_.note_pixel(t_.source_, light.x, y_, response.farthest_px);
     const float share = responses.passing(response, place_px_);
     const std::array<float, 3> rgb{share * light.rgb[0], share * light.rgb[1], share * light.rgb[2]};
     negative_ |= rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0;

@@ -205,6 +205,22 @@ TEST(FocusPicture, WarnsOfMissingOverscan) {
     EXPECT_NE(partly.warnings[0].text.find("got 4 px of overscan; expected 7 px"), std::string::npos);
 }
 
+TEST(FocusPicture, WarnsOfMissingOverscanForAberrations) {
+    const TemporaryFolder folder;
+    // Everything is in focus, so the aberration alone moves light: 12.5 px at the rim of the lens.
+    const RecordBand band =
+        corner_band(90, 60, 0, [](int, int) { return std::vector{corner(2, 0.5F, 0.5F, 0.5F)}; });
+    const SampleFileReader file = written(folder, band, header_of(band, 0));
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield}) {
+        const FocusResult result = focus_picture(
+            file, {.lens = fast_lens, .focus_distance_m = 2, .method = method, .impulse = {.spherical = 1}});
+        ASSERT_FALSE(result.warnings.empty());
+        EXPECT_EQ(result.warnings[0].code, "overscan");
+        EXPECT_NE(result.warnings[0].text.find("got 0 px of overscan; expected 13 px"), std::string::npos)
+            << result.warnings[0].text;
+    }
+}
+
 TEST(FocusPicture, TheWidestCircleIsOfWhatWasHitByEveryMethod) {
     const TemporaryFolder folder;
     // A surface at 2.5 m has a CoC of 25 |1/2 - 1/2.5| = 2.5 px. The background at infinity, without records,

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <numbers>
@@ -266,6 +267,24 @@ TEST(ApertureResponse, SphericalAberrationPutsEveryZoneWhereItBelongs) {
             // the radius.
             EXPECT_GE(inside, encircled(c, s, radius - 0.8) - 1e-3) << c << ", " << s << ": " << radius;
             EXPECT_LE(inside, encircled(c, s, radius + 0.8) + 1e-3) << c << ", " << s << ": " << radius;
+        }
+    }
+}
+
+TEST(ApertureResponse, FarthestLightIsThatOfTheZoneThatReachesFarthest) {
+    for (const double squeeze : {0.5, 1.0, 3.0}) {
+        const Aperture aperture({.squeeze = squeeze});
+        const double rim = std::max(1.0, 1 / squeeze);
+        for (const double radius : {-7.0, -0.3, 0.0, 4.0}) {
+            for (const double spherical : {-5.0, 0.0, 0.1, 2.0, 30.0}) {
+                double expected = 0;
+                for (int i = 0; i <= 4096; ++i) {
+                    const double zone = rim * i / 4096;
+                    expected = std::max(expected, std::abs(radius * zone + spherical * zone * zone * zone));
+                }
+                EXPECT_NEAR(farthest_light_px(aperture, radius, spherical), expected, 1e-5)
+                    << squeeze << " " << radius << " " << spherical;
+            }
         }
     }
 }
