@@ -90,9 +90,6 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// Throws Error(wrong_arguments) if a target error is given for a method that has none.
-void check_target(const std::optional<double>& target_db, FocusMethod method);
-
 /// The scene in which `hybrid` and `auto` trace rays.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;

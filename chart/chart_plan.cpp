@@ -186,7 +186,6 @@ RenderSettings render_settings(const ChartRequest& request, const ChartView& vie
     out.f_number = view.lens.f_number;
     out.focus_m = view.focus_m;
     out.shutter = view.shutter;
-    out.metres_per_unit = request.units.metres_per_unit;
     return out;
 }
 

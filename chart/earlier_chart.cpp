@@ -33,7 +33,7 @@ std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& sc
     if (scene.exposure_stops != 0) reference += fmt::format(" exposure {:.17g}", scene.exposure_stops);
     return fmt::format(
         "{} x{:.17g} '{}' {}x{} d={:.17g} F={:.17g} f/{:.17g} s={:.17g} shutter {} reference {}",
-        scene.sha256.substr(0, 16), r.units.metres_per_unit, r.camera_name, v.width, v.height,
+        scene.sha256.substr(0, 16), scene.metres_per_unit, r.camera_name, v.width, v.height,
         v.film_distance_mm, v.lens.focal_length_mm, v.lens.f_number, v.focus_m, shutter, reference);
 }
 

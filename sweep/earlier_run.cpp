@@ -48,6 +48,8 @@ SweepKeys::SweepKeys(const std::filesystem::path& frame, const SweepSettings& se
     if (exposure_stops != 0) common_ += fmt::format(" exposure {}", exposure_stops);
     if (p.scene != nullptr && p.scene->lumens_per_watt)
         common_ += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
+    if (p.scene != nullptr && p.scene->metres_per_unit != 1)
+        common_ += fmt::format(" metres {}", p.scene->metres_per_unit);
     if (p.predict) common_ += " predicted";
     if (method == FocusMethod::automatic)
         common_ += fmt::format(" {}", p.target_db.value_or(default_target_db));

@@ -17,10 +17,7 @@ constexpr int shutter_views = 128;  // the default of the command shoot
 FocusMethod method_for(const PictureSettings& settings, const SampleHeader& header, bool with_shutter) {
     const std::optional<FocusMethod>& asked = settings.method;
     const FocusMethod usual = with_shutter ? FocusMethod::lightfield : FocusMethod::automatic;
-    if (settings.target_db && asked.value_or(usual) != FocusMethod::automatic) {
-        fail(ExitCode::wrong_arguments, "--target-db: not with the method {} (expected --method auto)",
-             method_name(asked.value_or(usual)));
-    }
+    check_target(settings.target_db, asked.value_or(usual));
     if (!asked && with_shutter) return FocusMethod::lightfield;
     if (!with_shutter && asked.value_or(FocusMethod::automatic) == FocusMethod::automatic &&
         !settings.target_db && settings.scene == nullptr)
@@ -40,6 +37,13 @@ MadePicture made(FocusResult&& r, const char* method) {
 }
 
 }  // namespace
+
+void check_target(const std::optional<double>& target_db, FocusMethod method) {
+    if (target_db && method != FocusMethod::automatic) {
+        fail(ExitCode::wrong_arguments, "--target-db: not with the method {} (expected --method auto)",
+             method_name(method));
+    }
+}
 
 const char* method_name(FocusMethod method) {
     switch (method) {

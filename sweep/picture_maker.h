@@ -83,4 +83,7 @@ class PictureMaker {
 /// Name of a method, as in the option `--method`.
 [[nodiscard]] const char* method_name(FocusMethod method);
 
+/// Throws Error(wrong_arguments) if a target error is given for a method that has none.
+void check_target(const std::optional<double>& target_db, FocusMethod method);
+
 }  // namespace postlens

@@ -299,6 +299,9 @@ CommandResult run_compare(const CompareCommandOptions& options) {
     }
     if (options.scene && !options.map_causes)
         fail(ExitCode::wrong_arguments, "--scene: goes with --map-causes (got it alone)");
+    check_units({.scene = options.scene,
+                 .metres_per_unit = options.metres_per_unit,
+                 .lumens_per_watt = options.lumens_per_watt});
     for (const auto* path : {&options.map, &options.side_by_side, &options.map_causes}) {
         if (*path) check_image_path(**path);
     }

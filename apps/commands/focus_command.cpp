@@ -82,13 +82,6 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
     return out;
 }
 
-void check_target(const std::optional<double>& target_db, FocusMethod method) {
-    if (target_db && method != FocusMethod::automatic) {
-        fail(ExitCode::wrong_arguments, "--target-db: not with the method {} (expected --method auto)",
-             method_name(method));
-    }
-}
-
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);

@@ -186,6 +186,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
              "--predict: not for a picture of another program, which does not tell what it lacks (expected a "
              "sample file)");
     }
+    if (options.retrace.lumens_per_watt) {
+        fail(ExitCode::wrong_arguments,
+             "--lumens-per-watt: not for a picture of another program (expected a sample file)");
+    }
     check_passes(options);
     LensOptions lens = options.lens;
     CommandResult out;

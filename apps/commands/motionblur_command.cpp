@@ -9,6 +9,7 @@
 #include "motionblur/paths/paths_file.h"
 #include "motionblur/vectors/vector_blur.h"
 #include "pictures/exposure.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 namespace {

@@ -66,7 +66,6 @@ CommandResult run_render(const RenderOptions& options) {
     } else {
         settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
     }
-    settings.metres_per_unit = options.units.metres_per_unit;
     settings.curve = shutter_curve(options.curve);
     std::vector<std::filesystem::path> written{options.output};
     if (settings.halves) {

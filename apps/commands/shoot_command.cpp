@@ -13,6 +13,7 @@
 #include "motionblur/paths/paths_file.h"
 #include "pictures/crop.h"
 #include "scene/scene.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 namespace {

@@ -75,7 +75,7 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     std::string out = "field_deg,pupil_x_mm,pupil_y_mm,passes,film_x_mm,film_y_mm\n";
     for (const FieldResult& f : fields) {
         for (std::size_t k = 0; k < f.mesh.passes.size(); ++k) {
-            constexpr std::size_t often = 4096;  // lines, which take 1 to 10 ms
+            constexpr std::size_t often = 4096;  // lines: often enough to stop at once
             if (k % often == 0) throw_if_interrupted();
             const dvec2 film = f.mesh.film_mm[k] + (f.mesh.passes[k] != 0 ? f.mesh.chief_film_mm : dvec2(0));
             out += fmt::format("{},{},{},{},{},{}\n", f.deg, f.mesh.pupil_mm[k].x, f.mesh.pupil_mm[k].y,

@@ -132,19 +132,39 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Returns a manifest as JSON. Cycles escapes nothing, so a quotation mark or a backslash in a name is not
-/// JSON. The ids show where names end. Other text stays as it is.
-std::string as_json(std::string manifest) {
-    if (nlohmann::json::accept(manifest) || !manifest.starts_with("{\"")) return manifest;
+/// Names and ids of a manifest in which nothing is escaped. The ids show where names end. Empty if the
+/// manifest is not of this form.
+std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
+    if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
-    for (std::size_t name = 2; name < manifest.size();) {
+    for (std::size_t name = 2;;) {
         const std::size_t end = end_of_name(manifest, name);
-        if (end == std::string::npos) return manifest;
+        if (end == std::string::npos) return std::nullopt;
         const std::size_t id = end + before_id.size();
         objects[manifest.substr(name, end - name)] = manifest.substr(id, id_digits);
         name = id + id_digits + before_name.size();
+        if (name > manifest.size()) return objects;
     }
-    return objects.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+/// Whether the id of every name is its hash.
+bool has_its_ids(const nlohmann::json& manifest) {
+    if (!manifest.is_object()) return false;
+    const auto items = manifest.items();
+    return std::all_of(items.begin(), items.end(), [](const auto& item) {
+        return item.value() == fmt::format("{:0{}x}", cryptomatte_id(item.key()), id_digits);
+    });
+}
+
+/// Returns a manifest as JSON. Cycles escapes nothing, so a name with a quotation mark or a backslash is
+/// either not JSON, or means another name there than its id. Other text stays as it is.
+std::string as_json(std::string manifest) {
+    const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
+    const bool valid = !parsed.is_discarded();
+    if (valid && (manifest.find('\\') == std::string::npos || has_its_ids(parsed))) return manifest;
+    const auto unescaped = unescaped_manifest(manifest);
+    if (!unescaped || (valid && !has_its_ids(*unescaped))) return manifest;
+    return unescaped->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 }  // namespace

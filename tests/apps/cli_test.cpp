@@ -261,9 +261,9 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
             "--metres-per-unit: of which scene?");
     // What must be given has no default.
     for (const char* command : {"coc", "dof"})
-        EXPECT_EQ(run({"lens", command, "--help"}).out.find("MM REQUIRED      Focal length F, more than 0 ["),
+        EXPECT_NE(run({"lens", command, "--help"}).out.find("Focal length F, more than 0\n"),
                   std::string::npos);
-    EXPECT_EQ(run({"render", "--help"}).out.find("[default: 64]"), std::string::npos);
+    EXPECT_NE(run({"render", "--help"}).out.find("Samples per pixel, 1 to 1048576\n"), std::string::npos);
     EXPECT_EQ(run({"lens", "psf", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
     EXPECT_NE(run({"focus", "--help"}).out.find("lens:PRESCRIPTION"), std::string::npos);
 }

@@ -281,9 +281,14 @@ TEST_F(ForeignIds, NamesInTheManifestOfCyclesAreNotEscaped) {
               (std::vector<std::string>{"12\" disc", R"(a\"\xb)", "plain"}));
     EXPECT_EQ(names("{\"tab\t\":\"00000001\"}"), std::vector<std::string>{"tab\t"});
     EXPECT_EQ(names(R"({"":":"00000001","","":"00000002"})"), (std::vector<std::string>{"\",\"", "\":"}));
+    // A valid escape is taken for what the id says that it is.
+    const std::string id = fmt::format("{:08x}", cryptomatte_id(R"(a\new)"));
+    EXPECT_EQ(names(R"({"a\new":")" + id + "\"}"), std::vector<std::string>{R"(a\new)"});
+    EXPECT_EQ(names(R"({"a\new":"00000001"})"), std::vector<std::string>{"a\new"});
     for (const char* broken :
          {R"({"a"b":"00000001")", R"({"a"b":"00000001",})", R"({"a"b":"0000001"})", R"({"a"b":"00000001"} )",
-          R"({"a"b":"00000001"x})", R"({"a"b":"00000001","c"})"})
+          R"({"a"b":"00000001"x})", R"({"a"b":"00000001","c"})", R"({"a"b":"00000001",")",
+          R"({"a":"00000001",")", R"({")"})
         EXPECT_EQ(names(broken), std::nullopt) << broken;
 }
 

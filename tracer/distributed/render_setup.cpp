@@ -137,7 +137,7 @@ std::string RenderSetup::fingerprint(const RenderSettings& s) const {
     };  // the shortest text from which the same number is read
     const nlohmann::ordered_json json = {
         {"scene", scene_.sha256},
-        {"metres_per_unit", exact(s.metres_per_unit)},
+        {"metres_per_unit", exact(scene_.metres_per_unit)},
         {"lumens_per_watt", exact(scene_.lumens_per_watt.value_or(0))},
         {"exposure_stops", exact(scene_.exposure_stops)},
         {"camera", s.camera_name},

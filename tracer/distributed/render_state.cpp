@@ -275,7 +275,7 @@ std::string first_difference(const std::string& found, const std::string& expect
         if (other != nlohmann::json(value))
             return fmt::format("{} (got {}; expected {})", name, other.dump(), value.dump());
     }
-    return "of another version";
+    return "those of another version";
 }
 
 }  // namespace

@@ -39,7 +39,8 @@ struct SampledWindow {
 /// - if the narrow objects in `things` require it, down to `levels`.
 /// The criteria of ids, contrast and shadows also apply to every hidden layer. Needs memory for one band
 /// only. The result does not depend on the number of threads, and the records of a row do not depend on the
-/// rows before it, if the row above is in the window. Returns the number of rays.
+/// rows before it, if the row above is in the window, but for means over lobes (lobe_means.h). Returns the
+/// number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});
