@@ -9,8 +9,8 @@ namespace postlens {
 namespace {
 
 /// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
-/// composited.
-constexpr double least_alpha = 1e-4;
+/// composited. A pixel may have a thousand of them, and what is behind must not lose more than 1e-4.
+constexpr double least_alpha = 1e-7;
 /// Shares of a pixel below this are considered rounding errors.
 constexpr double least_share = 1e-6;
 

@@ -1,4 +1,5 @@
 // Faults that depth-of-field filters of other programs are known for, on pictures that bring them about.
+#include <cmath>
 #include <gtest/gtest.h>
 
 #include "focus/foreign_focus.h"
@@ -88,6 +89,27 @@ TEST(ForeignFaults, GlassInFocusDoesNotKeepWhatIsBehindItSharp) {
         const double far = 1 - edge_response((x + 0.5 - 40) / level_radius(8));
         EXPECT_NEAR(value(r.image, x, 4, 0), 0.2, 1e-5) << x;
         EXPECT_NEAR(value(r.image, x, 4, 1), 0.8 * far, 1e-5) << x;
+    }
+}
+
+TEST(ForeignFaults, GlowAndThinFogDimNothing) {
+    // 200 samples that shine and cover nothing, or that cover 1e-5 each, before a wall.
+    const Bench bench{.width = 16, .height = 2, .margin_px = 12};
+    const auto wall_behind = [&](float alpha) {
+        return bench.picture([&](int, int) {
+            Stack stack;
+            for (int i = 0; i < 200; ++i)
+                stack.push_back({bench.inverse_z(-8 + 0.04 * i), 1e-3F, 0, 0, alpha});
+            stack.push_back({bench.inverse_z(4), 0, 1, 0});
+            return stack;
+        });
+    };
+    const ForeignPicture glow = wall_behind(0), fog = wall_behind(1e-5F);
+    for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers}) {
+        const Image g = bench.focus(glow, method).image, f = bench.focus(fog, method).image;
+        EXPECT_NEAR(value(g, 8, 1, 0), 0.2, 1e-4);
+        EXPECT_NEAR(value(g, 8, 1, 1), 1, 1e-4);
+        EXPECT_NEAR(value(f, 8, 1, 1), std::pow(1 - 1e-5, 200), 1e-4);
     }
 }
 
