@@ -27,11 +27,11 @@ Rates rates_of(const DeepSample& s) {
             static_cast<double>(s.b) * gain / length, depth / length};
 }
 
-/// A depth at which a volume begins or ends.
+/// A depth at which a volume begins or ends, or at which a surface stands.
 struct Event {
     float z;
-    bool begins;
-    std::size_t volume;
+    enum class Kind : std::uint8_t { ends, begins, surface } kind;  ///< in the order in which they count
+    std::size_t volume = 0;
 };
 
 }  // namespace
@@ -39,6 +39,7 @@ struct Event {
 void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
+    if (volumes.empty()) return;
     // Sorting makes the result, including its rounding errors, independent of the order in the file.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
@@ -48,31 +49,39 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
         };
         return key(a) < key(b);
     });
-    bool overlap = false;
-    float end = 0;
-    for (const DeepSample& v : volumes) {
-        overlap = overlap || v.z < end;
-        end = std::max(end, v.z_back);
-    }
-    if (!overlap) return;
     std::vector<Event> events;
     for (std::size_t i = 0; i < volumes.size(); ++i) {
-        events.push_back({volumes[i].z, true, i});
-        events.push_back({volumes[i].z_back, false, i});
+        events.push_back({volumes[i].z, Event::Kind::begins, i});
+        events.push_back({volumes[i].z_back, Event::Kind::ends, i});
+    }
+    for (const DeepSample& s : out) {
+        if (s.z > 0 && std::isfinite(s.z)) events.push_back({s.z, Event::Kind::surface});
     }
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
-        return std::tie(a.z, a.begins, a.volume) < std::tie(b.z, b.begins, b.volume);
+        return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
+    // A volume in which nothing else begins or stands stays as it is. Surfaces precede the slices in `out`,
+    // and so stand before a slice of their own depth.
+    bool mixed = false;
+    int around = 0;
+    for (const Event& e : events) {
+        mixed = mixed || (around > 0 && e.kind != Event::Kind::ends);
+        around += e.kind == Event::Kind::begins ? 1 : e.kind == Event::Kind::ends ? -1 : 0;
+    }
+    if (!mixed) return;
     std::set<std::pair<double, std::size_t>> inside;  // volumes at this depth, by density
     Rates sum{};
     for (std::size_t i = 0; i < events.size(); ++i) {
         const Event& e = events[i];
-        const Rates rates = rates_of(volumes[e.volume]);
-        for (std::size_t c = 0; c < 4; ++c) sum[c] += e.begins ? rates[c] : -rates[c];
-        if (e.begins) {
-            inside.emplace(rates[3], e.volume);
-        } else {
-            inside.erase({rates[3], e.volume});
+        if (e.kind != Event::Kind::surface) {
+            const bool begins = e.kind == Event::Kind::begins;
+            const Rates rates = rates_of(volumes[e.volume]);
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += begins ? rates[c] : -rates[c];
+            if (begins) {
+                inside.emplace(rates[3], e.volume);
+            } else {
+                inside.erase({rates[3], e.volume});
+            }
         }
         if (inside.empty()) {
             sum = {};

@@ -243,6 +243,25 @@ TEST_F(ForeignPictureTest, VolumesInOnePlaceAreMixedInAnyOrder) {
     EXPECT_NEAR(read_deep({red, wall}).flattened().alpha.empty() ? 1 : 0, 1, 0);
 }
 
+// Fog from Z to ZBack with a transmittance of t lets a surface after the share a of its way through t^a.
+TEST_F(ForeignPictureTest, ASurfaceInsideAVolumeStandsAtItsOwnDepth) {
+    const double t = 0.1;
+    for (const float back : {2.03F, 2.4F, 6.0F}) {
+        for (const double a : {0.0, 0.15, 0.5, 0.999}) {
+            const std::array<float, 6> fog{0, 0, 0.9F, 0.9F, 2, back};
+            const auto z = static_cast<float>(2 + a * (static_cast<double>(back) - 2));
+            for (const float alpha : {0.5F, 1.0F}) {
+                const std::array<float, 6> sheet{alpha, 0, 0, alpha, z, z};
+                const Image image = read_deep({fog, sheet}).flattened();
+                const double before = std::pow(t, a), behind = (1 - static_cast<double>(alpha)) * before;
+                EXPECT_NEAR(image.rgb[0], static_cast<double>(alpha) * before, 1e-5) << back << " " << a;
+                EXPECT_NEAR(image.rgb[2], 1 - before + behind - behind * t / before, 1e-5)
+                    << back << " " << a;
+            }
+        }
+    }
+}
+
 TEST_F(ForeignPictureTest, GreyAndNothingButAlpha) {
     EXPECT_EQ(read({{{{"Y", even(0.5F)}, {"Z", even(2)}}}}).stack(1, 1)[0].g, 0.5F);
     const ForeignPicture p = read({{{{"A", even(0.5F)}, {"Z", even(2)}}}});
