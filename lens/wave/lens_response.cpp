@@ -143,16 +143,11 @@ void make_disc(LensResponse& out, int size_px) {
 
 /// Computes the response of an aperture of any shape. The radial profile stays empty, because the response is
 /// not round.
-void make_geometric(LensResponse& out, int size_px, const Aperture& aperture,
-                    const LensResponseRequest& request) {
+void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens is displaced by the radius of the CoC. Spherical aberration X adds X
-    // rho^2 to the defocus 1/s - 1/z at lens radius rho.
-    const double radius_px = out.coc_px / 2;
-    const double px_per_inverse_metre = out.image_distance_mm / request.pixel_pitch_mm *
-                                        request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
-    const ApertureImage image{.map_px = glm::dmat2(radius_px),
-                              .spherical_px = aperture.spherical_per_m() * px_per_inverse_metre,
+    // Light through the rim of the lens is displaced by the radius of the CoC.
+    const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
+                              .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
     const int begin = -(size_px / 2), end = begin + size_px;
     const ResponseGrid made = dense_response(aperture, image, {begin, end, begin, end});
@@ -201,9 +196,10 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Default width of the grid: odd, and large enough for the whole disc or for 99 % of the diffracted light.
-int own_size_px(const std::vector<WaveScale>& scales, double coc_px, bool diffracts) {
-    double radius = std::abs(coc_px) / 2 + 1;
+/// Default width of the grid: odd, and large enough for all light of a geometric response, which reaches
+/// `farthest_px`, or for 99 % of the diffracted light.
+int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
+    double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
         if (diffracts) radius = std::max(radius, radius_of_tail(scale.u, 0.01) / scale.v_per_px);
     }
@@ -238,14 +234,18 @@ LensResponse lens_response(const LensResponseRequest& request) {
     const bool plain_disc = request.impulse.kind == ImpulseKind::disc && !request.aperture &&
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
-    const int size_px = request.size_px > 0 ? request.size_px : own_size_px(scales, out.coc_px, diffracts);
+    const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
+    // Spherical aberration X adds X rho^2 to the defocus 1/s - 1/z at lens radius rho.
+    const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
+                                request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
+    const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);
+    const int size_px = request.size_px > 0 ? request.size_px : own_size_px(scales, farthest_px, diffracts);
     if (diffracts) {
         make_diffraction(out, size_px, scales);
     } else if (plain_disc) {
         make_disc(out, size_px);
     } else {
-        make_geometric(out, size_px, request.aperture ? *request.aperture : Aperture(request.impulse),
-                       request);
+        make_geometric(out, size_px, aperture, spherical_px);
     }
     if (!out.profile.empty()) out.half_energy_diameter_px = half_energy_diameter(out.profile);
     out.energy_in_frame = std::accumulate(out.grid.share.begin(), out.grid.share.end(), 0.0);

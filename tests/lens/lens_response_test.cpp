@@ -71,6 +71,21 @@ TEST(LensResponse, DiscIsTheExactCoverage) {
     }
 }
 
+TEST(LensResponse, TheFrameHoldsAllLightOfAGeometricResponse) {
+    LensResponseRequest q{.lens = {50, 2}, .focus_distance_m = 2, .depth_m = 1};
+    EXPECT_EQ(lens_response(q).grid.width, 39);  // a CoC of 34.2 px
+    // The rim is displaced by (1/2 - 1 + 3) / (1/2 - 1) = -5 times the radius of the CoC.
+    q.impulse.spherical = 3;
+    const LensResponse aberrated = lens_response(q);
+    EXPECT_EQ(aberrated.grid.width, 2 * (86 + 1) + 1);
+    EXPECT_NEAR(aberrated.energy_in_frame, 1, 1e-6);
+    q.impulse = {.squeeze = 0.5};
+    EXPECT_NEAR(lens_response(q).energy_in_frame, 1, 1e-6);
+    q.depth_m = 2;
+    q.impulse = {.spherical = 3};
+    EXPECT_NEAR(lens_response(q).energy_in_frame, 1, 1e-6);
+}
+
 TEST(LensResponse, ZeroWidthDiscsAreOnePixelOrFour) {
     for (const double n : {2.0, infinity}) {
         const LensResponse odd = lens_response({.lens = {50, n}, .size_px = 5});
