@@ -13,7 +13,12 @@
 namespace postlens {
 namespace {
 
-constexpr double example_focal_length_mm = 50;
+/// Focal length for which F and n are stated where neither is known: 50 mm, or that of an image as large as
+/// the object (F = s/2) if this is shorter, because no lens focuses nearer than F.
+double example_focal_length_mm(double inverse_focus_per_m) {
+    constexpr double usual_mm = 50;
+    return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
+}
 
 /// Residual c - K |q - 1/z| of one pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and q = 1/s.
 /// The fitted parameters are ln F, ln n and q.
@@ -120,7 +125,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
     // F and n are linked by K = F^2 / (n (1 - F q)), so a known F determines n, and a known n determines F.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
-    double F_mm = request.focal_length_mm.value_or(example_focal_length_mm), n = 1;
+    double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;
     if (!request.focal_length_mm && request.f_number) {
         const double b = line.K * *request.f_number * line.q * metres_per_mm;
         F_mm = (-b + std::sqrt(b * b + 4 * metres_per_mm * line.K * *request.f_number)) / (2 * metres_per_mm);
@@ -184,8 +189,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         out.doubts.push_back(
             fmt::format("F and n cannot be told apart: circles of confusion depend on F^2/(n (s - F)) and s "
                         "alone (condition {:.3g}); F, n "
-                        "are for F = {} mm, any other F has its n; state one of them",
-                        out.condition, example_focal_length_mm));
+                        "are for F = {:.4g} mm, any other F has its n; state one of them",
+                        out.condition, F_mm));
         out.condition = condition_of(rows, free, weak);
     }
     const bool known = out.condition < tells_nothing;

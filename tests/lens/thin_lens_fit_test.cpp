@@ -8,6 +8,7 @@
 #include <limits>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "core/error.h"
 #include "lens/fits/sharp_range.h"
@@ -69,6 +70,21 @@ TEST(ThinLensFit, FocalLengthAndStopAreNotToldApart) {
     // The example determines K = F^2 / (n (1 - F/s)) of the lens.
     const auto K = [](double F, double n) { return F * F / (n * (1 - F / 2000)); };
     EXPECT_NEAR(K(fit.focal_length_mm.value, fit.f_number.value) / K(85, 2.8), 1, 1e-3);
+}
+
+TEST(ThinLensFit, FocusNearerThanTheExampleIsFound) {
+    // The lens of a telephone and one for stamps, focused nearer than the 50 mm of the example.
+    const auto K = [](double F, double n, double s_mm) { return F * F / (n * (1 - F / s_mm)); };
+    for (const auto& [lens, focus_m] : {std::pair{ThinLens{4, 2}, 0.03}, {ThinLens{8, 2.8}, 0.02}}) {
+        const ThinLensFit fit = fit_thin_lens(measured(lens, focus_m, {0.015, 0.04, 0.1, 1}, 0, 1), {});
+        EXPECT_NEAR(fit.focus_distance_m.value, focus_m, 1e-6 * focus_m);
+        EXPECT_LT(fit.rms_mm, 1e-9);
+        const double s_mm = focus_m * 1000;
+        EXPECT_LT(fit.focal_length_mm.value, s_mm);
+        EXPECT_NEAR(K(fit.focal_length_mm.value, fit.f_number.value, s_mm) /
+                        K(lens.focal_length_mm, lens.f_number, s_mm),
+                    1, 1e-6);
+    }
 }
 
 TEST(ThinLensFit, StandardErrorsAreThoseOfRepeatedMeasurements) {
