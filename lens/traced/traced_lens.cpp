@@ -194,6 +194,18 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
+    // Object and image have the distances x and x' from the focal points, with x x' = n' efl^2. The lens
+    // moves between both, so that x + x' stays. Their product is greatest where they are equal; an object
+    // that is nearer than this allows is sharp nowhere.
+    const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
+                              2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
+    const auto too_near = [&] {
+        fail(ExitCode::wrong_arguments,
+             "--focus: too near for a lens that moves as a whole (got {} m; expected more than about {:.4g} "
+             "m)",
+             s, nearest_mm * 1e-3);
+    };
+    if (s * 1e3 < nearest_mm) too_near();
     // Solves e = film(s - e) - film(infinity) for the extension e, which lengthens the distance to the film
     // and shortens the distance to the object. The right side grows with e, so the iteration from e = 0
     // converges from below.
@@ -208,9 +220,7 @@ void TracedLens::set_focus(const Prescription& lens) {
             return;
         }
     }
-    fail(ExitCode::wrong_arguments,
-         "--focus: too near for a lens that moves as a whole (got {} m; expected more than about {:.4g} m)",
-         s, 4e-3 * first_order_.efl_mm);
+    too_near();
 }
 
 TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from) const {

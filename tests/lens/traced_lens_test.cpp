@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "core/error.h"
 #include "lens/prescription/prescription.h"
@@ -42,6 +43,22 @@ TEST(TracedLensFocus, IsSharpWhereItWasSet) {
         near_lens(lens, {.focus_distance_m = 0.5, .move = FocusMove::lens});
     EXPECT_NEAR(near_lens.film_z_mm(), infinite.film_z_mm(), 1e-8);
     EXPECT_THROW(TracedLens(lens, {.focus_distance_m = 0.03}), Error);
+    // No object within four focal lengths of its image is sharp. The error names the distance that was asked
+    // for, and the least one, measured from the pupil.
+    const FirstOrder& f = infinite.first_order();
+    const double least_m = (f.entrance_pupil_z_mm - f.ffl_mm + 2 * f.efl_mm) * 1e-3;
+    EXPECT_NO_THROW(TracedLens(lens, {.focus_distance_m = 1.01 * least_m, .move = FocusMove::lens}));
+    for (const double s : {0.1 * least_m, 0.6 * least_m, 0.999 * least_m}) {
+        try {
+            (void)TracedLens(lens, {.focus_distance_m = s, .move = FocusMove::lens});
+            ADD_FAILURE() << s;
+        } catch (const Error& e) {
+            EXPECT_NE(std::string(e.what()).find(
+                          fmt::format("(got {} m; expected more than about {:.4g} m", s, least_m)),
+                      std::string::npos)
+                << e.what();
+        }
+    }
     EXPECT_THROW(TracedLens(lens, {.focus_distance_m = 0}), Error);
     EXPECT_THROW(TracedLens(lens, {.f_number = 1.2}), Error);
     EXPECT_THROW(TracedLens(lens, {.f_number = 0}), Error);
