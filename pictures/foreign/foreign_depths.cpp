@@ -85,7 +85,7 @@ void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, For
     warn_of_encoding(picture);
     const auto width = static_cast<std::size_t>(part.width());
     const auto scaled = [](float inverse_z, float scale) {
-        const float out = std::abs(inverse_z) * scale;
+        const float out = inverse_z * scale;
         return std::isfinite(out) ? out : std::numeric_limits<float>::max();
     };
     parallel_for(static_cast<std::size_t>(part.height()), [&](std::size_t row) {

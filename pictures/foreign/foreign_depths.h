@@ -22,12 +22,20 @@ class ForeignDepths {
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Inverse depth of a value in the file, with its sign.
-    float inverse(float value, int x, int y) { return inverse_of(distance(value), x, y, value); }
-    /// Inverse of the distance `z`, which came from `value` at the pixel (x, y) of the file. Records the sign
-    /// and the largest distance for `finish`.
-    float inverse_of(float z, int x, int y, float value) {
-        if (!(std::abs(z) < nothing_z) || z == 0) return 0;  // also NaN
+    /// Whether a distance is that of anything; not so 0, NaN and from `nothing_z` on.
+    [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
+    /// Inverse of a distance; 0 where nothing was hit.
+    [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
+    /// Inverse depth of a value at the pixel (x, y) of the file, without its sign.
+    float inverse(float value, int x, int y) {
+        const float z = distance(value);
+        note(z, x, y, value);
+        return inverse_of(std::abs(z));
+    }
+    /// Records the sign and the size of the distance `z`, which came from `value` at the pixel (x, y) of the
+    /// file, for `finish`.
+    void note(float z, int x, int y, float value) {
+        if (!is_hit(z)) return;
         farthest_ = std::max(farthest_, std::abs(z));
         if (z < 0) {
             if (negative_ == 0) first_negative_ = {x, y, value};
@@ -35,7 +43,6 @@ class ForeignDepths {
         } else {
             ++positive_;
         }
-        return 1 / z;
     }
 
     /// Sets the depths of a flat image's samples from the file's values, one per pixel, after repairing

@@ -216,8 +216,14 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    DeepSample s{depths_.distance(value(z, 0)),
-                                 depths_.distance(value(z_back, 0)),
+                    // Where all depths are negative, volumes reach from -Z to -ZBack. A ZBack of "nothing"
+                    // states no length, which would make the front of a volume transparent.
+                    const float front = depths_.distance(value(z, 0)),
+                                back = depths_.distance(value(z_back, 0));
+                    depths_.note(front, x, y, value(z, 0));
+                    const float end = ForeignDepths::is_hit(back) ? std::copysign(1.0F, front) * back : 0;
+                    DeepSample s{std::abs(front),
+                                 end,
                                  value(r, 0),
                                  value(g, 0),
                                  value(b, 0),
@@ -226,7 +232,7 @@ class Reader {
                     pixel.push_back(s);
                 }
                 tidy_volumes(pixel);
-                for (const DeepSample& s : pixel) add_volume(s, x, y);
+                for (const DeepSample& s : pixel) add_volume(s);
                 out_.offsets.push_back(out_.samples.size());
             }
         });
@@ -234,12 +240,12 @@ class Reader {
 
     /// Adds a volume from z to z_back, divided into slices. The density is constant, so slices of equal
     /// length have equal transmittance.
-    void add_volume(const DeepSample& from, int x, int y) {
+    void add_volume(const DeepSample& from) {
         const float z = from.z, z_back = from.z_back;
-        const StackSample s{depths_.inverse_of(z, x, y, z), from.r, from.g, from.b, from.alpha, from.id};
+        const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};
         const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
         int slices = 1;
-        if (z > 0 && ratio > slice_ratio && z_back < ForeignDepths::nothing_z && s.alpha < 1)
+        if (z > 0 && ratio > slice_ratio && s.alpha < 1)
             slices =
                 std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
         make_room(static_cast<std::size_t>(slices));

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "pictures/foreign/foreign_picture.h"
@@ -151,6 +152,30 @@ TEST_F(ForeignPictureTest, SamplesAreSortedAndVolumesSliced) {
     EXPECT_TRUE(flat.alpha.empty());
     EXPECT_NEAR(flat.pixel(0, 0)[0], 0.5 + 0.5 * 0.25 * 0.2, 1e-5);
     EXPECT_NEAR(flat.pixel(0, 0)[1], 0.5 * 0.75, 1e-5);
+}
+
+TEST_F(ForeignPictureTest, VolumesMayHaveNegativeDepths) {
+    const auto stack_of = [&](float sign) {
+        write_deep_pixel(in("deep.exr"), {{0, 0.5F, 0, 0.5F, sign * 2, sign * 3},
+                                          {0.75F, 0, 0, 0.75F, sign * 2.5F, sign * 2.5F}});
+        const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {});
+        std::vector<float> out;
+        for (const StackSample& s : p.samples) out.insert(out.end(), {s.inverse_z, s.r, s.g, s.alpha});
+        return out;
+    };
+    EXPECT_GT(stack_of(1).size(), 8U);
+    EXPECT_EQ(stack_of(-1), stack_of(1));
+}
+
+TEST_F(ForeignPictureTest, VolumesThatEndNowhereAreSurfaces) {
+    const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
+    for (const float back : {0.0F, 1.0F, 1e10F, inf, nan}) {
+        write_deep_pixel(in("deep.exr"), {{0.5F, 0, 0, 0.5F, 2, back}, {0, 1, 0, 1, 3, 3}});
+        const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {});
+        ASSERT_EQ(p.samples.size(), 2U) << static_cast<double>(back);
+        EXPECT_EQ(p.samples[0].inverse_z, 0.5F);
+        EXPECT_NEAR(p.flattened().rgb[1], 0.5, 1e-6);
+    }
 }
 
 TEST_F(ForeignPictureTest, WindowsAreKept) {
