@@ -748,7 +748,7 @@ async function begin() {
   document.title = `${frame.name} · postlens`;
   lens.focalLength = frame.focal_length_mm ?? 50;
   lens.fNumber = Number.isFinite(frame.f_number) ? frame.f_number : 2.8;
-  lens.focus = frame.focus_m ?? 2;
+  lens.focus = frame.focus_m === "inf" ? Infinity : frame.focus_m ?? 2;
   if (!frame.scene) $("compare").querySelector("[value=rays]").disabled = true;
   if (!frame.scene || !frame.records_kept) $("show").querySelector("[value=causes]").disabled = true;
   $("shutter_label").hidden = !frame.records_kept;

@@ -43,7 +43,7 @@ class ViewedForeignPicture : public ViewedFrame {
                        {"film_distance_from_focal_length", camera.film_distance_from_focal_length},
                        {"pixel_pitch_mm", picture_.pixel_pitch_mm()},
                        {"f_number", camera.f_number ? json_number(*camera.f_number) : nullptr},
-                       {"focus_m", camera.focus_m ? json_number(*camera.focus_m) : nullptr},
+                       {"focus_m", focus_fact(camera.focus_m)},
                        {"nearest_m", distance_json(static_cast<double>(nearest))}});
     }
 

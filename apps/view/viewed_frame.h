@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "apps/command.h"
@@ -22,7 +23,7 @@ class ViewedFrame {
 
     /// What `info` states of the file, with at least: width, height; pixel_pitch_mm, film_distance_mm and
     /// focal_length_mm, from which the page computes circles of confusion; f_number, focus_m and nearest_m,
-    /// each null if it is unknown.
+    /// each null if it is unknown. A focus at infinity is the text "inf".
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
     /// What the pixel at a raster position consists of: "nodes", sorted by their share of the pixel's light,
@@ -46,6 +47,9 @@ class ViewedFrame {
 /// Opens a frame. Another program's image is read completely. Throws Error(invalid_input) for other files,
 /// and the errors of the readers.
 [[nodiscard]] std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input);
+
+/// The fact focus_m: null without a value.
+[[nodiscard]] nlohmann::ordered_json focus_fact(const std::optional<double>& focus_m);
 
 /// The two kinds of frames.
 [[nodiscard]] std::unique_ptr<ViewedFrame> view_records(const std::string& input,

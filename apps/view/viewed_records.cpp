@@ -28,6 +28,14 @@ class ViewedRecords : public ViewedFrame {
     ViewedRecords(const std::string& input, Json info)
         : input_(input), facts_(std::move(info)), kept_(std::make_shared<KeptFrame>(input, Damage::refuse)) {
         facts_.erase("ids");
+        const SampleHeader header = SampleFileReader(input, Damage::refuse, 0.0).header();
+        if (header.projection == Projection::orthographic) {
+            fail(
+                ExitCode::invalid_input,
+                "{}: no lens can have taken it (got an orthographic sample file; expected a perspective one)",
+                input);
+        }
+        facts_["focus_m"] = focus_fact(header.focus_m);
     }
 
     [[nodiscard]] Json facts() const override { return facts_; }
@@ -116,6 +124,11 @@ class ViewedRecords : public ViewedFrame {
 
 std::unique_ptr<ViewedFrame> view_records(const std::string& input, Json info) {
     return std::make_unique<ViewedRecords>(input, std::move(info));
+}
+
+Json focus_fact(const std::optional<double>& focus_m) {
+    if (!focus_m) return nullptr;
+    return std::isinf(*focus_m) ? Json("inf") : Json(*focus_m);
 }
 
 std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input) {

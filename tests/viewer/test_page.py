@@ -2,6 +2,7 @@
 
 import base64
 import json
+import re
 import shlex
 import shutil
 import subprocess
@@ -176,6 +177,18 @@ def test_the_command_that_is_copied_makes_the_picture(page, tmp_path):
     made = json.loads(subprocess.run(["/usr/bin/python3", "-c", code, tmp_path / "picture.exr"], check=True,
                                      capture_output=True, text=True).stdout)  # fmt: skip
     assert made == shown
+
+
+def test_a_frame_is_first_focused_where_it_says(browser, tmp_path):
+    scene = tmp_path / "far.toml"
+    scene.write_text(re.sub(r"focus_m = \S+", "focus_m = inf", (ROOT / "samples" / "scenes" / "ruler.toml").read_text()))
+    frame = str(tmp_path / "far.exr")
+    subprocess.run([PROGRAM, "trace", scene, "-o", frame, "--size", "120x68", "--quiet"], check=True)
+    made = Viewer(frame)
+    browser.get(made.url)
+    wait(browser)
+    assert browser.execute_script("return postlens.state().shown.options.focus") == "inf"
+    assert made.close() == 0
 
 
 def test_wipe_and_exposure(page):

@@ -4,6 +4,7 @@ import concurrent.futures
 import http.client
 import json
 import os
+import re
 import socket
 import struct
 import subprocess
@@ -348,6 +349,17 @@ def test_what_cannot_be_viewed(tmp_path):
     for words in (["missing.exr"], [str(tmp_path)], [str(tmp_path / "x.exr")], [SCENE], [], ["--port", "99999", SCENE]):
         run = subprocess.run([PROGRAM, "view", *words], capture_output=True, text=True, timeout=60)
         assert run.returncode in (2, 3) and run.stderr.count("\n") == 1 and run.stderr.startswith("postlens: ")
+
+
+def test_an_orthographic_frame_has_no_lens_to_change(tmp_path):
+    scene, frame = tmp_path / "parallel.toml", str(tmp_path / "parallel.exr")
+    text = (ROOT / "samples" / "scenes" / "ruler.toml").read_text()
+    text = re.sub(r"(f_number|focus_m) = .*\n", "", text)
+    scene.write_text(text.replace("focal_length_mm = 50", 'projection = "orthographic"\northographic_width_m = 3'))
+    subprocess.run([PROGRAM, "trace", scene, "-o", frame, "--size", "48x27", "--quiet"], check=True)
+    for words in ([], ["--export", str(tmp_path / "page.html")]):
+        run = subprocess.run([PROGRAM, "view", frame, *words], capture_output=True, text=True, timeout=60)
+        assert run.returncode == 3 and run.stderr.count("\n") == 1 and "orthographic" in run.stderr
 
 
 def test_the_scene_is_the_frames(frame):
