@@ -65,16 +65,36 @@ function parsePicture(buffer) {
 }
 
 async function ask(what, options) {
-  const answer = await fetch(`${what}?${new URLSearchParams(options)}`);
+  const answer = await fetch(`${what}?${new URLSearchParams(options)}`).catch(() => {
+    throw new Error("no answer: postlens view has ended, or cannot be reached");
+  });
   if (answer.status === 409) return null;  // cancelled by a newer request
   if (!answer.ok) throw new Error((await answer.json().catch(() => ({ error: `${answer.status}` }))).error);
   return answer;
 }
 
-async function askPicture(what, options) {
-  const answer = await ask(what, options);
-  return answer && parsePicture(await answer.arrayBuffer());
+/** Asks up to eight times while the answer is wanted, as another request may cancel this one. The waiting time is random,
+    so that two pages do not cancel each other forever. */
+async function askAgain(what, options, isWanted = () => true) {
+  for (let attempt = 0; attempt < 8; ++attempt) {
+    if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
+    if (!await isWanted()) return null;
+    const answer = await ask(what, options);
+    if (answer) return answer;
+  }
+  return null;
 }
+
+let beside = Promise.resolve();  // ends with the request that `askBeside` made last
+
+/** Requests a picture beside that of the lens. The server makes one at a time, so finer pictures of the lens wait. */
+function askBeside(what, options) {
+  const answer = askAgain(what, options);
+  beside = answer.catch(() => null);
+  return answer;
+}
+
+const pictureIn = async (answer) => answer && parsePicture(await answer.arrayBuffer());
 
 /** Requests images for the current lens. The first, coarse image is always finished, so that an image is visible
     while a slider is dragged. The next input cancels the finer images. */
@@ -93,16 +113,13 @@ async function refocus(input = performance.now()) {
     refining = !isFirst;
     say(isFirst ? "" : "finer…");
     let picture = null, failure = null;
-    // Another page of this viewer may cancel the request. The waiting time is random, so that two pages do not cancel
-    // each other forever.
-    for (let attempt = 0; attempt < 8 && !picture && !failure && !again && mine === generation; ++attempt) {
-      if (attempt > 0) await new Promise((resume) => setTimeout(resume, 100 * 2 ** attempt * Math.random()));
-      if (mine !== generation) return;
-      try {
-        picture = await askPicture(isQuick ? "coarse" : "picture", asked);
-      } catch (error) {
-        failure = error;
-      }
+    try {
+      picture = await pictureIn(await askAgain(isQuick ? "coarse" : "picture", asked, async () => {
+        if (!isQuick) await beside;
+        return !again && mine === generation;
+      }));
+    } catch (error) {
+      failure = error;
     }
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
@@ -149,26 +166,31 @@ function change(what) {
 function undo() {
   if (undoStack.length === 0) return;
   Object.assign(lens, undoStack.pop());
+  keepBefore();
   showControls();
   refocus();
 }
 
 // ---- Comparing ------------------------------------------------------------------------------------------------------
 
-let raysGeneration = 0;
+let comparison = 0;  // number of the latest picture to compare with
 
 function keepBefore() {
   if ($("compare").value === "before" && settled) other = settled;
-  if ($("compare").value === "rays") traceRays();
+  if ($("compare").value === "rays") traceRays().catch((error) => say(error.message, true));
 }
 
 async function compareWith(what) {
-  ++raysGeneration;
+  const mine = ++comparison;
   $("wipe").hidden = what === "nothing";
   if (what === "nothing") other = null;
   if (what === "before") other = settled ?? shown;
   try {
-    if (what === "pinhole") other = await askPicture("picture", { method: "pinhole" });
+    if (what === "pinhole") {
+      const picture = await pictureIn(await askBeside("picture", { method: "pinhole" }));
+      if (mine !== comparison) return;
+      other = picture;
+    }
     if (what === "rays") await traceRays();
   } catch (error) {
     say(error.message, true);
@@ -178,13 +200,13 @@ async function compareWith(what) {
 
 /** Requests ray-traced images with independent seeds, up to 1024 samples per pixel, and displays their running mean. */
 async function traceRays() {
-  const mine = ++raysGeneration;
+  const mine = ++comparison;
   const options = lensOptions();
   let sum = null, samples = 0;
   for (let seed = 1; samples < 1024; ++seed) {
     const spp = Math.max(4, Math.min(64, samples));
-    const picture = await askPicture("rays", { ...options, spp: String(spp), seed: String(seed) });
-    if (!picture || mine !== raysGeneration) return;
+    const picture = await pictureIn(await ask("rays", { ...options, spp: String(spp), seed: String(seed) }));
+    if (!picture || mine !== comparison) return;
     sum ??= new Float32Array(picture.halves.length);
     for (let i = 0; i < sum.length; ++i) sum[i] += spp * floatOf(picture.halves[i]);
     samples += spp;
@@ -438,10 +460,16 @@ class PlainPainter {
           const rgb = valuesOf(other && x + 0.5 < s.wipe * w ? other : shown, k).map((v) => v * s.gain);
           const light = 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
           const z = depths ? floatOf(depths.inverse[k]) : 0, coc = s.coc_scale * Math.abs(z - s.focus);
-          if (s.mode === 1) c = coc <= sharpPx ? rgb.map(srgb).map((v, i) => 0.55 * v + 0.45 * [0.1, 1, 0.3][i]) : [0, 0, 0].fill(0.6 * srgb(light));
+          if (s.mode === 1) {
+            const [r, g, b] = rgb.map(srgb);
+            c = coc <= sharpPx ? [r, g, b].map((v, i) => 0.55 * v + 0.45 * [0.1, 1, 0.3][i]) : [0, 0, 0].fill(0.6 * (0.2126 * r + 0.7152 * g + 0.0722 * b));
+          }
           else if (s.mode === 2) c = heat(Math.log2(1 + coc) / 6);
           else if (s.mode === 3) c = heat(z / s.nearest);
-          else if (s.mode === 4) { const h2 = Math.imul((depths?.ids[k] ?? 0) + 1, 2654435761) >>> 0; c = [h2 & 255, (h2 >> 8) & 255, (h2 >> 16) & 255].map((v) => v / 255); }
+          else if (s.mode === 4) {
+            const id = depths?.ids[k] ?? 0, hash = Math.imul(id + 1, 2654435761);
+            c = [0, 8, 16].map((by) => id === 0 ? 0 : ((hash >>> by) & 255) / 255);
+          }
           else if (s.mode === 5) c = light <= 0 ? [0, 0, 0] : heat((Math.log2(light) + 8) / 12);
           else if (s.mode === 8) {
             const grey = 0.5 * (srgb(rgb[0]) + srgb(rgb[1]) + srgb(rgb[2])) / 3, a = causes ? causes.rgba[4 * k + 3] / 255 : 0;
@@ -578,11 +606,12 @@ async function copyCommand() {
 async function save(format) {
   try {
     say("saving…");
-    const answer = await ask("save", { ...shown.options, format });
-    if (!answer) return say("a newer picture was asked for meanwhile", true);
+    const options = shown.options;
+    const answer = await askBeside("save", { ...options, format });
+    if (!answer) return say("not saved: newer pictures were asked for again and again", true);
     const link = document.createElement("a");
     link.href = URL.createObjectURL(await answer.blob());
-    link.download = `${frame.name.replace(/\.exr$/, "")}_f${lens.fNumber}_${lens.focus === Infinity ? "inf" : lens.focus}m.${format}`;
+    link.download = `${frame.name.replace(/\.exr$/, "")}_f${options["f-number"]}_${options.focus}m.${format}`;
     link.click();
     URL.revokeObjectURL(link.href);
     say(`saved ${link.download}`);
@@ -617,7 +646,7 @@ async function showMode() {
   if (needsDepths($("show").value) && !depths) {
     say("reading depths…");
     try {
-      const answer = await ask("depths", {});
+      const answer = await askAgain("depths", {}, () => !depths);
       if (!answer) return;
       const buffer = await answer.arrayBuffer(), pixels = frame.width * frame.height;
       depths = { ids: new Uint32Array(buffer, 0, pixels), inverse: new Uint16Array(buffer, 4 * pixels, pixels) };
@@ -683,9 +712,9 @@ function slider(id, apply) {
 function listen() {
   slider("f_number", (step) => ({ fNumber: fNumberOf(step) }));
   slider("focus", (t) => ({ focus: focusOf(t) }));
-  $("focal_length").addEventListener("change", () => { const v = Number($("focal_length").value); if (v > 0) change({ focalLength: v }); });
+  $("focal_length").addEventListener("change", () => { const v = Number($("focal_length").value); if (v > 0) change({ focalLength: v }); else showControls(); });
   $("blades").addEventListener("change", () => change({ impulse: $("blades").value }));
-  $("shutter").addEventListener("change", () => { if ($("shutter").checkValidity()) change({ shutter: $("shutter").value.trim() }); });
+  $("shutter").addEventListener("change", () => { if ($("shutter").reportValidity()) change({ shutter: $("shutter").value.trim() }); });
   $("exposure").addEventListener("input", () => { $("exposure_value").textContent = $("exposure").value; drawSoon(); });
   $("show").addEventListener("change", showMode);
   $("compare").addEventListener("change", () => compareWith($("compare").value));

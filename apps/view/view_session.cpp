@@ -296,7 +296,7 @@ ViewReply ViewSession::rays(const ViewParameters& parameters) {
 }
 
 ViewReply ViewSession::pixel(const ViewParameters& parameters) {
-    return made(others_, [&] {
+    return made(pixels_, [&] {
         LensOptions lens;
         if (parameters.contains("f-number")) lens.f_number = number_of(parameters, "f-number");
         if (parameters.contains("focal-length")) lens.focal_length_mm = number_of(parameters, "focal-length");
@@ -310,7 +310,7 @@ ViewReply ViewSession::pixel(const ViewParameters& parameters) {
 }
 
 ViewReply ViewSession::depths() {
-    return made(others_, [&] {
+    return made(depths_, [&] {
         const ImageDepths depths = frame_->depths();
         ViewReply out{.type = "application/octet-stream"};
         append_bytes(out.body, depths.ids.data(), depths.ids.size() * sizeof depths.ids[0]);
@@ -431,7 +431,7 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
 
 void ViewSession::stop() {
     stopped_ = true;
-    for (Slot* slot : {&pictures_, &rays_, &others_, &causes_}) {
+    for (Slot* slot : {&pictures_, &rays_, &pixels_, &depths_, &causes_}) {
         const std::lock_guard lock(slot->mutex);
         if (slot->current) slot->current->cancel();
     }

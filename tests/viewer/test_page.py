@@ -191,6 +191,113 @@ def test_a_frame_is_first_focused_where_it_says(browser, tmp_path):
     assert made.close() == 0
 
 
+def test_undo_compares_with_rays_of_the_lens_shown(page):
+    select = Select(page.find_element(By.ID, "compare"))
+    body = page.find_element(By.TAG_NAME, "body")
+    body.send_keys("]")
+    wait(page)
+    select.select_by_value("rays")
+
+    def rays_are_of_the_lens():
+        return page.execute_script("const s = postlens.state(); return s.other?.samples > 0 && s.other.report.f_number === s.lens.fNumber")
+
+    until(rays_are_of_the_lens)
+    body.send_keys("u")
+    wait(page)
+    until(rays_are_of_the_lens)
+    # "Before" is what was shown before the last change, also if that was an undo.
+    body.send_keys("]")
+    wait(page)
+    narrow = lens(page)["fNumber"]
+    select.select_by_value("before")
+    body.send_keys("u")
+    wait(page)
+    assert page.execute_script("return postlens.state().other.options['f-number']") == str(narrow)
+
+
+# Answers the first request for something as if another one had cancelled it, and counts the requests for pictures meanwhile.
+CANCEL_FIRST = """
+  const fetched = window.fetch, [what] = arguments;
+  let cancelled = false;
+  window.requests = { during: 0, underWay: false };
+  window.fetch = async (asked, ...more) => {
+    if (!String(asked).startsWith(what)) {
+      if (requests.underWay && String(asked).startsWith("picture")) ++requests.during;
+      return fetched(asked, ...more);
+    }
+    requests.underWay = true;
+    if (!cancelled) {
+      cancelled = true;
+      return new Response("{}", { status: 409 });
+    }
+    const answer = await fetched(asked, ...more);
+    requests.underWay = false;
+    return answer;
+  };"""
+
+
+def test_saving_outlasts_other_requests(page):
+    page.execute_script(CANCEL_FIRST, "save")
+    # In the same call: the click on the button, and a new lens, whose finer pictures wait.
+    before = lens(page)
+    page.execute_script("""
+      window.saved = [];
+      HTMLAnchorElement.prototype.click = function () { saved.push(this.download); };
+      const slider = document.getElementById("f_number");
+      slider.value = 3 + Number(slider.value);
+      document.getElementById("save_png").click();
+      slider.dispatchEvent(new Event("input"));
+      slider.dispatchEvent(new Event("change"));""")
+    until(lambda: page.execute_script("return !requests.underWay"))
+    assert page.execute_script("return requests.during") == 0
+    wait(page)
+    assert lens(page)["fNumber"] != before["fNumber"]
+    assert page.execute_script("return saved") == [f"a frame_f{before['fNumber']}_{before['focus']}m.png"]
+
+
+def test_a_picture_to_compare_with_outlasts_other_requests(page):
+    page.execute_script(CANCEL_FIRST, "picture?method=pinhole")
+    select = Select(page.find_element(By.ID, "compare"))
+    select.select_by_value("pinhole")
+    until(lambda: page.execute_script("return postlens.state().other?.report.method") == "pinhole")
+    # The answer to a request that is no longer wanted is not shown.
+    select.select_by_value("nothing")
+    select.select_by_value("pinhole")
+    select.select_by_value("nothing")
+    until(lambda: page.execute_script("return !requests.underWay"))
+    wait(page)
+    assert not page.execute_script("return Boolean(postlens.state().other)")
+
+
+def test_depths_outlast_other_requests(page):
+    page.execute_script(CANCEL_FIRST, "depths")
+    show(page, "depth")
+
+
+def test_an_unreachable_server_is_named(page):
+    Select(page.find_element(By.ID, "compare")).select_by_value("rays")
+    page.execute_script("window.fetch = () => Promise.reject(new TypeError('Failed to fetch'));")
+    page.find_element(By.TAG_NAME, "body").send_keys("]")
+    until(lambda: "postlens view has ended" in page.find_element(By.ID, "status").text)
+
+
+def test_values_that_are_none(page):
+    shutter, focal_length = page.find_element(By.ID, "shutter"), page.find_element(By.ID, "focal_length")
+    before = lens(page)
+    for text in ("hello", "0.01", "0:x"):
+        shutter.clear()
+        shutter.send_keys(text, Keys.ENTER)
+        assert not page.execute_script("return document.getElementById('shutter').checkValidity()")
+    focal_length.send_keys(Keys.CONTROL + "a")
+    focal_length.send_keys("0", Keys.ENTER)
+    assert focal_length.get_attribute("value") == "50"
+    assert lens(page) == before
+    shutter.clear()
+    shutter.send_keys("-0.01:1e-2", Keys.ENTER)
+    until(lambda: lens(page)["shutter"] == "-0.01:1e-2")
+    wait(page)
+
+
 def test_wipe_and_exposure(page):
     Select(page.find_element(By.ID, "compare")).select_by_value("pinhole")
     until(lambda: page.execute_script("return Boolean(postlens.state().other)"))
@@ -306,10 +413,12 @@ def test_without_webgl_the_same_is_painted(browser, viewer):
     for painter in ("", "?plain"):
         browser.get(viewer.url + painter)
         wait(browser)
-        painted.append(numbers(pixels(browser)))
-    a, b = painted
-    assert len(a) == len(b)
-    assert numpy.abs(a - b).max() <= 2
+        for mode in ("picture", "in_focus", "id"):
+            show(browser, mode)
+            painted.append(numbers(pixels(browser)))
+    for a, b in zip(painted[:3], painted[3:]):
+        assert len(a) == len(b)
+        assert numpy.abs(a - b).max() <= 2
 
 
 @pytest.mark.parametrize("size", [(1600, 1000), (1280, 800), (1024, 700), (500, 700), (400, 700)])
