@@ -118,11 +118,12 @@ def run_words(
     threads: int = 0,
     progress: Progress = None,
     kept: Optional["_postlens.KeptFrame"] = None,
+    file_names: Mapping[str, str] = {},
 ) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
     """Runs a command in this process. Returns its report and the pictures that it does not write to files.
 
     `options` are keyword arguments; their words are appended to `words`. Errors and warnings contain keywords instead
-    of options.
+    of options, and what `file_names` calls a file instead of its path.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
@@ -131,7 +132,13 @@ def run_words(
     if options is not None:
         words = words + words_of(options)
 
+    def named(text: str) -> str:
+        for path, name in file_names.items():
+            text = text.replace(path, name)
+        return text
+
     def say(text: str) -> str:
+        text = named(text)
         return text if options is None else _in_keywords(text, options)
 
     try:
@@ -141,7 +148,7 @@ def run_words(
         raise error_of(error.exit_code, say(str(error))) from None
     report: Report = json.loads(outcome.json)
     report["exit_code"] = outcome.exit_code
-    report["text"] = outcome.text
+    report["text"] = named(outcome.text)
     report["warnings"] = [{"code": c, "text": say(t), "share": s} for c, t, s in outcome.warnings]
     for warning in report["warnings"]:
         warnings.warn(PostlensWarning(warning["text"], warning["code"], warning["share"]), stacklevel=_users_level())

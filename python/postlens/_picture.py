@@ -25,6 +25,8 @@ _geometry_keys = (
 
 def pixels_of(what: str, values: object) -> Array:
     """Converts an array of floats of any precision and order to (height, width, 3 or 4) float32 in C order."""
+    if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
+        raise ArgumentError(f"{what}: has masked values (got a masked array; expected e.g. its filled(0))")
     array = np.asarray(values)
     if array.dtype not in (np.float16, np.float32, np.float64):
         raise ArgumentError(f"{what}: wrong type of values (got {array.dtype}; expected float32 or float64)")
@@ -118,7 +120,7 @@ class _AsFiles:
 
     def __init__(self) -> None:
         self._folder: Optional[tempfile.TemporaryDirectory[str]] = None
-        self._count = 0
+        self.names: dict[str, str] = {}  #: of the files, for messages
 
     def __enter__(self) -> _AsFiles:
         return self
@@ -136,9 +138,9 @@ class _AsFiles:
         pixels = pixels_of(what, picture)
         if self._folder is None:
             self._folder = tempfile.TemporaryDirectory(prefix="postlens-")
-        self._count += 1
-        path = os.path.join(self._folder.name, f"{what}-{self._count}.exr")
+        path = os.path.join(self._folder.name, f"{what}.exr")
         _postlens.write_picture(path, pixels, stops)
+        self.names[path] = what
         return path
 
 
@@ -175,4 +177,4 @@ def compare(
             "flip_white": flip_white,
         }
         words = ["compare", files.path("image", image), files.path("reference", reference)]
-        return run_words(words, options, threads)[0]
+        return run_words(words, options, threads, file_names=files.names)[0]

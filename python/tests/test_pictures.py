@@ -149,6 +149,15 @@ def test_records_are_views(frame):
     assert np.isfinite(column[column < math.inf]).all()
 
 
+def test_compare_names_its_arguments():
+    image, reference = np.zeros((10, 12, 3)), np.zeros((8, 12, 3))
+    with pytest.raises(postlens.InputError, match=r"^image: size differs from that of reference \(got 12x10; expected 12x8\)$"):
+        postlens.compare(image, reference)
+    assert postlens.compare(image, image)["text"].startswith("image against reference, 12x10 px")
+    with pytest.raises(postlens.ArgumentError, match="^reference: has masked values"):
+        postlens.compare(image, np.ma.masked_less(image, 1))
+
+
 def test_compare_takes_arrays_of_any_order(frame, tmp_path):
     a, b = frame.focus(f_number=2, focus_m=2), frame.image()
     said = postlens.compare(a, b)
