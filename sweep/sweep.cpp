@@ -262,7 +262,8 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z));
+        // Before the focus of a pinhole the diameter is -0, to which adding 0 gives 0.
+        for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
                 std::max(row.largest_coc_px, std::abs(coc_px(static_cast<double>(inverse_z))));

@@ -158,7 +158,7 @@ TEST(PictureMaker, SameBitsAsSingleCalls) {
     const TracedFrame frame(some_scene().scene, some_trace());
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
-        PictureMaker maker(frame.file(), {.method = method, .views = 16}, false);
+        PictureMaker maker(frame.file(), {.method = method}, false);
         for (const auto& [f_number, focus_m, impulse] : {std::tuple{1.0, 1.5, Impulse{}},
                                                          {8.0, 1.2, Impulse{}},
                                                          {1.0, 1.5, hexagon()},
@@ -167,8 +167,7 @@ TEST(PictureMaker, SameBitsAsSingleCalls) {
             const FocusSettings alone{.lens = {.focal_length_mm = 50, .f_number = f_number},
                                       .focus_distance_m = focus_m,
                                       .method = method,
-                                      .impulse = impulse,
-                                      .views = 16};
+                                      .impulse = impulse};
             const bool hybrid = method == FocusMethod::hybrid && std::isfinite(f_number);
             const Image expected = hybrid ? hybrid_picture(frame.file(), {.focus = alone}).focus.image
                                           : focus_picture(frame.file(), alone).image;
@@ -252,7 +251,8 @@ TEST_F(SweepFolder, TellsOfEveryPictureWhatTheLensDoes) {
     EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 5);
     EXPECT_EQ(csv.rfind("file,f_number,", 0), 0U);
     EXPECT_NE(csv.find("coc_px 20.5 24.5"), std::string::npos);
-    EXPECT_NE(csv.find("finf_s5.exr,inf,50,5,,,disc,pinhole,"), std::string::npos) << csv;
+    EXPECT_NE(csv.find("finf_s5.exr,inf,50,5,,,disc,pinhole,0,"), std::string::npos) << csv;
+    EXPECT_EQ(csv.find(",-0,"), std::string::npos) << csv;
     EXPECT_EQ(rows_of_json(read_text_file(r.json, 100000), "x").size(), 4U);
     EXPECT_GT(read_image_size(*r.contact_sheet).width, 128);
 }
