@@ -49,13 +49,14 @@ double parse_number(std::string_view option, std::string_view text, bool infinit
          text.empty() ? "nothing" : text, infinite ? "a number or inf" : "a finite number");
 }
 
-int parse_whole(std::string_view option, std::string_view text) {
+int parse_whole(std::string_view option, std::string_view text, const OptionRange& bounds) {
     if (const auto value = parsed<int>(text)) return *value;
     const std::string_view digits = text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0);
     if (!digits.empty() && digits.find_first_not_of("0123456789") == std::string_view::npos) {
-        fail(ExitCode::wrong_arguments, "{}: too {} (got {}; expected {} to {})", option,
-             text.starts_with('-') ? "small" : "large", text, std::numeric_limits<int>::min(),
-             std::numeric_limits<int>::max());
+        using Limits = std::numeric_limits<int>;
+        fail(ExitCode::wrong_arguments, "{}: too {} (got {}; expected {:.0f} to {:.0f})", option,
+             text.starts_with('-') ? "small" : "large", text, std::max<double>(bounds.low, Limits::min()),
+             std::min<double>(bounds.high, Limits::max()));
     }
     fail(ExitCode::wrong_arguments, "{}: not a whole number (got {}; expected e.g. 4)", option,
          text.empty() ? "nothing" : text);

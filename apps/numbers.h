@@ -36,7 +36,9 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a finite number, or "inf" if `infinite` is set. This function and the following ones throw
 /// Error(wrong_arguments) with the name of the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-[[nodiscard]] int parse_whole(std::string_view option, std::string_view text);
+/// `bounds`, which the caller checks, are named for numbers that no int holds.
+[[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
+                              const OptionRange& bounds = any_value);
 /// Parses a size, px, such as "960x540".
 [[nodiscard]] std::pair<int, int> parse_size(std::string_view option, std::string_view text);
 /// Parses two finite numbers such as "0:0.02".

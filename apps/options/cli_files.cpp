@@ -92,7 +92,7 @@ void add_compare(CLI::App& root, CommandOptions& s) {
     app.add_option_function<std::string>(
            "--depths",
            [&o](const std::string& text) {
-               o.depths = parse_whole("--depths", text);
+               o.depths = parse_whole("--depths", text, depth_counts);
                check_bounds("--depths", *o.depths, text, depth_counts);
                o.method = FocusMethod::scatter;
            },
@@ -142,8 +142,9 @@ void add_view(CLI::App& root, CommandOptions& s) {
     app.add_option_function<std::string>(
            "--port",
            [&o](const std::string& text) {
-               o.port = parse_whole("--port", text);
-               check_bounds("--port", o.port, text, {.low = 0, .high = 65535});
+               constexpr OptionRange ports{.low = 0, .high = 65535};
+               o.port = parse_whole("--port", text, ports);
+               check_bounds("--port", o.port, text, ports);
            },
            "Port on 127.0.0.1; 0: any free one [default: 0]")
         ->type_name("N");

@@ -32,6 +32,12 @@ CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::
         with_bounds(help, bounds));
 }
 
+auto whole_within(const OptionRange& bounds) {
+    return [bounds](const std::string& option, const std::string& text) {
+        return parse_whole(option, text, bounds);
+    };
+}
+
 template <typename To>
 CLI::Option* number_into(CLI::App& app, const std::string& name, To& to, const std::string& help,
                          const std::string& unit, const OptionRange& bounds, bool infinite) {
@@ -56,13 +62,13 @@ CLI::Option* number(CLI::App& app, const std::string& name, double& to, const st
 
 CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds) {
-    return bounded(app, name, to, fmt::format("{} [default: {}]", help, to), bounds, parse_whole)
+    return bounded(app, name, to, fmt::format("{} [default: {}]", help, to), bounds, whole_within(bounds))
         ->type_name(unit);
 }
 
 CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds) {
-    return bounded(app, name, to, help, bounds, parse_whole)->type_name(unit);
+    return bounded(app, name, to, help, bounds, whole_within(bounds))->type_name(unit);
 }
 
 CLI::Option* required_number(CLI::App& app, const std::string& name, double& to, const std::string& help,
@@ -72,7 +78,7 @@ CLI::Option* required_number(CLI::App& app, const std::string& name, double& to,
 
 CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
                             const std::string& unit, const OptionRange& bounds) {
-    return bounded(app, name, to, help, bounds, parse_whole)->type_name(unit)->required();
+    return bounded(app, name, to, help, bounds, whole_within(bounds))->type_name(unit)->required();
 }
 
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,

@@ -204,7 +204,11 @@ TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
         }
     }
     refused({"focus", "a.exr", "-o", in("x.exr"), "--views", "99999999999"}, ExitCode::wrong_arguments,
-            "--views: too large (got 99999999999");
+            "--views: too large (got 99999999999; expected 1 to 4096)");
+    refused({"image", "a.exr", "-o", in("x.exr"), "--threads", "-99999999999"}, ExitCode::wrong_arguments,
+            "--threads: too small (got -99999999999; expected 0 to 4096)");
+    refused({"render", scene(), "-o", in("x.exr"), "--spp", "99999999999"}, ExitCode::wrong_arguments,
+            "--spp: too large (got 99999999999; expected 1 to ");
     EXPECT_NE(run({"focus", "--help"}).out.find("Aperture number n, more than 0; inf"), std::string::npos);
 }
 
