@@ -131,7 +131,7 @@ struct FocusOptions {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
-    int views = default_lens_views;
+    std::optional<int> views;  ///< absent: default_lens_views, with a shutter default_shutter_views
     /// PSNR, dB, that `auto` must reach. Without it, a scene or `explain`, `auto` uses the default method.
     std::optional<double> target_db;
     RetraceOptions retrace;

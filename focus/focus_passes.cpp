@@ -179,7 +179,7 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
         pinhole ? FocusGeometry{}
                 : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     if (passes.coc) image.planes.push_back(coc_plane(picture, geometry, effect));
-    if (!passes.sides && !passes.cryptomatte && !passes.error) return;
+    if (!passes.by_views()) return;
     if (!pinhole) check_has_points(settings.impulse);
     const RasterWindow window{0, picture.width, 0, picture.height};
     StackFieldSettings s{geometry, read_aperture(settings.impulse), window, window, settings.views};

@@ -15,7 +15,9 @@ struct FocusPasses {
     bool sides = false;  ///< focus.before, focus.in, focus.behind: shares of the pixel, adding up to alpha
     bool cryptomatte = false;  ///< the picture's Cryptomatte through the lens; coverages add up to alpha
     bool error = false;        ///< error: standard error of the mean over the views; of `lightfield` alone
-    [[nodiscard]] bool any() const { return coc || sides || cryptomatte || error; }
+    /// True if a channel is measured by views.
+    [[nodiscard]] bool by_views() const { return sides || cryptomatte || error; }
+    [[nodiscard]] bool any() const { return coc || by_views(); }
 };
 
 /// Adds the channels to a focused image. The shares of the objects in a blurred pixel are measured with

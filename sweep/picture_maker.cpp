@@ -12,8 +12,6 @@
 namespace postlens {
 namespace {
 
-constexpr int shutter_views = 128;  // the default of the command shoot
-
 FocusMethod method_for(const PictureSettings& settings, const SampleHeader& header, bool with_shutter) {
     const std::optional<FocusMethod>& asked = settings.method;
     const FocusMethod usual = with_shutter ? FocusMethod::lightfield : FocusMethod::automatic;
@@ -63,11 +61,24 @@ const char* method_name(FocusMethod method) {
     return "auto";
 }
 
+void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method) {
+    using enum FocusMethod;
+    if (depths && method != scatter && method != layers) {
+        fail(ExitCode::wrong_arguments, "--depths: not with the method {} (expected scatter or layers)",
+             method_name(method));
+    }
+    if (views && method != lightfield && method != hybrid) {
+        fail(ExitCode::wrong_arguments, "--views: not with the method {} (expected lightfield or hybrid)",
+             method_name(method));
+    }
+}
+
 PictureMaker::PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter)
     : file_(file),
       settings_(std::move(settings)),
       method_(method_for(settings_, file.header(), with_shutter)),
       frame_(file, true) {
+    check_counts(settings_.depths, settings_.views, method_);
     if (with_shutter) motion_.emplace(motion_of(file.header(), settings_.paths));
 }
 
@@ -81,7 +92,7 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
         .depth_model = settings_.depth_model,
         .impulse = s.impulse,
         .depths = settings_.depths,
-        .views = settings_.views.value_or(s.shutter ? shutter_views : default_lens_views)};
+        .views = settings_.views.value_or(s.shutter ? default_shutter_views : default_lens_views)};
     if (s.shutter) return moving(s, focus);
     const bool pinhole = std::isinf(s.f_number);
     if (method_ == FocusMethod::automatic && !pinhole) return planned({.focus = focus});

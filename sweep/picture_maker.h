@@ -37,6 +37,13 @@ struct PictureSettings {
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
+/// Views with a shutter, if their number is not given.
+inline constexpr int default_shutter_views = 128;
+
+/// Refuses a number of depths or views that the method, as it is after `automatic` chose one, does not use.
+/// Throws Error(wrong_arguments).
+void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
+
 struct MadePicture {
     Image image;
     std::string method;  ///< method used: "pinhole" for f/inf, "motionblur" for f/inf with a shutter

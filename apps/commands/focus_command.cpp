@@ -110,6 +110,7 @@ CommandResult run_focus(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method(file.header());
     const FocusMethod method = unplanned ? usual.method : options.method;
+    check_counts(options.depths, options.views, method);
     const FocusSettings settings{.lens = lens.lens,
                                  .focus_distance_m = lens.focus_m,
                                  .framing = options.lens.framing,
@@ -118,7 +119,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .depth_model = options.depth_model,
                                  .impulse = options.impulse,
                                  .depths = options.depths,
-                                 .views = options.views,
+                                 .views = options.views.value_or(default_lens_views),
                                  .crop = options.crop};
     const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);

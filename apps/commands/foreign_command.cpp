@@ -208,6 +208,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
+    // Passes are measured by views whatever the method.
+    check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =
         pinhole ? std::numeric_limits<double>::infinity()
@@ -226,7 +228,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
                            .depth_model = options.depth_model,
                            .impulse = options.impulse,
                            .depths = options.depths,
-                           .views = options.views,
+                           .views = options.views.value_or(default_lens_views),
                            .crop = options.crop};
     FocusResult result = focus_foreign(picture, settings);
     std::vector<float> effect;

@@ -182,7 +182,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
     // A focus distance must be set even for a pinhole, where it has no effect.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
-    if (o.settings.views) shoot.focus.views = *o.settings.views;
+    shoot.focus.views = o.settings.views;
     return run_shoot(shoot);
 }
 

@@ -44,6 +44,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     const FocusOptions& o = options.focus;
     check_output(o.output);
     check_target(o.target_db, o.method);
+    check_counts(o.depths, o.views, o.method);
     check_units(o.retrace);
     const Damage damage = damage_rule(o.salvage);
     const auto open = open_frame(o.input, o.kept, exposure_of_samples(o.exposure, o.input, damage), damage);
@@ -63,7 +64,7 @@ CommandResult run_shoot(const ShootOptions& options) {
                                             .framing = o.lens.framing,
                                             .method = o.method,
                                             .impulse = o.impulse,
-                                            .views = o.views,
+                                            .views = o.views.value_or(default_shutter_views),
                                             .crop = o.crop},
                                   .motion = &motion,
                                   .shutter = TimeSpan{exposure.open_s, exposure.close_s},
@@ -84,7 +85,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     if (!o.retrace.scene) warn_of_unseen_motion(file, motion, exposure, out);
     if (o.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
     const char* method = automatic ? "auto" : o.method == FocusMethod::hybrid ? "hybrid" : "lightfield";
-    const int views = automatic ? result.focus.views : o.views;
+    const int views = automatic ? result.focus.views : settings.focus.views;
     out.json = {{"method", method},
                 {"views", views},
                 {"depths", nullptr},

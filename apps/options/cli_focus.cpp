@@ -3,6 +3,7 @@
 
 #include "apps/numbers.h"
 #include "apps/options/command_options.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 namespace {
@@ -62,8 +63,10 @@ void add_focus(CLI::App& root, CommandOptions& s) {
          {"pinhole", FocusMethod::pinhole}});
     whole(app, "--depths", o.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
           "K", depth_counts);
-    whole(app, "--views", o.views, "Points of the lens that lightfield and hybrid look from", "M",
-          lens_view_counts);
+    whole(app, "--views", o.views,
+          fmt::format("Points of the lens that lightfield and hybrid look from [default: {}]",
+                      default_lens_views),
+          "M", lens_view_counts);
     target_option(app, o.target_db,
                   fmt::format("{:g} with --scene or --explain, else the usual method", default_target_db));
     retrace_options(app, o.retrace);
@@ -162,7 +165,6 @@ void add_shoot(CLI::App& root, CommandOptions& s) {
         "shoot", "The picture through a lens and an open shutter at once, from the records alone");
     FocusOptions& o = s.shoot.focus;
     o.method = FocusMethod::lightfield;
-    o.views = 128;
     reads(app.add_option("frame", o.input, "Sample file"))->required()->type_name("FRAME");
     output_option(app, o.output, "Picture: .exr (scene-linear), .png, .tif or .jpg (sRGB)");
     crop_option(app, o.crop);
@@ -183,7 +185,9 @@ void add_shoot(CLI::App& root, CommandOptions& s) {
            {{"lightfield", FocusMethod::lightfield},
             {"hybrid", FocusMethod::hybrid},
             {"auto", FocusMethod::automatic}});
-    whole(app, "--views", o.views, "Points of the lens, each at its own instant", "M", lens_view_counts);
+    whole(app, "--views", o.views,
+          fmt::format("Points of the lens, each at its own instant [default: {}]", default_shutter_views),
+          "M", lens_view_counts);
     target_option(app, o.target_db, fmt::format("{:g}", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);

@@ -3,6 +3,7 @@
 
 #include "apps/numbers.h"
 #include "apps/options/command_options.h"
+#include "sweep/picture_maker.h"
 
 namespace postlens {
 
@@ -44,9 +45,9 @@ DryRun dry_run_of(CLI::App& app, const CommandOptions& options) {
         out.amount_option = "--spp";
         out.amount = options.render.settings.spp;
     } else if (sub.get_name() == "focus") {
-        by_views(options.focus.method, options.focus.views);
+        by_views(options.focus.method, options.focus.views.value_or(default_lens_views));
     } else if (sub.get_name() == "shoot") {
-        by_views(options.shoot.focus.method, options.shoot.focus.views);
+        by_views(options.shoot.focus.method, options.shoot.focus.views.value_or(default_shutter_views));
     } else if (sub.get_name() == "motionblur" &&
                options.motionblur.settings.method == MotionMethod::lightfield &&
                options.motionblur.settings.views) {

@@ -255,6 +255,18 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
                  "--target-db: not with the method layers");
     refused_with(sweep, {"--target-db", "40", "--method", "hybrid"},
                  "--target-db: not with the method hybrid");
+    for (const Words& words : {focus, sweep}) {
+        for (const std::string method : {"scatter", "layers", "pinhole", "auto"}) {
+            refused_with(words, {"--views", "9", "--method", method, "--scene", scene()},
+                         "--views: not with the method " + method + " (expected lightfield or hybrid)");
+        }
+        for (const std::string method : {"lightfield", "hybrid", "pinhole", "auto"}) {
+            refused_with(words, {"--depths", "9", "--method", method, "--scene", scene()},
+                         "--depths: not with the method " + method + " (expected scatter or layers)");
+        }
+        refused_with(words, {"--views", "9"}, "--views: not with the method ");  // the usual one
+    }
+    refused_with(shoot, {"--views", "9", "--method", "auto"}, "--views: not with the method auto");
     for (const Words& words : {shoot, sweep + Words{"--shutter", "0:1"}})
         refused_with(words, {"--target-db", "40"}, "--target-db: not with the method lightfield");
     for (const Words& words : {focus, sweep, shoot}) {

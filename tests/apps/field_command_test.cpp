@@ -72,7 +72,7 @@ TEST_F(FieldCommand, CapsInsideCylindersStayHidden) {
 // The camera is at the origin, so that it does not tell the unit of the scene.
 TEST_F(FieldCommand, RaysTakeTheUnitsOfTheTrace) {
     const Words trace{"trace", in("scene.toml"), "-o", in("frame.exr"), "--size", "64x36"};
-    const Words rays{"--scene", in("scene.toml"), "--f-number", "0.7", "--focus", "2", "--views", "8"};
+    const Words rays{"--scene", in("scene.toml"), "--f-number", "0.7", "--focus", "2"};
     const auto made = [&](const Words& more) {
         Words words = rays;
         words.insert(words.end(), more.begin(), more.end());
@@ -141,7 +141,7 @@ TEST_F(FieldCommand, MissingOverscanIsSaidAsByLayers) {
               0);
     const auto share = [&](const char* method) {
         const Outcome r = run({"focus", in("narrow.exr"), "-o", in("out.exr"), "--json", "--method", method,
-                               "--views", "8", "--f-number", "0.7", "--focus", "2"});
+                               "--f-number", "0.7", "--focus", "2"});
         EXPECT_EQ(r.exit_code, 0) << r.err;
         const json result = json::parse(r.out);
         for (const json& warning : result.at("warnings")) {

@@ -192,6 +192,12 @@ TEST_F(ForeignCommand, ObjectsArePickedOutByName) {
     for (const char* channel : {"CoC", "focus.before", "CryptoObject00.R"})
         EXPECT_NE(std::find(channels.begin(), channels.end(), channel), channels.end()) << channel;
     EXPECT_EQ(made.at("cryptomattes").at(0).at("name"), "CryptoObject");
+    // Views have an effect on what is measured by them, with any method.
+    with({"--passes", "sides", "--views", "8"}, "few.exr");
+    EXPECT_EQ(read_image(in("few.exr")).rgb, plain.rgb);
+    refused({"focus", input, "-o", in("o.exr"), "--f-number", "1.4", "--focus", "5", "--passes", "coc",
+             "--views", "8"},
+            ExitCode::wrong_arguments, "--views: not with the method layers");
     refused({"focus", input, "-o", in("o.png"), "--f-number", "1.4", "--focus", "5", "--passes", "coc"},
             ExitCode::wrong_arguments, "passes");
     refused({"focus", input, "-o", in("o.exr"), "--f-number", "1.4", "--focus", "5", "--passes", "depth"},
