@@ -141,6 +141,7 @@ async function refocus(input = performance.now()) {
     if (!picture && !isQuick) return;
   }
   describe();
+  if (pointed) tellPixel(pointed);  // its values and circles of confusion are of the lens before
   findCauses();
 }
 
@@ -541,7 +542,8 @@ function pixelAt(event) {
 
 const pixelOptions = ([x, y]) => ({ x: x.toFixed(2), y: y.toFixed(2), ...Object.fromEntries(Object.entries(lensOptions()).filter(([k]) => ["f-number", "focus", "focal-length"].includes(k))) });
 const metres = (m) => m === null ? "∞" : `${Number(m.toPrecision(3))} m`;
-let hover = 0;
+let hover = 0;       // number of the latest question
+let pointed = null;  // the place in the frame under the pointer
 
 async function tellPixel(at) {
   const mine = ++hover;
@@ -736,8 +738,8 @@ function listen() {
       if (moved) pan(event.movementX * ratio, event.movementY * ratio);
       return;
     }
-    const at = shown && pixelAt(event);
-    if (at) tellPixel(at); else { ++hover; $("under").textContent = ""; }
+    pointed = shown && pixelAt(event);
+    if (pointed) tellPixel(pointed); else { ++hover; $("under").textContent = ""; }
   });
   canvas.addEventListener("pointerup", (event) => {
     const at = pixelAt(event);

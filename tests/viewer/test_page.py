@@ -191,6 +191,14 @@ def test_a_frame_is_first_focused_where_it_says(browser, tmp_path):
     assert made.close() == 0
 
 
+def test_what_is_under_the_pointer_is_of_the_lens_shown(page):
+    click(page, 30, 120)  # the pointer stays there
+    until(lambda: lens(page)["focus"] != 5)
+    wait(page)
+    under = page.find_element(By.ID, "under")
+    until(lambda: "CoC 0.0 px" in under.text, 10)
+
+
 def test_undo_compares_with_rays_of_the_lens_shown(page):
     select = Select(page.find_element(By.ID, "compare"))
     body = page.find_element(By.TAG_NAME, "body")
