@@ -114,12 +114,11 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        for thing in list(self.scene.objects):
-            bpy.data.objects.remove(thing)
-        meshes = list(self.meshes.values())
-        # A copied mesh leaves the copy of its shape keys in the file.
-        bpy.data.batch_remove([*meshes, *(keys for keys in bpy.data.shape_keys if keys.user in meshes)])
-        bpy.data.scenes.remove(self.scene)
+        meshes = set(self.meshes.values())
+        # A copied mesh leaves the copy of its shape keys in the file. Each removal on its own would search the whole file
+        # for users, and that of a scene needs a window.
+        keys = [key for key in bpy.data.shape_keys if key.user in meshes]
+        bpy.data.batch_remove([*self.scene.objects, *meshes, *keys, self.scene])
 
 
 def rename_nodes(path, names):

@@ -8,11 +8,12 @@ import math
 import os
 import shutil
 import sys
+import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
-from mathutils import Vector  # noqa: E402
+from mathutils import Matrix, Vector  # noqa: E402
 
 from blender_bench import Program, bars, box, boxes, by_cycles, bpy, folder, glowing, words  # noqa: E402
 
@@ -490,6 +491,19 @@ class Addon(unittest.TestCase):
         self.assertEqual(program("info", self.path("scene.glb"))["objects"], 5)
         scene.camera.data.shift_x = 0.1
         self.fails(bpy.ops.postlens.trace, "shifted", "0.1, 0")
+
+    def test_the_tracer_removes_its_copy_of_many_objects_at_once(self):
+        from postlens_addon import export
+
+        scene = self.boxes(1)
+        copy, mesh = export.Copy(scene.view_layers[0]), scene.objects["box"].data
+        begun = time.monotonic()
+        for i in range(3000):
+            copy.add(f"copy {i}", mesh, Matrix())
+        added = time.monotonic()
+        copy.remove()
+        self.assertLess(time.monotonic() - added, 10 * (added - begun))
+        self.assertEqual([o.name for o in bpy.data.objects if o.name.startswith("copy")], [])
 
     def test_failures_are_one_line(self):
         scene = self.scene("64x36", 1)
