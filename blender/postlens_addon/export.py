@@ -139,7 +139,9 @@ def rename_nodes(path, names):
 def export(camera, path):
     """Writes what Blender renders of the current scene to a .glb file, with this camera alone. Returns a line for each
     object that is left out."""
-    layer, window = layer_of(bpy.context.scene), bpy.context.window
+    layer = layer_of(bpy.context.scene)
+    # After a script has opened a file, the context has no window until Blender's next event.
+    window = bpy.context.window or bpy.context.window_manager.windows[0]
     copy = Copy(layer)
     try:
         with left_mode(), seen_as_rendered(layer):
@@ -148,7 +150,7 @@ def export(camera, path):
             for instance in depsgraph.object_instances:
                 copy.add_instance(instance)
             copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)
-        with kept((window, ("scene", "view_layer"))):
+        with bpy.context.temp_override(window=window), kept((window, ("scene", "view_layer"))):
             window.scene = copy.scene
             bpy.ops.export_scene.gltf(
                 filepath=path, export_cameras=True, export_lights=True, export_current_frame=True,

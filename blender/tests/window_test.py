@@ -333,6 +333,15 @@ class Window(unittest.TestCase):
             self.assertEqual(all_settings(scene), before)
 
     @without_render
+    def test_the_tracer_works_right_after_a_file_is_opened(self):
+        # The context has no window then.
+        scene = self.scene("64x36")
+        self.assertIsNone(bpy.context.window)
+        self.assertEqual(bpy.ops.postlens.trace(), {"FINISHED"})
+        self.assertEqual((bpy.data.scenes[:], window().scene), ([scene], scene))
+        yield lambda: True
+
+    @without_render
     def test_another_file_ends_the_work(self):
         self.scene("1920x1080")
         self.start("trace")
