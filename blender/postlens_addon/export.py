@@ -1,7 +1,6 @@
 """Exports the scene as Blender renders it to a glTF file: a mesh for every visible instance, with its modifiers, shape
 keys and armatures applied. Blender's exporter alone would write the meshes as they are edited, hidden objects too."""
 
-import contextlib
 import json
 import struct
 
@@ -9,63 +8,12 @@ import bpy
 from mathutils import Matrix
 
 from .passes import kept, layer_of
+from .rendered import rendered
 
 # Types of objects that a render shows and that glTF has no equivalent for.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
 # Error of a matrix without its shear, relative to its largest scale, that is a matter of rounding.
 SHEAR = 1e-5
-
-
-def layer_collections(top):
-    yield top
-    for child in top.children:
-        yield from layer_collections(child)
-
-
-@contextlib.contextmanager
-def seen_as_rendered(layer):
-    """In the body, the viewport's dependency graph has the objects and modifiers of a render."""
-    # Pairs of the viewport's properties and those of a render, which replace them.
-    pairs = {
-        bpy.types.Object: {"hide_viewport": "hide_render", "show_instancer_for_viewport": "show_instancer_for_render"},
-        bpy.types.Collection: {"hide_viewport": "hide_render"},
-        bpy.types.Modifier: {"show_viewport": "show_render", "levels": "render_levels"},
-    }
-    modifiers = [m for o in bpy.data.objects for m in o.modifiers]
-    changes = [
-        (thing, viewport, getattr(thing, rendered))
-        for kind, names in pairs.items()
-        for thing in (*bpy.data.objects, *bpy.data.collections, *modifiers)
-        for viewport, rendered in names.items()
-        if isinstance(thing, kind) and hasattr(thing, rendered)
-    ]
-    # The eyes of the outliner, which a render does not look at.
-    changes += [(c, "hide_viewport", False) for c in layer_collections(layer.layer_collection)]
-    hidden = [o for o in layer.objects if o.hide_get(view_layer=layer)]
-    with kept(*((thing, (name,)) for thing, name, _ in changes)):
-        try:
-            for thing, name, value in changes:
-                setattr(thing, name, value)
-            for thing in hidden:
-                thing.hide_set(False, view_layer=layer)
-            yield
-        finally:
-            for thing in hidden:
-                thing.hide_set(True, view_layer=layer)
-
-
-@contextlib.contextmanager
-def left_mode():
-    """In the body, no object is edited. The evaluated mesh of an object in edit mode cannot be copied."""
-    active = bpy.context.view_layer.objects.active
-    mode = active.mode if active else "OBJECT"
-    if mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    try:
-        yield
-    finally:
-        if mode != "OBJECT":
-            bpy.ops.object.mode_set(mode=mode)
 
 
 class Copy:
@@ -84,7 +32,7 @@ class Copy:
     def mesh_of(self, thing, key):
         """The mesh of an object. Objects that share their mesh and materials share the copy, too."""
         if key not in self.meshes:
-            mesh = self.meshes[key] = thing.data.copy()
+            mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
             # A material belongs to the mesh or to the object. The slots have both.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
@@ -114,11 +62,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        meshes = set(self.meshes.values())
-        # A copied mesh leaves the copy of its shape keys in the file. Each removal on its own would search the whole file
-        # for users, and that of a scene needs a window.
-        keys = [key for key in bpy.data.shape_keys if key.user in meshes]
-        bpy.data.batch_remove([*self.scene.objects, *meshes, *keys, self.scene])
+        # Each removal on its own would search the whole file for users, and that of a scene needs a window.
+        bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
 def rename_nodes(path, names):
@@ -136,21 +81,21 @@ def rename_nodes(path, names):
         file.write(text + rest[size:])
 
 
-def export(camera, path):
-    """Writes what Blender renders of the current scene to a .glb file, with this camera alone. Returns a line for each
-    object that is left out."""
-    layer = layer_of(bpy.context.scene)
+def export(scene, camera, path):
+    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns a line for each object that
+    is left out."""
+    copy = Copy(layer_of(scene))
     # After a script has opened a file, the context has no window until Blender's next event.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    copy = Copy(layer)
+
+    def fill(depsgraph):
+        for instance in depsgraph.object_instances:
+            copy.add_instance(instance)
+        copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)
+
     try:
-        with left_mode(), seen_as_rendered(layer):
-            with bpy.context.temp_override(view_layer=layer):
-                depsgraph = bpy.context.evaluated_depsgraph_get()
-            for instance in depsgraph.object_instances:
-                copy.add_instance(instance)
-            copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)
         with bpy.context.temp_override(window=window), kept((window, ("scene", "view_layer"))):
+            rendered(scene, fill)
             window.scene = copy.scene
             bpy.ops.export_scene.gltf(
                 filepath=path, export_cameras=True, export_lights=True, export_current_frame=True,

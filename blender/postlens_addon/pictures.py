@@ -222,7 +222,7 @@ def trace_frames(job):
                 job.warn(frame, "motion blur is on, but a traced picture is of one instant")
             scene, records = job.path("scene", frame, ".glb"), job.path("records", frame)
             os.makedirs(job.folder, exist_ok=True)
-            for text in export.export(camera, scene):
+            for text in export.export(job.scene, camera, scene):
                 job.warn(frame, text)
             job.tell(frame, 0.1, "tracing")
             view = ["--size", f"{film.width_px}x{film.height_px}", "--film-width", f"{film.width_mm:.9g}"]

@@ -29,11 +29,16 @@ def all_settings(scene):
     places = {"render": scene.render, "image": scene.render.image_settings, "camera": camera, "dof": camera.dof,
               "layer": scene.view_layers[0], "scene": scene}  # fmt: skip
     places |= {f"object {o.name}": o for o in scene.objects}
+    places |= {f"modifier {m.name} of {o.name}": m for o in scene.objects for m in o.modifiers}
+    places |= {f"collection {c.name}": c for c in bpy.data.collections}
+    places |= {f"layer collection {c.name}": c for c in scene.view_layers[0].layer_collection.children}
     for name, place in places.items():
         for p in place.bl_rna.properties:
             if p.type in ("BOOLEAN", "INT", "FLOAT", "STRING", "ENUM") and not p.is_readonly:
                 value = getattr(place, p.identifier)
                 out[f"{name}.{p.identifier}"] = tuple(value) if getattr(p, "is_array", False) else value
+    for o in scene.objects:
+        out[f"object {o.name} in the viewport"] = o.mode, o.select_get(), o.hide_get()
     return out
 
 
@@ -425,14 +430,107 @@ class Addon(unittest.TestCase):
         instancer.instance_type, instancer.instance_collection = "COLLECTION", several
         instancer.location, instancer.scale, instancer.rotation_euler = (-0.6, 0.3, -4), (2, 0.5, 1), (0, 0, 0.4)
         scene.collection.objects.link(instancer)
+        for name in ("post 0", "post 1", "wall"):
+            scene.objects[name].select_set(True)
+        scene.objects["post 4"].hide_set(True)
+        row = scene.objects["post 4"].modifiers.new("row", "ARRAY")
+        row.show_viewport, row.relative_offset_displace = False, (3, 0, 0)
+        ball = box(scene, "ball", (-0.3, 0, -5), (0.8, 0.8, 0.8), (0.2, 0.9, 0.2))
+        round = ball.modifiers.new("round", "SUBSURF")
+        round.levels, round.render_levels = 0, 3
+        for name, hidden in (("eye", "hide_viewport"), ("not rendered", "hide_render")):
+            collection = bpy.data.collections.new(name)
+            scene.collection.children.link(collection)
+            collection.objects.link(box(scene, "in " + name, (0.9, -0.5, -4), (0.3, 0.3, 0.3), (0, 1, 0)))
+            scene.collection.objects.unlink(bpy.data.objects["in " + name])
+            place = collection if hidden == "hide_render" else scene.view_layers[0].layer_collection.children[name]
+            setattr(place, hidden, True)
         bpy.context.view_layer.update()
         kinds = bpy.data.objects, bpy.data.meshes, bpy.data.shape_keys, bpy.data.scenes
         counts, before = [len(kind) for kind in kinds], all_settings(scene)
         self.traces_as_cycles(scene)
         names = program("info", self.path("records.0000.exr"))["ids"].values()
-        self.assertEqual(set(names), {"post 0", "post 2", "post 3", "post 4", "box", "wall", "one"})
+        self.assertEqual(set(names), {"post 0", "post 2", "post 3", "post 4", "box", "wall", "one", "ball", "in eye"})
         self.assertEqual(all_settings(scene), before)
         self.assertEqual([len(kind) for kind in kinds], counts)
+
+    def test_the_tracer_sees_the_resolutions_of_a_render(self):
+        from postlens_addon import export
+
+        scene = self.boxes(1)
+        hairs = scene.objects["wall"]
+        hairs.modifiers.new("hairs", "PARTICLE_SYSTEM")
+        hairs = hairs.particle_systems[0].settings
+        hairs.type, hairs.count, hairs.use_advanced_hair = "HAIR", 50, True
+        hairs.render_type, hairs.instance_object = "OBJECT", scene.objects["post 0"]
+        curve = bpy.data.curves.new("curve", "CURVE")
+        curve.splines.new("BEZIER").bezier_points.add(1)
+        curve.splines[0].bezier_points[1].co, curve.dimensions = (1, 0, 0), "3D"
+        curve.bevel_depth, curve.render_resolution_u = 0.05, 12
+        ball = bpy.data.metaballs.new("ball")
+        ball.elements.new()
+        ball.render_resolution = 0.2
+        for data in (curve, ball):
+            scene.collection.objects.link(bpy.data.objects.new(data.name, data))
+        smooth = scene.objects["box"].modifiers.new("smooth", "SUBSURF")
+        smooth.levels = smooth.render_levels = 3
+        scene.render.use_simplify = True
+        found = []
+        for hairs.display_percentage, curve.resolution_u, ball.resolution, scene.render.simplify_subdivision in (
+            (10, 1, 1, 0), (100, 12, 0.2, 6)):  # fmt: skip
+            export.export(scene, scene.camera, self.path("scene.glb"))
+            said = program("info", self.path("scene.glb"))
+            found.append((said["objects"], said["triangles"]))
+        self.assertEqual(found[0], found[1])
+
+    def test_the_tracer_sees_what_is_edited(self):
+        scene = self.boxes(f_number=2)
+        edited = [scene.objects["post 1"], scene.objects["post 2"]]
+        row = edited[1].modifiers.new("row", "ARRAY")
+        row.show_in_editmode, row.relative_offset_displace = False, (3, 0, 0)
+        for o in edited:
+            o.select_set(True)
+        bpy.context.view_layer.objects.active = edited[1]
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0.1, 0.5, 0))
+        edited[0].select_set(False)
+        before = all_settings(scene)
+        bpy.ops.postlens.trace()
+        self.assertEqual(all_settings(scene), before)
+        self.assertEqual([o.mode for o in edited], ["EDIT", "EDIT"])
+        found, _ = program.psnr_db(self.path("traced.0000.exr"), self.truth(scene))
+        self.assertGreater(found, 42)
+
+    def test_a_trace_leaves_renders_alone(self):
+        scene = self.boxes(1)
+        scene.use_nodes, scene.view_layers[0].use_pass_cryptomatte_object = True, True
+        nodes, links = scene.node_tree.nodes, scene.node_tree.links
+        layers, output = (next(n for n in nodes if n.type == kind) for kind in ("R_LAYERS", "COMPOSITE"))
+        links.new(layers.outputs["CryptoObject00"], output.inputs[0])
+        called, saved = [], [self.path("before.png"), self.path("after.png")]
+        bpy.ops.render.render(scene=scene.name)
+        shown = next(i for i in bpy.data.images if i.type == "RENDER_RESULT")
+        shown.render_slots.active_index = 2
+        bpy.ops.render.render(scene=scene.name)
+        handlers = [getattr(bpy.app.handlers, "render_" + name) for name in ("init", "pre", "post", "complete")]
+        for functions in handlers:
+            functions.append(lambda *_: called.append(True))
+        try:
+            for path in saved:
+                shown.save_render(path)
+                bpy.ops.postlens.trace()
+            self.assertEqual(called, [])
+            bpy.ops.render.render(scene=scene.name)
+            self.assertEqual(len(called), 4)
+        finally:
+            for functions in handlers:
+                functions.clear()
+        self.same(*saved)
+        self.assertEqual(shown.render_slots.active_index, 2)
+        self.assertEqual([link.from_socket.name for link in links], ["CryptoObject00"])
+        kinds = [kind.bl_idname for kind in bpy.types.RenderEngine.__subclasses__() if kind.is_registered]
+        self.assertNotIn("POSTLENS_LOOK", kinds)
 
     def test_the_tracer_sees_bones_text_and_generated_instances(self):
         scene = self.boxes(f_number=2)
@@ -483,7 +581,7 @@ class Addon(unittest.TestCase):
         reflected.objects.link(scene.objects["post 2"])
         scene.collection.objects.unlink(scene.objects["post 2"])
         scene.view_layers[0].layer_collection.children["reflected"].indirect_only = True
-        said = export.export(scene.camera, self.path("scene.glb"))
+        said = export.export(scene, scene.camera, self.path("scene.glb"))
         hidden = "is left out: it is hidden from the camera's rays alone"
         self.assertEqual(
             set(said), {"lamp is left out: glTF has no area lights", f"post 1 {hidden}", f"post 2 {hidden}"}

@@ -205,6 +205,29 @@ class Window(unittest.TestCase):
         self.assertEqual(all_settings(scene), before)
         self.assertIn("2 of 2 pictures", self.reports()[-1])
 
+    def test_a_trace_leaves_renders_and_edits_alone(self):
+        scene = self.scene("64x36", frames=2)
+        bpy.context.preferences.view.render_display_type = "NONE"
+        with bpy.context.temp_override(window=window()):
+            edited = [o for o in scene.objects if o.type == "MESH"][:2]
+            for o in edited:
+                o.select_set(True)
+            bpy.context.view_layer.objects.active = edited[0]
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.ops.render.render(scene=scene.name)
+        edited[1].select_set(False)
+        shown = next(i for i in bpy.data.images if i.type == "RENDER_RESULT")
+        saved = [os.path.join(self.folder, name) for name in ("before.png", "after.png")]
+        for path in saved:
+            before = all_settings(scene)
+            shown.save_render(path)
+            self.start("trace", animation=True)
+            yield self.ended
+            self.assertEqual(all_settings(scene), before)
+            self.assertEqual(self.made("traced"), ["traced.0001.exr", "traced.0002.exr"])
+        self.assertTrue(self.program("compare", *saved)["identical"])
+        self.assertEqual([o.mode for o in edited], ["EDIT", "EDIT"])
+
     def test_the_result_opens_an_image_editor(self):
         self.scene("64x36")
         self.assertEqual(areas("IMAGE_EDITOR"), [])
