@@ -93,8 +93,11 @@ def export(scene, camera, path):
             copy.add_instance(instance)
         copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)
 
+    # A view with a camera of its own takes that of the window's scene when the scene changes.
+    spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
+    cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     try:
-        with bpy.context.temp_override(window=window), kept((window, ("scene", "view_layer"))):
+        with bpy.context.temp_override(window=window), kept((window, ("scene", "view_layer")), *cameras):
             rendered(scene, fill)
             window.scene = copy.scene
             bpy.ops.export_scene.gltf(

@@ -228,6 +228,17 @@ class Window(unittest.TestCase):
         self.assertTrue(self.program("compare", *saved)["identical"])
         self.assertEqual([o.mode for o in edited], ["EDIT", "EDIT"])
 
+    @without_render
+    def test_a_view_keeps_its_own_camera(self):
+        scene = self.scene("64x36")
+        own = bpy.data.objects.new("own", scene.camera.data)
+        scene.collection.objects.link(own)
+        space = self.area("VIEW_3D").spaces.active
+        space.use_local_camera, space.camera = True, own
+        self.start("trace")
+        yield self.ended
+        self.assertEqual((space.use_local_camera, space.camera), (True, own))
+
     def test_the_result_opens_an_image_editor(self):
         self.scene("64x36")
         self.assertEqual(areas("IMAGE_EDITOR"), [])
