@@ -114,7 +114,7 @@ def pinhole(scene, camera, film, vectors):
     image = ("file_format", "color_mode", "color_depth", "exr_codec", "color_management")
     with kept(
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
-                  "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer")),
+                  "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
         # The file format replaces this name, which may have no value.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
@@ -142,6 +142,8 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # Colours of the scene's own output may have another colour space.
         settings.color_management = "FOLLOW_SCENE"
+        # The single layer of this setting is the one that the window shows.
+        render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer
         layer.use_pass_z = layer.use_pass_cryptomatte_object = True

@@ -20,7 +20,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
 from addon_test import all_settings  # noqa: E402
-from blender_bench import Program, bars, bpy, folder, words  # noqa: E402
+from blender_bench import Program, bars, boxes, bpy, folder, glowing, words  # noqa: E402
 
 TICK_S = 0.02
 # Samples of a render, and views of a light field, that take minutes.
@@ -86,8 +86,8 @@ class Window(unittest.TestCase):
         self.ticks["render"] += rendering()
         self.ticks["command"] += bool(children())
 
-    def scene(self, size="240x135", spp=1, frames=1):
-        scene = bars(size, spp)
+    def scene(self, size="240x135", spp=1, frames=1, make=bars):
+        scene = make(size, spp)
         from postlens_addon import operators
 
         self.operators = operators
@@ -238,6 +238,21 @@ class Window(unittest.TestCase):
         self.start("trace")
         yield self.ended
         self.assertEqual((space.use_local_camera, space.camera), (True, own))
+
+    def test_the_layer_of_the_window_is_not_rendered_alone(self):
+        scene = self.scene("64x36", make=boxes)
+        other = scene.view_layers.new("other")
+        other.material_override = glowing("other", (5, 0, 0))
+        pictures = []
+        for scene.render.use_single_layer in (False, True):
+            window().view_layer = other
+            with bpy.context.temp_override(window=window()):
+                self.assertEqual(bpy.ops.postlens.focus(), {"FINISHED"})
+            pictures.append(os.path.join(self.folder, f"picture {len(pictures)}.exr"))
+            os.rename(os.path.join(self.folder, "focused.0000.exr"), pictures[-1])
+        self.assertTrue(self.program("compare", *pictures)["identical"])
+        self.assertEqual((scene.render.use_single_layer, window().view_layer), (True, other))
+        yield lambda: True
 
     def test_the_result_opens_an_image_editor(self):
         self.scene("64x36")
