@@ -24,7 +24,8 @@ def curves_of(thing, name):
     animation = getattr(thing.id_data, "animation_data", None)  # collections, for one, have none
     if not animation:
         return []
-    curves = [*(animation.action.fcurves if animation.action else ()), *animation.drivers]
+    actions = {animation.action, *(strip.action for track in animation.nla_tracks for strip in track.strips)} - {None}
+    curves = [*(curve for action in actions for curve in action.fcurves), *animation.drivers]
     return [c for c in curves if c.data_path.rpartition(".")[2] == name and not c.mute]
 
 

@@ -306,12 +306,17 @@ class Addon(unittest.TestCase):
     def test_an_animated_shift_is_that_of_the_frame(self):
         scene = self.boxes(4)
         camera = scene.camera.data
-        camera.shift_x = 0.2
+        camera.shift_x, camera.shift_y = 0.2, 0.1
         still = self.focused("still")
         camera.keyframe_insert("shift_x", frame=0)
-        camera.driver_add("shift_y").driver.expression = "0"
+        camera.driver_add("shift_y").driver.expression = "0.1"
         self.same(self.focused("animated"), still)
-        curves = [*camera.animation_data.action.fcurves, *camera.animation_data.drivers]
+        animation = camera.animation_data
+        curves = [*animation.action.fcurves, *animation.drivers]
+        self.assertEqual([curve.mute for curve in curves], [False, False])
+        action, animation.action = animation.action, None
+        animation.nla_tracks.new().strips.new("strip", 0, action)
+        self.same(self.focused("strip"), still)
         self.assertEqual([curve.mute for curve in curves], [False, False])
 
     def test_a_pull_of_focus_renders_a_still_scene_once(self):
