@@ -56,49 +56,35 @@ def kept(*places):
 
 
 def depths(scene, camera, depsgraph):
-    """Nearest and farthest distance of what each object shows, itself and all instances that it makes or is made into.
-    Such an object hides all of them with itself from the camera's rays."""
-    pose, out = cameras.pose_of(camera, depsgraph), {}
-
-    def add(owner, thing, matrix):
-        near, far = cameras.depths_of(thing.bound_box, matrix, pose)
-        nearest, farthest = out.get(owner, (math.inf, -math.inf))
-        out[owner] = min(near, nearest), max(far, farthest)
-
-    for o in scene.objects:
-        if o.type in SHAPES and not o.hide_render:
-            shown = o.evaluated_get(depsgraph)
-            add(o, shown, shown.matrix_world)
+    """Nearest and farthest distance of what each object shows, itself and all instances that it makes
+    or is made into. Such an object hides all of them with itself from the camera's rays, so a holdout among them, where
+    the image stays empty, counts as infinitely far: it must not be hidden."""
+    pose, layer, out = cameras.pose_of(camera, depsgraph), layer_of(scene), {}
     for instance in depsgraph.object_instances:
-        if instance.is_instance and instance.object.type in SHAPES:
-            for owner in {instance.parent.original, instance.object.original}:
-                add(owner, instance.object, instance.matrix_world)
+        if instance.object.type in SHAPES and instance.show_self:
+            near, far = cameras.depths_of(instance.object.bound_box, instance.matrix_world, pose)
+            owners = {o.original for o in (instance.object, instance.parent) if o}
+            if any(o.is_holdout or o.holdout_get(view_layer=layer) for o in owners):
+                far = math.inf
+            for owner in owners:
+                nearest, farthest = out.get(owner, (math.inf, -math.inf))
+                out[owner] = min(near, nearest), max(far, farthest)
     return out
 
 
-def nearest_depth(scene, camera, depsgraph):
-    nearest = min((near for near, _ in depths(scene, camera, depsgraph).values()), default=math.inf)
-    return max(camera.data.clip_start, nearest)
-
-
-def margin_px(scene, camera, depsgraph, lens, film):
+def margin_px(camera, spans, lens, film):
     """Number of pixels to render beyond the frame on each side. The lens spreads the light of these pixels into the
-    frame."""
-    nearest = lens.coc_radius_px(nearest_depth(scene, camera, depsgraph), film)
-    farthest = lens.coc_radius_px(math.inf, film)
+    frame. `spans`: see `depths`."""
+    nearest_m = max(camera.data.clip_start, min((near for near, _ in spans.values()), default=math.inf))
+    nearest, farthest = lens.coc_radius_px(nearest_m, film), lens.coc_radius_px(math.inf, film)
     widest = int(WIDEST_MARGIN * min(film.width_px, film.height_px))
     return min(widest, math.ceil(max(abs(nearest), abs(farthest))) + 1)
 
 
-def hidden_before(scene, camera, depsgraph, distance_m):
+def hidden_before(spans, distance_m):
     """Objects that lie entirely nearer than `distance_m`. An object that extends beyond it, such as a floor, is not
-    returned. Neither is a holdout: where it stands, the image stays empty."""
-    layer = layer_of(scene)
-    return [
-        o
-        for o, (_, far) in depths(scene, camera, depsgraph).items()
-        if far < distance_m and o.visible_camera and not o.is_holdout and not o.holdout_get(view_layer=layer)
-    ]
+    returned. `spans`: see `depths`."""
+    return [o for o, (_, far) in spans.items() if far < distance_m and o.visible_camera]
 
 
 def layer_of(scene):

@@ -10,6 +10,7 @@ import bpy
 
 from . import camera as cameras
 from . import command, export, passes
+from .rendered import rendered
 
 # The share of a frame's time that each of its two renders takes in the progress that is shown.
 RENDER_SHARE = 0.4
@@ -87,7 +88,7 @@ def exposure_of(scene):
 
 def at_frame(job, frame):
     """Sets the scene to the middle of a frame's exposure, where the depths are nearest to what the exposure shows.
-    Returns the camera, dependency graph, lens and film."""
+    Returns the camera, lens and film."""
     time_frames = frame + job.subframe + exposure_of(job.scene)[0]
     job.scene.frame_set(math.floor(time_frames), subframe=time_frames % 1)
     camera = job.scene.camera
@@ -95,8 +96,14 @@ def at_frame(job, frame):
         raise cameras.CameraError(f"scene {job.scene.name} has no camera")
     if camera.type != "CAMERA":
         raise cameras.CameraError(f"the scene's camera {camera.name} is a {camera.type.lower()} (expected a camera)")
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    return camera, depsgraph, cameras.lens_of(camera, depsgraph), cameras.film_of(job.scene, camera)
+    with bpy.context.temp_override(view_layer=passes.layer_of(job.scene)):
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+    return camera, cameras.lens_of(camera, depsgraph), cameras.film_of(job.scene, camera)
+
+
+def depths_now(job, camera):
+    """The depths of what a render of the scene's current frame shows: see passes.depths."""
+    return rendered(job.scene, lambda depsgraph: passes.depths(job.scene, camera, depsgraph))
 
 
 def survey(job):
@@ -105,16 +112,18 @@ def survey(job):
     Objects before that distance are left out of the second image. It is the farthest over all frames.
     """
     margin, split, paused = 0, 0, time.monotonic()
-    first = None
+    first = spans = None
     for frame in job.frames:
-        camera, depsgraph, lens, film = at_frame(job, frame)
+        camera, lens, film = at_frame(job, frame)
         first = first or film
         if job.only_lens_changes and film != first:
             raise cameras.CameraError(
                 f"frame {frame}: the camera zooms (got a view of {film.view}; expected {first.view} as in the first "
                 "frame, because only the lens changes)"
             )
-        margin = max(margin, passes.margin_px(job.scene, camera, depsgraph, lens, film))
+        if spans is None or not job.only_lens_changes:
+            spans = depths_now(job, camera)
+        margin = max(margin, passes.margin_px(camera, spans, lens, film))
         split = max(split, lens.distance_in_front_m(passes.VISIBLE_RADIUS_PX, film))
         if time.monotonic() - paused > SURVEY_S:
             yield from job.pause()
@@ -123,10 +132,10 @@ def survey(job):
 
 
 def render_passes(job, frame, margin_px, split_m):
-    camera, depsgraph, _, film = at_frame(job, frame)
+    camera, _, film = at_frame(job, frame)
     wide = film.with_margin(margin_px)
     made = Passes(film, margin_px, job.path("front", frame))
-    near = passes.hidden_before(job.scene, camera, depsgraph, split_m) if job.behind else []
+    near = passes.hidden_before(depths_now(job, camera), split_m) if job.behind else []
     if near and job.scene.render.engine != "CYCLES":
         job.warn(frame, "what is behind is not rendered: only Cycles can hide objects from the camera alone")
         near = []
@@ -195,7 +204,7 @@ def focus_frames(job):
             if made is None or not job.only_lens_changes:
                 made = yield from render_passes(job, frame, margin, split)
             job.tell(frame, 2 * RENDER_SHARE, "applying the lens")
-            _, _, lens, _ = at_frame(job, frame)
+            _, lens, _ = at_frame(job, frame)
             output = job.path("focused", frame)
             moved = ""
             if exposure_of(job.scene)[1] > 0:
@@ -211,7 +220,7 @@ def trace_frames(job):
         for frame in job.frames:
             job.tell(frame, 0, "exporting")
             yield from job.pause()
-            camera, _, lens, film = at_frame(job, frame)
+            camera, lens, film = at_frame(job, frame)
             shift = camera.data.shift_x, camera.data.shift_y
             if shift != (0, 0):
                 raise cameras.CameraError(

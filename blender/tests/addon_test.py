@@ -18,6 +18,7 @@ from mathutils import Matrix, Vector  # noqa: E402
 from blender_bench import Program, bars, box, boxes, by_cycles, bpy, folder, glowing, words  # noqa: E402
 
 from postlens_addon import passes  # noqa: E402
+from postlens_addon.rendered import rendered  # noqa: E402
 
 program = Program(words()[0]) if words() else None
 
@@ -183,11 +184,13 @@ class Addon(unittest.TestCase):
             lens = cameras.lens_of(scene.camera, bpy.context.evaluated_depsgraph_get())
             self.assertAlmostEqual(lens.focus_m, focus_m, 5)
 
+    def depths(self, scene):
+        scene.frame_set(0)
+        return rendered(scene, lambda depsgraph: passes.depths(scene, scene.camera, depsgraph))
+
     def hidden(self, scene):
         """Names of the objects that lie before 4 m."""
-        scene.frame_set(0)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
-        return {o.name for o in passes.hidden_before(scene, scene.camera, depsgraph, 4)}
+        return {o.name for o in passes.hidden_before(self.depths(scene), 4)}
 
     def test_the_scale_of_the_camera_has_no_effect(self):
         scene = self.boxes(1)
@@ -214,6 +217,46 @@ class Addon(unittest.TestCase):
         scene.collection.objects.unlink(scene.objects["post 0"])
         instancer.location = (0, 0, 0)
         self.assertIn("instancer", self.hidden(scene))
+
+    def test_depths_are_those_of_the_rendered_layer(self):
+        scene = self.boxes(1)
+        row = scene.objects["post 0"].modifiers.new("row", "ARRAY")
+        row.use_relative_offset, row.use_constant_offset, row.constant_offset_displace = False, True, (0, 0, -9)
+        row.show_viewport = False
+        self.assertEqual(self.hidden(scene), {f"post {i}" for i in range(1, 5)})
+        near = bpy.data.collections.new("near")
+        near.objects.link(scene.objects["post 1"])
+        instancer = bpy.data.objects.new("instancer", None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", near
+        place = bpy.data.collections.new("place")
+        scene.collection.children.link(place)
+        place.objects.link(instancer)
+        scene.collection.objects.unlink(scene.objects["post 1"])
+        other = scene.view_layers.new("other")
+        for layer in (other, scene.view_layers[0]):
+            for each in scene.view_layers:
+                each.layer_collection.children["place"].exclude = each != layer
+            bpy.context.window.view_layer = other
+            self.assertEqual("instancer" in self.hidden(scene), layer != other)
+        scene.objects["post 2"].hide_viewport = True
+        scene.objects["post 3"].hide_render = True
+        self.assertEqual(self.hidden(scene), {"instancer", "post 1", "post 2", "post 4"})
+
+    def test_the_holdout_of_an_instance_stays_in_front(self):
+        scene = self.boxes(16)
+        scene.render.film_transparent = True
+        several = bpy.data.collections.new("several")
+        several.objects.link(scene.objects["post 2"])
+        scene.collection.objects.unlink(scene.objects["post 2"])
+        instancer = bpy.data.objects.new("instancer", None)
+        instancer.instance_type, instancer.instance_collection = "COLLECTION", several
+        held = bpy.data.collections.new("held")
+        scene.collection.children.link(held)
+        held.objects.link(instancer)
+        scene.view_layers[0].layer_collection.children["held"].holdout = True
+        self.assertEqual(self.hidden(scene), {"post 0", "post 1", "post 3", "post 4"})
+        found, _ = program.psnr_db(self.focused("held"), self.truth(scene, 64))
+        self.assertGreater(found, 22)
 
     def test_a_holdout_stays_in_front(self):
         # Neither the holdout of an object nor that of a collection is rendered away with the objects before the focus.
