@@ -56,7 +56,7 @@ def kept(*places):
 
 
 def depths(scene, camera, depsgraph):
-    """Nearest and farthest distance of what each object shows, itself and all instances that it makes
+    """Nearest and farthest distance of what each object before the camera shows, itself and all instances that it makes
     or is made into. Such an object hides all of them with itself from the camera's rays, so a holdout among them, where
     the image stays empty, counts as infinitely far: it must not be hidden."""
     pose, layer, out = cameras.pose_of(camera, depsgraph), layer_of(scene), {}
@@ -64,12 +64,12 @@ def depths(scene, camera, depsgraph):
         if instance.object.type in SHAPES and instance.show_self:
             near, far = cameras.depths_of(instance.object.bound_box, instance.matrix_world, pose)
             owners = {o.original for o in (instance.object, instance.parent) if o}
-            if any(o.is_holdout or o.holdout_get(view_layer=layer) for o in owners):
+            if far > 0 and any(o.is_holdout or o.holdout_get(view_layer=layer) for o in owners):
                 far = math.inf
             for owner in owners:
                 nearest, farthest = out.get(owner, (math.inf, -math.inf))
                 out[owner] = min(near, nearest), max(far, farthest)
-    return out
+    return {owner: span for owner, span in out.items() if span[1] > 0}
 
 
 def margin_px(camera, spans, lens, film):

@@ -218,6 +218,16 @@ class Addon(unittest.TestCase):
         instancer.location = (0, 0, 0)
         self.assertIn("instancer", self.hidden(scene))
 
+    def test_what_is_behind_the_camera_is_not_near(self):
+        scene = self.boxes(1)
+        before = {o.name: span for o, span in self.depths(scene).items()}
+        box(scene, "behind the camera", (0, 0, 5), (1, 1, 1), (1, 1, 1))
+        self.assertEqual({o.name: span for o, span in self.depths(scene).items()}, before)
+        for i in range(5):
+            scene.objects[f"post {i}"].hide_render = True
+        bpy.ops.postlens.focus()
+        self.assertFalse(os.path.exists(self.path("behind.0000.exr")))
+
     def test_depths_are_those_of_the_rendered_layer(self):
         scene = self.boxes(1)
         row = scene.objects["post 0"].modifiers.new("row", "ARRAY")
