@@ -7,7 +7,7 @@ import struct
 import bpy
 from mathutils import Matrix
 
-from .passes import kept, layer_of
+from .passes import is_holdout, kept, layer_of
 from .rendered import rendered
 
 # Types of objects that a render shows and that glTF has no equivalent for.
@@ -36,6 +36,9 @@ class Copy:
             # A material belongs to the mesh or to the object. The slots have both.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
+            if self.layer.material_override:
+                mesh.materials.clear()
+                mesh.materials.append(self.layer.material_override)
         return self.meshes[key]
 
     def add_shape(self, thing, matrix):
@@ -54,8 +57,14 @@ class Copy:
             owners = [o.original for o in (thing, instance.parent) if o]
             if not all(o.visible_camera and not o.indirect_only_get(view_layer=self.layer) for o in owners):
                 self.warnings.append(f"{thing.name} is left out: it is hidden from the camera's rays alone")
-            elif instance.show_self:
+                return
+            for system in (m.particle_system for m in thing.modifiers if m.type == "PARTICLE_SYSTEM" and m.show_render):
+                if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                    self.warnings.append(f"{system.name} of {thing.name} is left out: glTF has no hair")
+            if instance.show_self:
                 self.add_shape(thing, instance.matrix_world)
+                if any(is_holdout(o, self.layer) for o in owners):
+                    self.warnings.append(f"{thing.name} is traced as it looks: glTF has no holdouts")
         elif kind == "LIGHT" and thing.data.type == "AREA" or kind in LEFT_OUT:
             self.warnings.append(f"{thing.name} is left out: glTF has no {LEFT_OUT.get(kind, 'area lights')}")
         elif kind == "LIGHT":

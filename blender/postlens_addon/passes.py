@@ -55,6 +55,10 @@ def kept(*places):
             raise failure
 
 
+def is_holdout(thing, layer):
+    return thing.is_holdout or thing.holdout_get(view_layer=layer)
+
+
 def depths(scene, camera, depsgraph):
     """Nearest and farthest distance of what each object before the camera shows, itself and all instances that it makes
     or is made into. Such an object hides all of them with itself from the camera's rays, so a holdout among them, where
@@ -64,7 +68,7 @@ def depths(scene, camera, depsgraph):
         if instance.object.type in SHAPES and instance.show_self:
             near, far = cameras.depths_of(instance.object.bound_box, instance.matrix_world, pose)
             owners = {o.original for o in (instance.object, instance.parent) if o}
-            if far > 0 and any(o.is_holdout or o.holdout_get(view_layer=layer) for o in owners):
+            if far > 0 and any(is_holdout(o, layer) for o in owners):
                 far = math.inf
             for owner in owners:
                 nearest, farthest = out.get(owner, (math.inf, -math.inf))

@@ -627,6 +627,15 @@ class Addon(unittest.TestCase):
         self.traces_as_cycles(scene)
         self.assertEqual(scene.objects["post 4"].mode, "EDIT")
 
+    def test_the_tracer_sees_the_material_of_the_layer(self):
+        scene = self.boxes(f_number=2)
+        scene.objects["post 2"].data.materials.clear()
+        scene.objects["box"].data.materials.append(glowing("second", (1, 1, 1)))
+        scene.objects["box"].data.polygons[0].material_index = 1
+        scene.view_layers[0].material_override = glowing("of the layer", (0, 0.6, 0.2))
+        bpy.ops.postlens.trace()
+        self.same(self.path("traced.0000.exr"), self.truth(scene, 1)[0])
+
     def test_the_tracer_says_what_gltf_lacks(self):
         from postlens_addon import export
 
@@ -639,11 +648,23 @@ class Addon(unittest.TestCase):
         reflected.objects.link(scene.objects["post 2"])
         scene.collection.objects.unlink(scene.objects["post 2"])
         scene.view_layers[0].layer_collection.children["reflected"].indirect_only = True
+        scene.objects["post 3"].is_holdout = True
+        held = bpy.data.collections.new("held")
+        scene.collection.children.link(held)
+        held.objects.link(scene.objects["post 4"])
+        scene.collection.objects.unlink(scene.objects["post 4"])
+        scene.view_layers[0].layer_collection.children["held"].holdout = True
+        for name, kind, drawn in (("fur", "HAIR", "PATH"), ("dust", "EMITTER", "HALO"), ("unused", "HAIR", "PATH")):
+            modifier = scene.objects["wall"].modifiers.new(name, "PARTICLE_SYSTEM")
+            modifier.particle_system.settings.type, modifier.particle_system.settings.render_type = kind, drawn
+            modifier.particle_system.name, modifier.show_render = name, name != "unused"
         said = export.export(scene, scene.camera, self.path("scene.glb"))
         hidden = "is left out: it is hidden from the camera's rays alone"
+        solid = "is traced as it looks: glTF has no holdouts"
         self.assertEqual(
-            set(said), {"lamp is left out: glTF has no area lights", f"post 1 {hidden}", f"post 2 {hidden}"}
-        )
+            set(said), {"lamp is left out: glTF has no area lights", f"post 1 {hidden}", f"post 2 {hidden}",
+                        f"post 3 {solid}", f"post 4 {solid}", "fur of wall is left out: glTF has no hair"}
+        )  # fmt: skip
         self.assertEqual(program("info", self.path("scene.glb"))["objects"], 5)
         scene.camera.data.shift_x = 0.1
         self.fails(bpy.ops.postlens.trace, "shifted", "0.1, 0")
