@@ -86,8 +86,9 @@ def line_of(error):
     """A failure as one line."""
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
+    # A failure of an operator of Blender ends with the line of Blender's code that called it.
     lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
-    return next((line for line in reversed(lines) if line), type(error).__name__)
+    return next((s for s in reversed(lines) if s and not s.startswith("Location: ")), type(error).__name__)
 
 
 class Pictures:
