@@ -149,7 +149,7 @@ class Pictures:
         return count + last
 
     def report_result(self, stopped):
-        for text in self.job.warnings:
+        for text in self.job.warning_lines():
             self.report({"WARNING"}, text)
         self.report({"INFO"}, f"postlens{' was stopped' if stopped else ''}: {self.result()}")
 

@@ -35,7 +35,7 @@ class Job:
     cancelled: object = lambda: False
     in_window: bool = False  # Blender's renders run in its own thread, and its window stays responsive
     progress: object = lambda share, text: None
-    warnings: list = field(default_factory=list)
+    warnings: dict = field(default_factory=dict)  # texts and the first frame of each, None if it is of the scene
 
     def path(self, name, frame, ending=".exr"):
         return os.path.join(self.folder, f"{name}.{frame:04d}{ending}")
@@ -52,12 +52,13 @@ class Job:
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)
         for warning in said.get("warnings", []):
-            self.warn(frame, warning["text"])
+            self.warn(warning["text"], frame)
 
-    def warn(self, frame, text):
-        text = f"frame {frame}: {text}"
-        if text not in self.warnings:
-            self.warnings.append(text)
+    def warn(self, text, frame=None):
+        self.warnings.setdefault(text, frame)
+
+    def warning_lines(self):
+        return [text if frame is None else f"frame {frame}: {text}" for text, frame in self.warnings.items()]
 
     def pause(self):
         """Lets Blender's window respond between two steps that each take little time. Raises Cancelled."""
@@ -137,7 +138,7 @@ def render_passes(job, frame, margin_px, split_m):
     made = Passes(film, margin_px, job.path("front", frame))
     near = passes.hidden_before(depths_now(job, camera), split_m) if job.behind else []
     if near and job.scene.render.engine != "CYCLES":
-        job.warn(frame, "what is behind is not rendered: only Cycles can hide objects from the camera alone")
+        job.warn("what is behind is not rendered: only Cycles can hide objects from the camera alone")
         near = []
 
     def render(path, share, text):
@@ -228,11 +229,11 @@ def trace_frames(job):
                     f"(got {shift[0]:g}, {shift[1]:g}; expected 0)"
                 )
             if exposure_of(job.scene)[1] > 0:
-                job.warn(frame, "motion blur is on, but a traced picture is of one instant")
+                job.warn("motion blur is on, but a traced picture is of one instant")
             scene, records = job.path("scene", frame, ".glb"), job.path("records", frame)
             os.makedirs(job.folder, exist_ok=True)
             for text in export.export(job.scene, camera, scene):
-                job.warn(frame, text)
+                job.warn(text, frame)
             job.tell(frame, 0.1, "tracing")
             view = ["--size", f"{film.width_px}x{film.height_px}", "--film-width", f"{film.width_mm:.9g}"]
             view += ["--film-distance", f"{film.distance_mm:.9g}"]

@@ -672,6 +672,18 @@ class Addon(unittest.TestCase):
         scene.camera.data.shift_x = 0.1
         self.fails(bpy.ops.postlens.trace, "shifted", "0.1, 0")
 
+    def test_a_warning_is_given_once(self):
+        from postlens_addon import operators, pictures
+
+        scene = self.boxes(1)
+        scene.collection.objects.link(bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "AREA")))
+        scene.frame_start, scene.frame_end, scene.render.use_motion_blur = 1, 3, True
+        job = operators.job_of(scene, animation=True)
+        for _ in pictures.trace_frames(job):
+            pass
+        lines = ["frame 1: lamp is left out: glTF has no area lights", "motion blur is on, but a traced picture is of one instant"]
+        self.assertEqual([line for line in sorted(job.warning_lines()) if "no light in the scene" not in line], lines)
+
     def test_the_tracer_removes_its_copy_of_many_objects_at_once(self):
         from postlens_addon import export
 
