@@ -23,10 +23,6 @@ class Film:
     def pixels_per_radian(self):
         return self.distance_mm / self.width_mm * self.width_px
 
-    @property
-    def view(self):
-        return f"{2 * math.degrees(math.atan(self.width_mm / 2 / self.distance_mm)):.4g} degrees"
-
     def with_margin(self, margin_px):
         """The film enlarged by `margin_px` pixels on every side, for the same camera."""
         width = self.width_px + 2 * margin_px
@@ -94,6 +90,17 @@ def film_of(scene, camera):
     else:
         sensor_mm, sensor_px = data.sensor_width, width if data.sensor_fit == "HORIZONTAL" else max(width, height)
     return Film(width, height, sensor_mm * width / sensor_px, data.lens)
+
+
+def view_of(scene, camera):
+    """What of a camera decides its passes besides its place: texts by their names."""
+    data, film = camera.data, film_of(scene, camera)
+    return {
+        "camera": camera.name,
+        "focal length": f"{film.distance_mm:.9g} mm",
+        "film": f"{film.width_mm:.9g} mm, {film.width_px}x{film.height_px} px",
+        "shift": f"{data.shift_x:.9g}, {data.shift_y:.9g}",
+    }
 
 
 def pose_of(camera, depsgraph):

@@ -116,11 +116,13 @@ def survey(job):
     first = spans = None
     for frame in job.frames:
         camera, lens, film = at_frame(job, frame)
-        first = first or film
-        if job.only_lens_changes and film != first:
+        view = cameras.view_of(job.scene, camera)
+        first = first or view
+        if job.only_lens_changes and view != first:
+            name = next(name for name in view if view[name] != first[name])
             raise cameras.CameraError(
-                f"frame {frame}: the camera zooms (got a view of {film.view}; expected {first.view} as in the first "
-                "frame, because only the lens changes)"
+                f"frame {frame}: more than the lens changes (got {name} {view[name]}; expected {first[name]} as in the "
+                "first frame)"
             )
         if spans is None or not job.only_lens_changes:
             spans = depths_now(job, camera)

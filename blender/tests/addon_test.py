@@ -392,6 +392,29 @@ class Addon(unittest.TestCase):
         said = program("compare", self.path("focused.0003.exr"), self.path("focused.0005.exr"))
         self.assertLess(said["psnr_db"], 40)
 
+    def test_a_pull_of_focus_refuses_other_changes_of_the_camera(self):
+        scene = self.boxes(1)
+        scene.frame_start, scene.frame_end, scene.postlens.only_lens_changes = 0, 1, True
+        camera = scene.camera.data
+
+        def refused(*said):
+            self.fails(lambda: bpy.ops.postlens.focus(animation=True), "frame 1: more than the lens changes", *said)
+
+        for name, values, said in (("lens", (50, 80), "got focal length 80 mm; expected 50 mm"),
+                                   ("lens", (50, 50.001), "got focal length 50.0009995 mm; expected 50 mm"),
+                                   ("shift_x", (0, 0.5), "got shift 0.5, 0; expected 0, 0")):  # fmt: skip
+            for frame, value in enumerate(values):
+                setattr(camera, name, value)
+                camera.keyframe_insert(name, frame=frame)
+            refused(said)
+            camera.animation_data_clear()
+            setattr(camera, name, values[0])
+        other = bpy.data.objects.new("other", camera.copy())
+        scene.collection.objects.link(other)
+        for frame, marked in enumerate((scene.camera, other)):
+            scene.timeline_markers.new(marked.name, frame=frame).camera = marked
+        refused("got camera other; expected camera as in the first frame")
+
     def test_motion_is_blurred_along_its_vectors(self):
         scene = self.scene("96x54", 4)
         camera = scene.camera
@@ -714,12 +737,6 @@ class Addon(unittest.TestCase):
         scene.postlens.folder = self.folder
         os.mkdir(self.path("scene.0000.glb"))
         self.fails(bpy.ops.postlens.trace, "scene.0000.glb")
-        scene.postlens.only_lens_changes = True
-        for frame, lens in ((0, 50), (1, 80)):
-            scene.camera.data.lens = lens
-            scene.camera.data.keyframe_insert("lens", frame=frame)
-        scene.frame_start, scene.frame_end = 0, 1
-        self.fails(lambda: bpy.ops.postlens.focus(animation=True), "frame 1", "zooms")
         scene.camera = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "POINT"))
         self.fails(bpy.ops.postlens.focus, "lamp is a light")
         scene.camera = None
