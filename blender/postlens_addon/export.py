@@ -91,20 +91,20 @@ def rename_nodes(path, names):
 
 
 def export(scene, camera, path):
-    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns a line for each object that
-    is left out."""
-    copy = Copy(layer_of(scene))
+    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns a line for each thing that
+    is not traced as it is rendered."""
     # After a script has opened a file, the context has no window until Blender's next event.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
+    # A view with a camera of its own takes that of the window's scene when the scene changes.
+    spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
+    cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
+    copy = Copy(layer_of(scene))
 
     def fill(depsgraph):
         for instance in depsgraph.object_instances:
             copy.add_instance(instance)
         copy.add(camera.name, camera.data, camera.evaluated_get(depsgraph).matrix_world)
 
-    # A view with a camera of its own takes that of the window's scene when the scene changes.
-    spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
-    cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     try:
         with bpy.context.temp_override(window=window), kept((window, ("scene", "view_layer")), *cameras):
             rendered(scene, fill)
