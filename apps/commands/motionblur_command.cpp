@@ -162,6 +162,10 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
         fail(ExitCode::wrong_arguments, "--fit-paths: not with --scene (expected nothing)");
     const bool automatic = o.settings.method == MotionMethod::automatic;
     check_target(o.target_db, automatic ? FocusMethod::automatic : FocusMethod::lightfield);
+    if (automatic && o.settings.views) {
+        fail(ExitCode::wrong_arguments,
+             "--views: not with --scene and the method auto (expected --method lightfield)");
+    }
     ShootOptions shoot{.focus = {.shared = o.shared,
                                  .input = o.input,
                                  .output = o.output,
@@ -221,6 +225,10 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
              "(expected a flat OpenEXR picture)");
     }
     check_units(options.retrace);
+    if (options.settings.views && options.settings.method == MotionMethod::convolve) {
+        fail(ExitCode::wrong_arguments,
+             "--views: not with the method convolve (expected auto or lightfield)");
+    }
     if (options.retrace.scene || options.retrace.explain || options.target_db) return blur_with_rays(options);
     MotionBlurSettings settings = options.settings;
     settings.curve = shutter_curve(options.curve);

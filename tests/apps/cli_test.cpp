@@ -267,6 +267,9 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
         refused_with(words, {"--views", "9"}, "--views: not with the method ");  // the usual one
     }
     refused_with(shoot, {"--views", "9", "--method", "auto"}, "--views: not with the method auto");
+    const Words blur{"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--views", "9"};
+    refused(blur + Words{"--scene", scene()}, two, "(expected --method lightfield)");
+    refused(blur + Words{"--method", "convolve"}, two, "(expected auto or lightfield)");
     for (const Words& words : {shoot, sweep + Words{"--shutter", "0:1"}})
         refused_with(words, {"--target-db", "40"}, "--target-db: not with the method lightfield");
     for (const Words& words : {focus, sweep, shoot}) {
