@@ -136,7 +136,7 @@ std::unique_ptr<ViewedFrame> open_viewed_frame(const std::string& input) {
     if (info["kind"] == "samples") return view_records(input, std::move(info));
     if (is_foreign(input)) return view_foreign_picture(input, std::move(info));
     fail(ExitCode::invalid_input,
-         "{}: nothing to view (got a {}; expected a sample file or an OpenEXR picture)", input,
+         "{}: nothing to view (got the kind \"{}\"; expected a sample file or an OpenEXR picture)", input,
          info["kind"].get<std::string>());
 }
 
