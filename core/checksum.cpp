@@ -9,10 +9,8 @@
 namespace postlens {
 
 struct Checksum::State {
-    XXH3_state_t hash;
-    State() {
-        XXH3_64bits_reset(&hash);
-    }  // NOLINT(cppcoreguidelines-pro-type-member-init): XXH3_64bits_reset initialises it
+    XXH3_state_t hash{};
+    State() { XXH3_64bits_reset(&hash); }
 };
 
 Checksum::Checksum() : state_(std::make_unique<State>()) {}

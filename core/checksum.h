@@ -13,6 +13,8 @@ class Checksum {
   public:
     Checksum();
     ~Checksum();
+    Checksum(const Checksum&) = delete;
+    Checksum& operator=(const Checksum&) = delete;
     Checksum(Checksum&&) noexcept;
     Checksum& operator=(Checksum&&) noexcept;
 

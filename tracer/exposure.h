@@ -19,6 +19,6 @@ void expose(Scene& scene, double stops);
 /// its size, and is bit-identical for any number of threads. Throws the errors of find_camera and
 /// CameraModel.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
-                                         const CameraOverrides& camera);
+                                         const CameraOverrides& overrides);
 
 }  // namespace postlens

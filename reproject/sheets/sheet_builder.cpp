@@ -77,8 +77,8 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
     // Two nodes at one corner are two surfaces, however little their depths differ. The pieces of a leaf
     // follow each other.
     const auto covers = [](const Part& part, const LeafPiece& p) {
-        for (auto other = part.pieces.rbegin(); other != part.pieces.rend(); ++other) {
-            const LeafPiece& o = **other;
+        for (std::size_t k = part.pieces.size(); k-- > 0;) {
+            const LeafPiece& o = *part.pieces[k];
             if (o.leaf != p.leaf) return false;
             if (!o.maybe && !p.maybe && o.x < p.x + p.size && p.x < o.x + o.size && o.y < p.y + p.size &&
                 p.y < o.y + o.size)
