@@ -34,11 +34,6 @@ void check_subcommand(const CLI::App& app, std::span<const std::string> argument
     fail(ExitCode::wrong_arguments, "unknown subcommand (got {}; expected one of {})", arguments[0], known);
 }
 
-CLI::App& parsed_subcommand(CLI::App& app) {
-    const std::vector<CLI::App*> inner = app.get_subcommands();
-    return inner.empty() ? app : parsed_subcommand(*inner.front());
-}
-
 std::string full_name(const CLI::App& app) {
     const CLI::App* outer = app.get_parent();
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();

@@ -230,12 +230,10 @@ struct CompareCommandOptions {
     CompareLimits limits;
     /// image of error causes to write, and the sample file that it requires
     std::optional<std::string> map_causes, frame;
-    /// scene of the sample file, in which rays test whether they remove an error
-    std::optional<std::string> scene;
-    std::optional<double> metres_per_unit;  ///< absent: the sample file's
-    std::optional<double> lumens_per_watt;  ///< absent: the sample file's
-    ExposureOption exposure;                ///< absent: the reference's
-    LensOptions lens;  ///< lens with which the image was made, for the map of error causes
+    /// scene of the sample file, in which rays test whether they remove an error; `explain` is not used
+    RetraceOptions retrace;
+    ExposureOption exposure;  ///< absent: the reference's
+    LensOptions lens;         ///< lens with which the image was made, for the map of error causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
     std::optional<int> depths;

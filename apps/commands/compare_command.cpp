@@ -232,9 +232,9 @@ void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandR
     request.method = o.method;
     request.depths = o.depths;
     std::optional<Scene> scene;
-    if (o.scene) {
-        scene =
-            read_scene_of_file(*o.scene, o.metres_per_unit, o.lumens_per_watt, file, {*o.map_causes}, out);
+    if (o.retrace.scene) {
+        scene = read_scene_of_file(*o.retrace.scene, o.retrace.metres_per_unit, o.retrace.lumens_per_watt,
+                                   file, {*o.map_causes}, out);
         request.view.scene = &*scene;
     }
     const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
@@ -297,11 +297,9 @@ CommandResult run_compare(const CompareCommandOptions& options) {
     if (options.map_causes.has_value() != options.frame.has_value()) {
         fail(ExitCode::wrong_arguments, "--map-causes: goes with --frame (got one of them; expected both)");
     }
-    if (options.scene && !options.map_causes)
+    if (options.retrace.scene && !options.map_causes)
         fail(ExitCode::wrong_arguments, "--scene: goes with --map-causes (got it alone)");
-    check_units({.scene = options.scene,
-                 .metres_per_unit = options.metres_per_unit,
-                 .lumens_per_watt = options.lumens_per_watt});
+    check_units(options.retrace);
     for (const auto* path : {&options.map, &options.side_by_side, &options.map_causes}) {
         if (*path) check_image_path(**path);
     }

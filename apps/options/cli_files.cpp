@@ -68,14 +68,14 @@ void add_compare(CLI::App& root, CommandOptions& s) {
                "Write why each wrong pixel is wrong; needs --frame, and the lens or shutter of the image"))
         ->type_name("PNG");
     reads(app.add_option(
-              "--scene", o.scene,
+              "--scene", o.retrace.scene,
               "With --map-causes: the scene that the frame was traced from, traced again without one "
               "shortcoming at "
               "a time where the frame alone leaves causes open [default: nothing is]"))
         ->type_name("SCENE");
-    number(app, "--metres-per-unit", o.metres_per_unit,
+    number(app, "--metres-per-unit", o.retrace.metres_per_unit,
            "With --scene: size of its unit, m [default: as the sample file was traced]", "X", units_m);
-    lumens_option(app, o.lumens_per_watt, "With --scene: ");
+    lumens_option(app, o.retrace.lumens_per_watt, "With --scene: ");
     exposure_option(app, o.exposure, "the reference's");
     reads(
         app.add_option("--frame", o.frame, "With --map-causes: the sample file that the image was made from"))

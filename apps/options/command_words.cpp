@@ -63,11 +63,15 @@ CLI::Option* writes(CLI::Option* option) {
     return marked(option, write_mark);
 }
 
-std::vector<NamedFile> files_of(CLI::App& app) {
+CLI::App& parsed_subcommand(CLI::App& app) {
     const std::vector<CLI::App*> inner = app.get_subcommands();
-    if (!inner.empty()) return files_of(*inner.front());
+    return inner.empty() ? app : parsed_subcommand(*inner.front());
+}
+
+std::vector<NamedFile> files_of(CLI::App& app) {
     std::vector<NamedFile> out;
-    for (CLI::Option* option : app.get_options([](CLI::Option* o) { return o->count() > 0; })) {
+    for (CLI::Option* option :
+         parsed_subcommand(app).get_options([](CLI::Option* o) { return o->count() > 0; })) {
         const bool positional = option->get_positional(), written = has_mark(option, write_mark);
         for (const std::string& text : option->results()) {
             const std::string path = path_in(option, text);
@@ -94,9 +98,8 @@ void refuse_empty_values(CLI::App& app) {
     }
 }
 
-AskedFor asked_for(CLI::App& app) {
-    const std::vector<CLI::App*> inner = app.get_subcommands();
-    if (!inner.empty()) return asked_for(*inner.front());
+AskedFor asked_for(CLI::App& root) {
+    CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
     // These options change where or how fast the result is computed and which messages are printed, but not

@@ -19,13 +19,15 @@ CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
+/// Returns the innermost subcommand that was parsed, such as `lens psf`; `app` itself if there is none.
+[[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
 /// Returns the files that the marked options of the parsed subcommand name.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
 /// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value, as that of a shell
 /// variable that is not set. No option has one; an output of that name would be made and not be written.
 void refuse_empty_values(CLI::App& app);
 /// Returns the options of the parsed subcommand and the files that it reads.
-[[nodiscard]] AskedFor asked_for(CLI::App& app);
+[[nodiscard]] AskedFor asked_for(CLI::App& root);
 
 /// Returns the words of the command line without --share, --dry-run, --json and the options that name
 /// outputs.
