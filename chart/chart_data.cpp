@@ -10,54 +10,54 @@
 #include "core/error.h"
 
 namespace postlens {
-namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-// JSON has neither NaN nor infinity. NaN is written as null, and an infinity as the string "inf" or "-inf".
-Json number(double value) {
+nlohmann::ordered_json exact_number(double value) {
     if (std::isnan(value)) return nullptr;
     if (std::isinf(value)) return value > 0 ? "inf" : "-inf";
     return value;
 }
 
-double number(const Json& json) {
-    if (json.is_null()) return unknown;
+double number_from(const nlohmann::ordered_json& json) {
+    if (json.is_null()) return std::numeric_limits<double>::quiet_NaN();
     if (json.is_string())
         return json.get<std::string>() == "inf" ? std::numeric_limits<double>::infinity()
                                                 : -std::numeric_limits<double>::infinity();
     return json.get<double>();
 }
 
-Json to_json(const ChartError& e) {
-    return {{"psnr_db", number(e.psnr_db)},
+nlohmann::ordered_json to_json(const ChartError& e) {
+    return {{"psnr_db", exact_number(e.psnr_db)},
             {"is_bound", e.is_bound},
-            {"range_db", {number(e.least_psnr_db), number(e.greatest_psnr_db)}}};
+            {"range_db", {exact_number(e.least_psnr_db), exact_number(e.greatest_psnr_db)}}};
 }
 
-ChartError error_from(const Json& json) {
-    return {.psnr_db = number(json.at("psnr_db")),
+ChartError error_from(const nlohmann::ordered_json& json) {
+    return {.psnr_db = number_from(json.at("psnr_db")),
             .is_bound = json.at("is_bound").get<bool>(),
-            .least_psnr_db = number(json.at("range_db").at(0)),
-            .greatest_psnr_db = number(json.at("range_db").at(1))};
+            .least_psnr_db = number_from(json.at("range_db").at(0)),
+            .greatest_psnr_db = number_from(json.at("range_db").at(1))};
 }
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 Json to_json(const ChartFigures& f) {
     return {{"whole", to_json(f.whole)},
             {"affected", to_json(f.affected)},
-            {"relmse", number(f.relmse)},
-            {"ssim", number(f.ssim)},
-            {"flip", number(f.flip)}};
+            {"relmse", exact_number(f.relmse)},
+            {"ssim", exact_number(f.ssim)},
+            {"flip", exact_number(f.flip)}};
 }
 
 ChartFigures figures_from(const Json& json) {
     return {.whole = error_from(json.at("whole")),
             .affected = error_from(json.at("affected")),
-            .relmse = number(json.at("relmse")),
-            .ssim = number(json.at("ssim")),
-            .flip = number(json.at("flip"))};
+            .relmse = number_from(json.at("relmse")),
+            .ssim = number_from(json.at("ssim")),
+            .flip = number_from(json.at("flip"))};
 }
 
 std::string db_text(const ChartError& e) {
@@ -145,10 +145,10 @@ Json to_json(const ChartData& data) {
              {"key", data.key},
              {"about", data.about},
              {"affected_share", data.affected_share},
-             {"noise_rms", data.noise_rms ? number(*data.noise_rms) : Json(nullptr)},
+             {"noise_rms", data.noise_rms ? exact_number(*data.noise_rms) : Json(nullptr)},
              {"record_floor", data.record_floor ? to_json(*data.record_floor) : Json(nullptr)},
-             {"pinhole_psnr_db", number(data.pinhole_psnr_db)},
-             {"reference_s", number(data.reference_s)},
+             {"pinhole_psnr_db", exact_number(data.pinhole_psnr_db)},
+             {"reference_s", exact_number(data.reference_s)},
              {"traces", Json::array()},
              {"points", Json::array()}};
     for (const ChartTrace& t : data.traces) {
@@ -179,10 +179,10 @@ ChartData chart_from_json(const std::string& text, const std::filesystem::path& 
         out.about = json.at("about");
         out.part = json.value("part", Json());
         out.affected_share = json.at("affected_share").get<double>();
-        if (!json.at("noise_rms").is_null()) out.noise_rms = number(json.at("noise_rms"));
+        if (!json.at("noise_rms").is_null()) out.noise_rms = number_from(json.at("noise_rms"));
         if (!json.at("record_floor").is_null()) out.record_floor = error_from(json.at("record_floor"));
-        out.pinhole_psnr_db = number(json.at("pinhole_psnr_db"));
-        out.reference_s = number(json.at("reference_s"));
+        out.pinhole_psnr_db = number_from(json.at("pinhole_psnr_db"));
+        out.reference_s = number_from(json.at("reference_s"));
         for (const Json& t : json.at("traces")) {
             out.traces.push_back({t.at("name").get<std::string>(), t.at("seconds").get<std::vector<double>>(),
                                   t.at("records").get<std::uint64_t>(), t.at("bytes").get<std::uint64_t>()});

@@ -85,6 +85,13 @@ struct ChartData {
 [[nodiscard]] ChartError chart_error(const PixelErrors& plain, const std::optional<NoiseFloor>& noise);
 [[nodiscard]] ChartFigures chart_figures(const Comparison& comparison);
 
+/// JSON has neither NaN nor infinity. NaN becomes null, and an infinity the string "inf" or "-inf".
+[[nodiscard]] nlohmann::ordered_json exact_number(double value);
+/// Inverse of exact_number.
+[[nodiscard]] double number_from(const nlohmann::ordered_json& json);
+[[nodiscard]] nlohmann::ordered_json to_json(const ChartError& error);
+/// Inverse of to_json.
+[[nodiscard]] ChartError error_from(const nlohmann::ordered_json& json);
 [[nodiscard]] nlohmann::ordered_json to_json(const ChartData& data);
 /// Inverse of to_json. Throws Error(invalid_input) with the name `path`.
 [[nodiscard]] ChartData chart_from_json(const std::string& text, const std::filesystem::path& path);

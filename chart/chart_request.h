@@ -1,6 +1,7 @@
 // Settings of a chart. A chart compares methods for one scene with one lens and one shutter.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -13,6 +14,9 @@
 #include "tracer/intersection/ray_scene.h"
 
 namespace postlens {
+
+/// Seed of the rays of the reference and of the record floor, so that charts can be repeated.
+inline constexpr std::uint64_t reference_seed = 1;
 
 struct ChartRequest {
     std::filesystem::path scene;

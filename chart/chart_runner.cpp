@@ -30,7 +30,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint64_t reference_seed = 1;
 constexpr int floor_spp = 256;
 constexpr std::array own_pictures{"reference.exr", "reference.a.exr", "reference.b.exr",
                                   "reference.partial.exr", "pinhole.exr"};

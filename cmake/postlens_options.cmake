@@ -55,8 +55,8 @@ if(POSTLENS_SANITIZE)
 endif()
 
 # One library per folder: postlens_library(NAME [FEW_LOOPS] SOURCES sources... LINK libraries... PRIVATE libraries...).
-# FEW_LOOPS: nothing in the folder takes long, so optimising it is not worth the time of the compiler.
-set(few_loops_options $<$<CONFIG:Release>:-Og>)
+# FEW_LOOPS: nothing in the folder takes long, so the compiler optimises it little and reads all of it at once.
+set(few_loops_options $<$<CONFIG:Release>:-O1>)
 function(postlens_library name)
   cmake_parse_arguments(arg "FEW_LOOPS" "" "SOURCES;LINK;PRIVATE" ${ARGN})
   add_library(postlens_${name} STATIC ${arg_SOURCES})
@@ -64,9 +64,9 @@ function(postlens_library name)
   target_link_libraries(postlens_${name} PUBLIC postlens_options ${arg_LINK} PRIVATE ${arg_PRIVATE})
   if(arg_FEW_LOOPS)
     target_compile_options(postlens_${name} PRIVATE ${few_loops_options})
-    postlens_use_precompiled(postlens_${name} postlens_few_loops_headers)
+    postlens_compile_together(postlens_${name} WHOLE)
   else()
     postlens_use_precompiled(postlens_${name} postlens_library_headers)
+    postlens_compile_together(postlens_${name})
   endif()
-  postlens_compile_together(postlens_${name})
 endfunction()

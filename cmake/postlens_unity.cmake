@@ -1,6 +1,8 @@
-# Compiles the files of one folder of a target as one unit, so that their common headers and templates are read and
-# instantiated once: the first build of the libraries takes half the time. A name in an anonymous namespace must be unique in its folder.
+# Compiles the files of one folder of a target as one unit, or with WHOLE all files of the target, so that their common
+# headers and templates are read and instantiated once: the first build of the libraries takes half the time. A name in
+# an anonymous namespace must be unique in its unit.
 function(postlens_compile_together target)
+  cmake_parse_arguments(arg "WHOLE" "" "" ${ARGN})
   if(NOT POSTLENS_UNITY)
     return()
   endif()
@@ -14,7 +16,10 @@ function(postlens_compile_together target)
   endif()
   get_target_property(sources ${target} SOURCES)
   foreach(source IN LISTS sources)
-    get_filename_component(folder "${source}" DIRECTORY)
+    set(folder "")
+    if(NOT arg_WHOLE)
+      get_filename_component(folder "${source}" DIRECTORY)
+    endif()
     if(NOT IS_ABSOLUTE "${source}")
       string(MAKE_C_IDENTIFIER "${target}_${folder}" group)
       set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${group}")

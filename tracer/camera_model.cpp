@@ -4,13 +4,12 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "records/motion/scene_limits.h"
 
 namespace postlens {
 namespace {
 
 using glm::dvec3;
-
-constexpr int largest_raster_px = 1 << 16;
 
 double half_tangent(double degrees) {
     return std::tan(degrees * std::numbers::pi / 360);

@@ -60,13 +60,13 @@ class ViewedRecords : public ViewedFrame {
             for (const Json& node : sample["nodes"]) {
                 if (node["layer"] != 0) continue;
                 const auto rgb = node["rgb"].get<std::array<double, 3>>();
-                const double light =
+                const double weight =
                     sample["weight"].get<double>() * std::max(1e-12, luminance(rgb[0], rgb[1], rgb[2]));
                 MergedNodes& s = seen[{node["path"].get<std::string>(), node["id"].get<std::uint32_t>()}];
                 const auto& w = node["w_per_m"];
                 const double inverse = w.is_null() ? 0 : (w[0][0].get<double>() + w[1][1].get<double>()) / 2;
-                s.light += light;
-                s.inverse_depth += light * inverse;
+                s.light += weight;
+                s.inverse_depth += weight * inverse;
                 if (s.first == nullptr) s.first = &node;
             }
         }

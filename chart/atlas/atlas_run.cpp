@@ -19,7 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t reference_seed = 1;
 constexpr int gap_px = 4;
 // Least channel value that is accepted. A channel that should be 0 may become negative, down to this value,
 // when float sums are rounded.
@@ -158,37 +157,18 @@ class CaseRun {
     AtlasTrace trace_;
 };
 
-Json number(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-double number(const Json& json) {
-    return json.is_null() ? std::nan("") : json.get<double>();
-}
-
-Json to_json(const ChartError& e) {
-    return {{"psnr_db", number(e.psnr_db)},
-            {"is_bound", e.is_bound},
-            {"range_db", {number(e.least_psnr_db), number(e.greatest_psnr_db)}}};
-}
-
-ChartError error_from(const Json& j) {
-    return {number(j.at("psnr_db")), j.at("is_bound").get<bool>(), number(j.at("range_db").at(0)),
-            number(j.at("range_db").at(1))};
-}
-
 Json to_json(const AtlasFigures& f) {
     return {{"error", to_json(f.error)},         {"affected", to_json(f.affected)},
-            {"energy", number(f.energy)},        {"least_value", number(f.least_value)},
+            {"energy", exact_number(f.energy)},  {"least_value", exact_number(f.least_value)},
             {"nonfinite", f.nonfinite},          {"warnings", f.warnings},
             {"retraced_share", f.retraced_share}};
 }
 
-AtlasFigures figures_from(const Json& j) {
+AtlasFigures atlas_figures_from(const Json& j) {
     return {.error = error_from(j.at("error")),
             .affected = error_from(j.at("affected")),
-            .energy = number(j.at("energy")),
-            .least_value = number(j.at("least_value")),
+            .energy = number_from(j.at("energy")),
+            .least_value = number_from(j.at("least_value")),
             .nonfinite = j.at("nonfinite").get<std::size_t>(),
             .warnings = j.at("warnings").get<std::vector<std::string>>(),
             .retraced_share = j.at("retraced_share").get<double>()};
@@ -275,8 +255,8 @@ Json to_json(const AtlasResult& r) {
     return {{"key", r.key},
             {"named_share", r.named_share ? Json(*r.named_share) : Json(nullptr)},
             {"named_most", r.named_most},
-            {"pinhole_db", number(r.pinhole_db)},
-            {"noise_db", number(r.noise_db)},
+            {"pinhole_db", exact_number(r.pinhole_db)},
+            {"noise_db", exact_number(r.noise_db)},
             {"affected_share", r.affected_share},
             {"method", to_json(r.method)},
             {"remedy", r.remedy ? to_json(*r.remedy) : Json(nullptr)}};
@@ -286,12 +266,12 @@ AtlasResult atlas_from_json(const std::string& text, const fs::path& path) {
     try {
         const Json j = Json::parse(text);
         AtlasResult out{.key = j.at("key").get<std::string>(),
-                        .pinhole_db = number(j.at("pinhole_db")),
-                        .noise_db = number(j.at("noise_db")),
+                        .pinhole_db = number_from(j.at("pinhole_db")),
+                        .noise_db = number_from(j.at("noise_db")),
                         .affected_share = j.at("affected_share").get<double>(),
-                        .method = figures_from(j.at("method")),
+                        .method = atlas_figures_from(j.at("method")),
                         .remedy = std::nullopt};
-        if (!j.at("remedy").is_null()) out.remedy = figures_from(j.at("remedy"));
+        if (!j.at("remedy").is_null()) out.remedy = atlas_figures_from(j.at("remedy"));
         if (!j.at("named_share").is_null()) out.named_share = j.at("named_share").get<double>();
         out.named_most = j.at("named_most").get<std::string>();
         return out;

@@ -9,5 +9,7 @@ inline constexpr double largest_length_m = 1e12;
 inline constexpr double smallest_extent_m = 1e-12;
 /// Largest colour, intensity or coefficient that a scene may hold.
 inline constexpr double largest_colour = 1e12;
+/// Largest width and height of the raster of a camera, px.
+inline constexpr int largest_raster_px = 1 << 16;
 
 }  // namespace postlens

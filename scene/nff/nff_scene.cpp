@@ -25,8 +25,6 @@ using glm::dvec3;
 using Fill = std::array<double, 8>;
 constexpr Fill default_fill{1, 1, 1, 0.8, 0, 32, 0, 1};
 
-constexpr int largest_raster_px = 1 << 16;
-
 class NffReader {
   public:
     NffReader(const std::filesystem::path& path, double metres_per_unit)

@@ -14,7 +14,6 @@ namespace {
 using glm::dvec3;
 using Name = std::string_view;
 
-constexpr int largest_raster_px = 1 << 16;
 // Range of film sizes and focal lengths, mm. It is far wider than that of real cameras, but narrow enough
 // that quotients are finite.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};

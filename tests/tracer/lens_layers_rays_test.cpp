@@ -115,7 +115,7 @@ TEST(LensLayersInMirrors, AFlatMirrorShowsWhatStandsBehindIt) {
     add_plate(direct, 5, edge_px);
     add_wall(direct, 8);
     SceneBuilder mirrored = wide();
-    const double end = (edge_px - width / 2.0) / gain_px * 5;
+    const double end = (edge_px - width_px / 2.0) / gain_px * 5;
     mirrored.add(Rectangle{{end - 40, -20, 1}, {40, 0, 0}, {0, 40, 0}}, glowing({1, 0, 0}));
     mirrored.add(square({0, 0, 4}, {0, 0, -1}, 200), glowing({0, 1, 0}));
     mirrored.add(square({0, 0, -2}, {0, 0, 1}, 100), mirror(0.5));
@@ -137,13 +137,13 @@ TEST(LensLayersInMirrors, AFlatMirrorShowsWhatStandsBehindIt) {
         EXPECT_NEAR(r.w.xx, 1 / 8.0, 1e-6);
         EXPECT_NEAR(r.w.yx, 0, 1e-6);
     }
-    EXPECT_GT(behind, 2 * height);
+    EXPECT_GT(behind, 2 * height_px);
 }
 
 TEST(LensLayersInMirrors, LayersComeAfterThoseOfThePrimary) {
     // The mirror ends in front of a wall, at the same raster position as the plate that it shows.
     SceneBuilder b = wide();
-    const double end = (50.3 - width / 2.0) / gain_px;
+    const double end = (50.3 - width_px / 2.0) / gain_px;
     b.add(Rectangle{{end * 5 - 40, -20, 1}, {40, 0, 0}, {0, 40, 0}}, glowing({1, 0, 0}));
     b.add(square({0, 0, 4}, {0, 0, -1}, 200), glowing({0, 1, 0}));
     b.add(Rectangle{{(end + 3 / gain_px) * 2 - 40, -20, -2}, {40, 0, 0}, {0, 40, 0}}, mirror(0.5));
@@ -165,7 +165,7 @@ TEST(LensLayersInMirrors, LayersComeAfterThoseOfThePrimary) {
             }
         }
     }
-    EXPECT_GT(both, height);
+    EXPECT_GT(both, height_px);
 }
 
 TEST(LensLayersInMirrors, BehindGlass) {
@@ -183,7 +183,7 @@ TEST(LensLayersInMirrors, BehindGlass) {
     }
     // The bar is 6.7 px wide, less than the strips at its two edges, so the wall is recorded behind all of
     // it.
-    EXPECT_GT(bar, 6 * height);
+    EXPECT_GT(bar, 6 * height_px);
     EXPECT_EQ(behind, bar);
 }
 

@@ -37,7 +37,7 @@ TEST(LensLayers, BehindAPlateAsFarAsTheLensLooks) {
             }
             EXPECT_FALSE(layers.contains(2));
         }
-        EXPECT_GE(behind, height * std::floor(band));
+        EXPECT_GE(behind, height_px * std::floor(band));
     }
 }
 
@@ -63,7 +63,7 @@ TEST(LensLayers, GlassBehindAPlateAsFarAsWhatItShows) {
             ++shown;
         }
     }
-    EXPECT_GE(shown, height * std::floor(of_wall));
+    EXPECT_GE(shown, height_px * std::floor(of_wall));
 }
 
 TEST(LensLayers, NothingBehindWhatIsTooCloseOrHasNoEdge) {
@@ -95,8 +95,8 @@ void add_turned(SceneBuilder& b, double z, double begin_px, double end_px) {
           glowing({1, 0, 0}));
 }
 double turned_x(const std::pair<float, float>& at) {
-    return std::cos(turn) * (static_cast<double>(at.second) - width / 2.0) -
-           std::sin(turn) * (static_cast<double>(at.first) - height / 2.0);
+    return std::cos(turn) * (static_cast<double>(at.second) - width_px / 2.0) -
+           std::sin(turn) * (static_cast<double>(at.first) - height_px / 2.0);
 }
 
 TEST(LensLayers, AThinHairHidesNothing) {
@@ -114,7 +114,7 @@ TEST(LensLayers, AThinHairHidesNothing) {
         ASSERT_TRUE(layers.contains(1)) << at.second << ' ' << at.first;
         EXPECT_EQ(layers.at(1).front().id, 2U);
     }
-    EXPECT_GT(hair, height);
+    EXPECT_GT(hair, height_px);
 }
 
 TEST(LensLayers, ASlitIsSeenThrough) {
@@ -135,7 +135,7 @@ TEST(LensLayers, ASlitIsSeenThrough) {
             EXPECT_FALSE(layers.contains(1)) << from_gap;
         }
     }
-    EXPECT_GT(behind, 2 * height * std::floor(band));
+    EXPECT_GT(behind, 2 * height_px * std::floor(band));
 }
 
 SceneBuilder busy() {

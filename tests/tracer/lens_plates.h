@@ -22,11 +22,11 @@
 namespace postlens::test {
 
 /// The size of all images, px.
-inline constexpr int width = 96, height = 64;
+inline constexpr int width_px = 96, height_px = 64;
 /// The radius of the aperture: f/0.5 at 50 mm, so that hidden strips are wide in a small image.
 inline constexpr double radius_m = 0.05;
 /// Film distance / pixel pitch, px.
-inline constexpr double gain_px = width * 50.0 / 36.0;
+inline constexpr double gain_px = width_px * 50.0 / 36.0;
 /// The displacement per difference of inverse depths at the aperture's border, px m.
 inline constexpr double gain_px_m = gain_px * radius_m;
 inline constexpr double margin_px = LensReach::margin_px;
@@ -34,8 +34,8 @@ inline constexpr double margin_px = LensReach::margin_px;
 /// An empty scene with a camera of this image size.
 inline SceneBuilder wide() {
     SceneBuilder b;
-    b.scene.cameras[0].width = width;
-    b.scene.cameras[0].height = height;
+    b.scene.cameras[0].width = width_px;
+    b.scene.cameras[0].height = height_px;
     return b;
 }
 
@@ -45,20 +45,22 @@ inline std::vector<Record> sampled(const Scene& scene, bool for_lens, int count,
     const RayScene rays(scene, scene.time_s);
     const CameraModel camera(scene.cameras[0], scene.time_s);
     const WhittedSettings settings;
-    const LensReach reach(rays, camera, radius_m, settings.max_depth, -16, width + 17, -16, height + 17);
+    const LensReach reach(rays, camera, radius_m, settings.max_depth, -16, width_px + 17, -16,
+                          height_px + 17);
     const WhittedTracer tracer(rays, camera, settings, {count, nullptr, for_lens ? &reach : nullptr});
     std::vector<Record> out;
-    (void)sample_corners(tracer, {0, width, 0, height}, {.levels = levels}, [&](const RecordBand& band) {
-        for (int y = band.y_begin; y < band.y_end; ++y) {
-            for (int x = band.x_begin; x < band.x_end; ++x) {
-                const std::size_t k = band.pixel(x, y);
-                const auto pixel =
-                    std::span(band.records).subspan(band.offsets[k], band.offsets[k + 1] - band.offsets[k]);
-                EXPECT_EQ(problem_of_pixel(pixel, x, y, {true, true}), nullptr);
+    (void)sample_corners(
+        tracer, {0, width_px, 0, height_px}, {.levels = levels}, [&](const RecordBand& band) {
+            for (int y = band.y_begin; y < band.y_end; ++y) {
+                for (int x = band.x_begin; x < band.x_end; ++x) {
+                    const std::size_t k = band.pixel(x, y);
+                    const auto pixel = std::span(band.records)
+                                           .subspan(band.offsets[k], band.offsets[k + 1] - band.offsets[k]);
+                    EXPECT_EQ(problem_of_pixel(pixel, x, y, {true, true}), nullptr);
+                }
             }
-        }
-        out.insert(out.end(), band.records.begin(), band.records.end());
-    });
+            out.insert(out.end(), band.records.begin(), band.records.end());
+        });
     return out;
 }
 
@@ -78,7 +80,7 @@ inline Places places(const std::vector<Record>& records) {
 
 /// Adds a red plate at depth z, m, whose right edge is at raster x = `edge_px`.
 inline void add_plate(SceneBuilder& b, double z, double edge_px) {
-    const double end = (edge_px - width / 2.0) / gain_px * z;
+    const double end = (edge_px - width_px / 2.0) / gain_px * z;
     b.add(Rectangle{{end - 40, -20, -z}, {40, 0, 0}, {0, 40, 0}}, glowing({1, 0, 0}));
 }
 
