@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "core/error.h"
 #include "scene/scene.h"
 #include "tests/scene/gltf_text.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test {
@@ -51,7 +51,7 @@ inline bool notes_have(const Scene& scene, const std::string& text) {
 class MeshText : public testing::Test {
   protected:
     std::filesystem::path write(const std::string& name, const std::string& bytes) {
-        std::ofstream(folder_.path() / name, std::ios::binary) << bytes;
+        write_bytes(folder_.path() / name, bytes);
         return folder_.path() / name;
     }
     Scene read(const std::string& name, const std::string& bytes, const SceneReadOptions& options = {}) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "core/error.h"
 #include "scene/scene.h"
+#include "tests/support/file_bytes.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test {
@@ -21,7 +21,7 @@ inline const std::string ball = "[[object]]\nshape = 'sphere'\nradius_m = 1\n";
 class TomlText : public testing::Test {
   protected:
     Scene read(const std::string& text, const SceneReadOptions& options = {}) {
-        std::ofstream(path_, std::ios::binary) << text;
+        write_bytes(path_, text);
         return read_scene(path_, options);
     }
     // The error message from "LINE:COLUMN: " on. The name of the file in front of it is checked and removed.

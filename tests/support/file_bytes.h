@@ -16,7 +16,10 @@ inline std::string bytes_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// Writes a new file. ext4 sends a file to the disk at once if it replaces another one, which would make
+/// tests wait that write thousands.
 inline void write_bytes(const std::filesystem::path& path, std::string_view bytes) {
+    std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
