@@ -171,9 +171,11 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         // After `build`, threads only read the table of kernel numbers, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
+    // Most keys have been requested before, and are found without waiting for other threads.
+    const KernelKey::Packed packed = key.packed();
+    if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
-    const auto [entry, is_new] =
-        number_of_key_.try_emplace(key.packed(), static_cast<std::uint32_t>(keys_.size()));
+    const auto [entry, is_new] = number_of_key_.emplace(packed, static_cast<std::uint32_t>(keys_.size()));
     if (is_new) keys_.push_back(key);
     return entry->second;
 }

@@ -8,7 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <unordered_map>
+#include <tbb/concurrent_unordered_map.h>
 #include <utility>
 #include <vector>
 
@@ -174,7 +174,14 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> number_of_key_;
+    /// The table chooses a bucket by the lowest bits, which in PackedHash depend on the phases alone.
+    struct MixedHash {
+        std::size_t operator()(const KernelKey::Packed& key) const noexcept {
+            const std::size_t hash = KernelKey::PackedHash()(key);
+            return hash ^ hash >> 32;
+        }
+    };
+    tbb::concurrent_unordered_map<KernelKey::Packed, std::uint32_t, MixedHash> number_of_key_;
     std::deque<KernelKey> keys_;            ///< per number; empty after `build`
     std::vector<Kernel> kernels_;           ///< channels_ kernels per element of kernel_of_
     std::vector<std::uint32_t> kernel_of_;  ///< per number, index of its kernels divided by channels_
