@@ -295,9 +295,8 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vect
 /// is given, returns the exposure in the file. Throws Error(wrong_arguments) if both are absent.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the sample file was traced for a smaller aperture, focus range or shutter interval than
-/// is now used.
-void check_sufficient(const SampleHeader& header, const ResolvedLens& lens, std::vector<Warning>& out);
+/// Adds a warning if the sample file was traced for a smaller aperture or shutter interval than is now used.
+void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
 /// Runs the method hybrid with the scene of `retrace` and adds the scene's warnings. Writes the explanation

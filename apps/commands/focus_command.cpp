@@ -48,28 +48,18 @@ nlohmann::ordered_json json_number(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
-void check_sufficient(const SampleHeader& h, const ResolvedLens& lens, std::vector<Warning>& out) {
-    const SufficientRange& range = h.sufficient;
+void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
+    const std::optional<double>& smallest = h.sufficient.smallest_f_number;
     // Apertures are compared by their diameters. The f-number in the sample file refers to the film distance
-    // instead of the focal length, so f-numbers cannot be compared.
-    const double f_number = lens.lens.f_number * h.film_distance_mm / lens.lens.focal_length_mm;
+    // instead of the focal length, so f-numbers cannot be compared. The hidden surfaces that a lens sees do
+    // not depend on its focus distance. The overscan does, and each method looks at the border itself.
+    const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
-    if (range.smallest_f_number && f_number < *range.smallest_f_number * (1 - rounding)) {
-        out.push_back(
-            {"insufficient",
-             fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
-                         *range.smallest_f_number, h.film_distance_mm, lens.lens.f_number,
-                         lens.lens.focal_length_mm)});
-    }
-    if (range.nearest_focus_m && range.farthest_focus_m && std::isfinite(lens.lens.f_number) &&
-        (lens.focus_m < *range.nearest_focus_m || lens.focus_m > *range.farthest_focus_m)) {
-        out.push_back({"insufficient",
-                       fmt::format("the file was traced for focus at {}{} m (got {})", *range.nearest_focus_m,
-                                   *range.farthest_focus_m > *range.nearest_focus_m
-                                       ? fmt::format(" to {}", *range.farthest_focus_m)
-                                       : "",
-                                   lens.focus_m)});
-    }
+    if (!smallest || f_number >= *smallest * (1 - rounding)) return;
+    out.push_back(
+        {"insufficient",
+         fmt::format("the file was traced for f-numbers from {} on at {:.6g} mm (got {} at {:.6g} mm)",
+                     *smallest, h.film_distance_mm, lens.f_number, lens.focal_length_mm)});
 }
 
 ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file) {
@@ -144,7 +134,7 @@ CommandResult run_focus(const FocusOptions& options) {
     } else {
         result = focus_picture(frame, settings);
     }
-    check_sufficient(file.header(), lens, out.warnings);
+    check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
         const SampleHeader& h = file.header();

@@ -205,8 +205,8 @@ Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHead
 void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warning>& out) {
     const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
     if (open && close && (e.open_s < *open || e.close_s > *close)) {
-        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {}:{} s (got "
-                                                   "{}:{})",
+        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {:.6g}:{:.6g} s (got "
+                                                   "{:.6g}:{:.6g})",
                                                    *open, *close, e.open_s, e.close_s)});
     }
 }

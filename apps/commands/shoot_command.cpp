@@ -79,7 +79,7 @@ CommandResult run_shoot(const ShootOptions& options) {
         planned.hybrid = run_hybrid(frame, settings, o.retrace, o.output, out);
     }
     HybridResult& result = planned.hybrid;
-    check_sufficient(h, lens, out.warnings);
+    check_sufficient(h, lens.lens, out.warnings);
     check_sufficient(h, exposure, out.warnings);
     for (const FocusWarning& w : result.focus.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (!o.retrace.scene) warn_of_unseen_motion(file, motion, exposure, out);

@@ -92,7 +92,7 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
     for (const SweepRow& row : result.table.rows) {
         const SweepSetting& s = row.setting;
         const std::size_t before = insufficient.size();
-        check_sufficient(h, {{.focal_length_mm = s.focal_length_mm, .f_number = s.f_number}, s.focus_m},
+        check_sufficient(h, ThinLens{.focal_length_mm = s.focal_length_mm, .f_number = s.f_number},
                          insufficient);
         if (s.shutter) check_sufficient(h, Exposure{s.shutter->open_s, s.shutter->close_s}, insufficient);
         pictures += insufficient.size() > before ? 1 : 0;
