@@ -119,9 +119,11 @@ std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry&
     return FocusWarning{
         .code = "nonlinear",
         .share = share,
-        .text = fmt::format("{} % of the pixels show something in a mirror or in glass that other points "
-                            "of the lens see more than {} px from where its W puts it, or not at all",
-                            rough(100 * share), most_bend_px)};
+        .text =
+            fmt::format("in {} % of the pixels a mirror or glass shows something that is displaced by more "
+                        "than {} px, or is not seen, from some points of the lens (expected --method "
+                        "hybrid with --scene, which traces rays there)",
+                        rough(100 * share), most_bend_px)};
 }
 
 }  // namespace postlens

@@ -300,6 +300,7 @@ class Sweep {
     // The conditions are those of the command `focus`.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
+            settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
         // The warning depends on the lens only through its area, so it is computed once for each area.

@@ -136,7 +136,9 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials) {
+    // With a scene, rays replace what W misplaces.
+    if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
+        !options.retrace.scene) {
         const SampleHeader& h = file.header();
         const auto bends = bend_warning(frame,
                                         focus_geometry(lens.lens, lens.focus_m, options.lens.framing,

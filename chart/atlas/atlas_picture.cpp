@@ -42,7 +42,6 @@ class Maker {
                 by_shutter(file);
             } else if (method_.name == "hybrid") {
                 by_hybrid(file, true);
-                warn_of_bend(file);
             } else {
                 take(focus_picture(file, focus_settings()));
                 if (method_.name != "pinhole" && method_.depth_model == DepthModel::ray_differentials)

@@ -268,6 +268,13 @@ TEST_F(TraceCommand, LayersInMirrorsDisturbNoReader) {
     EXPECT_GT(json::parse(r.out)["rays"]["lens"], 0);
     EXPECT_EQ(info()["refocus_bends"], true);
     EXPECT_NE(focused.out.find("nonlinear"), std::string::npos) << focused.out;
+    // Rays replace what W misplaces.
+    for (const Words& command : {Words{"focus", frame, "-o", in("f.exr"), "--views", "4"},
+                                 Words{"sweep", frame, "-o", in("sweep"), "--views", "4"}}) {
+        const Outcome rays = run(command + Words{"--method", "hybrid", "--scene", still_life, "--json"});
+        EXPECT_EQ(rays.exit_code, 0) << rays.err;
+        EXPECT_EQ(rays.out.find("nonlinear"), std::string::npos) << rays.out;
+    }
 }
 
 TEST_F(TraceCommand, CoarseRecordsSufficeForRays) {
