@@ -26,8 +26,8 @@ struct FocusSettings {
     std::optional<int> depths = {};
     /// Target PSNR of "auto", dB, 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
-    /// The scene from which the frame was traced (`--scene`). Rays in it then replace samples that the
-    /// records do not determine, and the error is measured.
+    /// The scene from which the frame was traced (`--scene`), for "hybrid" and "auto". Rays in it then
+    /// replace samples that the records do not determine, and the error is measured.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.

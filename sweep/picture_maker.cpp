@@ -73,12 +73,35 @@ void check_counts(const std::optional<int>& depths, const std::optional<int>& vi
     }
 }
 
+void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method) {
+    using enum FocusMethod;
+    if (spacing != DepthSpacing::inverse && method != scatter && method != layers) {
+        fail(ExitCode::wrong_arguments, "--spacing: not with the method {} (expected scatter or layers)",
+             method_name(method));
+    }
+    if (model != DepthModel::ray_differentials && method != scatter && method != layers &&
+        method != pinhole) {
+        fail(ExitCode::wrong_arguments,
+             "--depth-model: {} knows what is seen in mirrors by W (expected W, or scatter or layers)",
+             method_name(method));
+    }
+}
+
+void check_traces_rays(std::string_view name, FocusMethod method) {
+    if (method == FocusMethod::hybrid || method == FocusMethod::automatic) return;
+    fail(ExitCode::wrong_arguments,
+         "{}: not with the method {}, which traces no rays (expected hybrid or auto)", name,
+         method_name(method));
+}
+
 PictureMaker::PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter)
     : file_(file),
       settings_(std::move(settings)),
       method_(method_for(settings_, file.header(), with_shutter)),
       frame_(file, true) {
     check_counts(settings_.depths, settings_.views, method_);
+    check_depth_options(settings_.spacing, settings_.depth_model, method_);
+    if (settings_.scene != nullptr && !with_shutter) check_traces_rays("--scene", method_);
     if (with_shutter) motion_.emplace(motion_of(file.header(), settings_.paths));
 }
 

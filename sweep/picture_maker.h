@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "focus/focus.h"
@@ -43,6 +44,12 @@ inline constexpr int default_shutter_views = 128;
 /// Refuses a number of depths or views that the method, as it is after `automatic` chose one, does not use.
 /// Throws Error(wrong_arguments).
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
+/// Refuses a spacing of depths, and a depth of what mirrors and glass show, that the method does not use.
+/// Throws Error(wrong_arguments).
+void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
+/// Refuses the option `name`, --scene or --explain, for a method that traces no rays, without a shutter.
+/// Throws Error(wrong_arguments).
+void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
     Image image;

@@ -101,6 +101,9 @@ CommandResult run_focus(const FocusOptions& options) {
     const UsualMethod usual = usual_method(file.header());
     const FocusMethod method = unplanned ? usual.method : options.method;
     check_counts(options.depths, options.views, method);
+    check_depth_options(options.spacing, options.depth_model, method);
+    if (options.retrace.scene) check_traces_rays("--scene", method);
+    if (options.retrace.explain) check_traces_rays("--explain", method);
     const FocusSettings settings{.lens = lens.lens,
                                  .focus_distance_m = lens.focus_m,
                                  .framing = options.lens.framing,

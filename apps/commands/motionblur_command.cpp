@@ -205,9 +205,10 @@ Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHead
 void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warning>& out) {
     const auto &open = h.sufficient.shutter_open_s, &close = h.sufficient.shutter_close_s;
     if (open && close && (e.open_s < *open || e.close_s > *close)) {
-        out.push_back({"insufficient", fmt::format("the file was traced for a shutter within {:.6g}:{:.6g} s (got "
-                                                   "{:.6g}:{:.6g})",
-                                                   *open, *close, e.open_s, e.close_s)});
+        out.push_back(
+            {"insufficient", fmt::format("the file was traced for a shutter within {:.6g}:{:.6g} s (got "
+                                         "{:.6g}:{:.6g})",
+                                         *open, *close, e.open_s, e.close_s)});
     }
 }
 
@@ -228,6 +229,10 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     if (options.settings.views && options.settings.method == MotionMethod::convolve) {
         fail(ExitCode::wrong_arguments,
              "--views: not with the method convolve (expected auto or lightfield)");
+    }
+    if (options.settings.fit_px && options.settings.method == MotionMethod::lightfield) {
+        fail(ExitCode::wrong_arguments,
+             "--fit-paths: not with the method lightfield (expected auto or convolve)");
     }
     if (options.retrace.scene || options.retrace.explain || options.target_db) return blur_with_rays(options);
     MotionBlurSettings settings = options.settings;

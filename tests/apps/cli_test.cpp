@@ -265,11 +265,26 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
                          "--depths: not with the method " + method + " (expected scatter or layers)");
         }
         refused_with(words, {"--views", "9"}, "--views: not with the method ");  // the usual one
+        for (const std::string method : {"scatter", "layers", "lightfield", "pinhole"}) {
+            refused_with(words, {"--scene", scene(), "--method", method},
+                         "--scene: not with the method " + method + ", which traces no rays");
+        }
+        for (const std::string method : {"lightfield", "hybrid", "auto"}) {
+            const Words by{"--method", method, "--target-db", "40"};
+            const Words asked(by.begin(), by.begin() + (method == "auto" ? 4 : 2));
+            refused_with(words, asked + Words{"--spacing", "linear"}, "--spacing: not with the method ");
+            refused_with(words, asked + Words{"--depth-model", "path"},
+                         "--depth-model: " + method + " knows");
+        }
     }
     refused_with(shoot, {"--views", "9", "--method", "auto"}, "--views: not with the method auto");
     const Words blur{"motionblur", frame, "-o", in("x.exr"), "--shutter", "0:1", "--views", "9"};
     refused(blur + Words{"--scene", scene()}, two, "(expected --method lightfield)");
     refused(blur + Words{"--method", "convolve"}, two, "(expected auto or lightfield)");
+    refused(blur + Words{"--method", "lightfield", "--fit-paths", "1"}, two,
+            "--fit-paths: not with the method lightfield (expected auto or convolve)");
+    refused_with(focus, {"--explain", in("e.png"), "--method", "layers"},
+                 "--explain: not with the method layers, which traces no rays (expected hybrid or auto)");
     for (const Words& words : {shoot, sweep + Words{"--shutter", "0:1"}})
         refused_with(words, {"--target-db", "40"}, "--target-db: not with the method lightfield");
     for (const Words& words : {focus, sweep, shoot}) {
