@@ -27,8 +27,8 @@ void report_picture(const Image& image, const std::string& output, const std::op
                     CommandResult& out) {
     if (crop) {
         out.json["crop"] = {{"x", crop->x}, {"y", crop->y}, {"width", crop->width}, {"height", crop->height}};
-        out.text +=
-            fmt::format("\n  of it {}x{} px from {},{} on", crop->width, crop->height, crop->x, crop->y);
+        out.text += fmt::format("\n  only {}x{} px of it, from {},{} on", crop->width, crop->height, crop->x,
+                                crop->y);
     }
     out.json["exposure_stops"] = image.exposure_stops.value_or(0);
     std::string ending = std::filesystem::path(output).extension().string();

@@ -338,7 +338,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     if (layers) out.layers_share = mix_in(*layers, mix, grid, crop, out.hybrid.focus.image);
     out.hybrid.focus.views = *most;
     out.hybrid.focus.method = FocusMethod::hybrid;
-    out.plan = fmt::format("{} to {} views a tile, {:.0f} on the mean: ", *least, *most, out.mean_views);
+    out.plan = *least == *most ? fmt::format("{} views a tile: ", *most)
+                               : fmt::format("{} to {} views a tile, {:.0f} on the mean: ", *least, *most,
+                                             out.mean_views);
     std::string reason;
     if (has_rays) {
         out.hybrid.stated = stated;
@@ -367,13 +369,14 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         out.bound_mse = together_mse(stated.views_mse, bound.mean_mse(grid.width, crop));
         out.met = out.noise_mse <= most_mse;
         const std::string said = fmt::format(
-            "{:.1f} dB beside what the records are not sure of, {} % of what the lens sees, and at "
-            "least {:.1f} dB",
-            out.noise_db(), rough(100 * out.unsure_share), out.bound_db());
+            "{:.1f} dB without the error of the records, at least {:.1f} dB with it, as {} % of the view "
+            "samples "
+            "are unsure",
+            out.noise_db(), out.bound_db(), rough(100 * out.unsure_share));
         out.plan += said;
         if (settings.target_db && out.met && out.bound_mse > most_mse) {
             out.hybrid.focus.warnings.push_back(
-                {"unsure", out.unsure_share, said + " (expected --scene, for rays to look there)"});
+                {"unsure", out.unsure_share, said + " (expected --scene, for rays in their place)"});
         }
         reason = fmt::format("{:.1f} dB are reached with {} views (expected a lower target)", out.noise_db(),
                              *most);

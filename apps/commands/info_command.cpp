@@ -167,7 +167,10 @@ CommandResult scene_info(const std::string& input) {
                            counted(scene.objects.size(), "object"), moving,
                            counted(scene.materials.size(), "material"), counted(scene.lights.size(), "light"),
                            counted(scene.cameras.size(), "camera"), camera.width, camera.height);
-    if (!meshes.empty()) out.text += fmt::format("\n{} meshes of {} triangles", meshes.size(), triangles);
+    if (!meshes.empty())
+        out.text +=
+            fmt::format("\n{} of {}", meshes.size() == 1 ? "1 mesh" : fmt::format("{} meshes", meshes.size()),
+                        counted(triangles, "triangle"));
     if (!textures.empty()) out.text += fmt::format("\n{}", counted(textures.size(), "texture"));
     if (motion) out.text += fmt::format("\nmotion from {:.6g} to {:.6g} s", motion->open_s, motion->close_s);
     if (scene.cameras.size() > 1) out.text += fmt::format("\ncameras: {}", fmt::join(cameras, ", "));

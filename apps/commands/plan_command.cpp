@@ -103,8 +103,9 @@ void report_prediction(const PredictedError& predicted, CommandResult& out) {
                               {"tile_px", TileGrid::edge},
                               {"columns", predicted.grid.columns()},
                               {"tiles", std::move(tiles)}};
-    out.text += fmt::format(", {:.1f} dB beside what the records are not sure of, at least {:.1f} dB",
-                            predicted.predicted_db, predicted.bound_db);
+    out.text +=
+        fmt::format(", predicted {:.1f} dB without the error of the records, at least {:.1f} dB with it",
+                    predicted.predicted_db, predicted.bound_db);
 }
 
 nlohmann::ordered_json auto_json(const AutoResult& r) {

@@ -67,7 +67,8 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
            "--share", [&r](const std::string& text) { r.share = parse_share("--share", text); },
            "Only every N-th point, from the I-th, for `merge` (docs/farm.md); not with --atlas")
         ->type_name("I/N");
-    app.add_flag("!--no-plots", r.plots, "No SVG and PNG: gnuplot is not needed");
+    app.add_flag_callback(
+        "--no-plots", [&r] { r.plots = false; }, "No SVG and PNG: gnuplot is not needed");
     common_options(app, common);
     app.callback([=, &app, &common] {
         o->request.join = common.join;

@@ -9,10 +9,11 @@ namespace postlens {
 namespace {
 
 void retrace_options(CLI::App& app, RetraceOptions& o) {
-    reads(app.add_option("--scene", o.scene,
-                         "The scene that the frame was traced from: rays look wherever the records do not "
-                         "tell what a point "
-                         "of the lens sees [default: they tell what they can]"))
+    reads(
+        app.add_option("--scene", o.scene,
+                       "The scene that the frame was traced from: rays in it replace what the records do not "
+                       "determine, and measure the error; focus does so by hybrid and auto [default: no "
+                       "rays]"))
         ->type_name("SCENE");
     number(
         app, "--metres-per-unit", o.metres_per_unit,
@@ -20,10 +21,9 @@ void retrace_options(CLI::App& app, RetraceOptions& o) {
         "traced; 1 of another program's picture]",
         "X", units_m);
     lumens_option(app, o.lumens_per_watt, "With --scene: ");
-    writes(app.add_option(
-               "--explain", o.explain,
-               "Picture of what was done where: blue scattered, grey light field (auto: the paler the more "
-               "views), red traced again"))
+    writes(app.add_option("--explain", o.explain,
+                          "Picture of what hybrid and auto did where: blue scattered, grey light field "
+                          "(auto: the paler the more views), red traced again"))
         ->type_name("PNG");
 }
 
@@ -61,8 +61,9 @@ void add_focus(CLI::App& root, CommandOptions& s) {
          {"hybrid", FocusMethod::hybrid},
          {"auto", FocusMethod::automatic},
          {"pinhole", FocusMethod::pinhole}});
-    whole(app, "--depths", o.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
-          "K", depth_counts);
+    whole(app, "--depths", o.depths,
+          "Number K of impulse responses [default: as many as keep CoCs right to half a pixel]", "K",
+          depth_counts);
     whole(app, "--views", o.views,
           fmt::format("Points of the lens that lightfield and hybrid look from [default: {}]",
                       default_lens_views),
@@ -82,7 +83,7 @@ void add_focus(CLI::App& root, CommandOptions& s) {
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.focus); }; });
@@ -154,7 +155,7 @@ void add_motionblur(CLI::App& root, CommandOptions& s) {
     target_option(app, o.target_db, fmt::format("{:g} with --scene", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.motionblur); }; });
@@ -191,7 +192,7 @@ void add_shoot(CLI::App& root, CommandOptions& s) {
     target_option(app, o.target_db, fmt::format("{:g}", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.shoot); }; });

@@ -113,17 +113,16 @@ void dry_run_option(CLI::App& app, ParsedCommand& to) {
 }
 
 void predict_option(CLI::App& app, bool& to) {
-    app.add_flag("--predict", to,
-                 "Say how far the picture is from what the light field of its records comes to, and at least "
-                 "from the truth, by tile with --json: looks at the records from as many points of the lens "
-                 "again, 64 at least");
+    app.add_flag(
+        "--predict", to,
+        "Predict the PSNR of the picture without the error of the records, and the least with it, by "
+        "tile with --json: compares it with a light field of as many further views, 64 at least");
 }
 
 void salvage_option(CLI::App& app, bool& to) {
-    app.add_flag(
-        "--salvage", to,
-        "Of a damaged or cut off sample file read the rows that are whole; the others are as if nothing "
-        "had been seen there, and a warning names them (docs/files.md)");
+    app.add_flag("--salvage", to,
+                 "Read the intact rows of a damaged or truncated sample file; the others count as empty, and "
+                 "a warning names them (docs/files.md)");
 }
 
 void output_option(CLI::App& app, std::string& to, const std::string& help) {

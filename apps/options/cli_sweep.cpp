@@ -58,8 +58,9 @@ void method_options(CLI::App& app, SweepOptions& o) {
     number(app, "--target-db", p.target_db,
            "With --method auto: PSNR wanted of the picture [default: the usual method]", "DB",
            target_decibels);
-    whole(app, "--depths", p.depths, "Number K of impulse responses [default: CoC right to half a pixel]",
-          "K", depth_counts);
+    whole(app, "--depths", p.depths,
+          "Number K of impulse responses [default: as many as keep CoCs right to half a pixel]", "K",
+          depth_counts);
     whole(app, "--views", p.views,
           "Points of the lens that lightfield and hybrid look from [default: 64; with --shutter "
           "128]",
@@ -85,9 +86,10 @@ void method_options(CLI::App& app, SweepOptions& o) {
     reads(app.add_option("--paths", o.paths,
                          "Paths of objects, in place of what the file says (docs/motion_paths.md)"))
         ->type_name("PATHS.toml");
-    reads(app.add_option("--scene", o.retrace.scene,
-                         "The scene that the frame was traced from: rays look wherever the records do not "
-                         "tell what a point of the lens sees [default: they tell what they can]"))
+    reads(
+        app.add_option("--scene", o.retrace.scene,
+                       "The scene that the frame was traced from: rays in it replace what the records do not "
+                       "determine, as for focus and shoot [default: no rays]"))
         ->type_name("SCENE");
     number(app, "--metres-per-unit", o.retrace.metres_per_unit,
            "With --scene: size of its unit, m [default: as the sample file was traced]", "X", units_m);
@@ -121,10 +123,10 @@ void folder_options(CLI::App& app, SweepOptions& o) {
            "Only every N-th picture, from the I-th, for `merge` (docs/farm.md)")
         ->type_name("I/N");
     predict_option(app, s.picture.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 where the file does not suffice for the request");
+    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
     app.add_flag_function(
         "--salvage", [&s](std::int64_t) { s.damage = Damage::salvage; },
-        "Of a damaged or cut off sample file read the rows that are whole, as for focus");
+        "Read the intact rows of a damaged or truncated sample file, as for focus");
 }
 
 }  // namespace

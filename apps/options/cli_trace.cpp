@@ -89,7 +89,8 @@ void add_trace(CLI::App& root, CommandOptions& s) {
            "and "
            "--overscan",
            "N", above_0);
-    number(app, "--for-focus", t.for_focus_m, "Size the file for this focus distance", "M", above_0, true);
+    number(app, "--for-focus", t.for_focus_m, "Size --overscan auto and --plan for this focus distance", "M",
+           above_0, true);
     app.add_flag(
         "--for-rays", o.for_rays,
         "Size the file for images that are made with --scene: one level of subdivision, as rays replace "

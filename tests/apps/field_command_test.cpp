@@ -205,7 +205,7 @@ TEST_F(FieldCommand, EveryMethodSaysWhatItExpectsToBeOffBy) {
     ASSERT_EQ(blurred.exit_code, 0) << blurred.err;
     EXPECT_GT(json::parse(blurred.out)["predicted_db"], 15);
     const Outcome text = run({"focus", in("frame.exr"), "-o", in("out.exr"), "--predict"});
-    EXPECT_NE(text.out.find(" dB beside what the records are not sure of"), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find(" dB without the error of the records"), std::string::npos) << text.out;
     // Rejected before any output is written.
     std::filesystem::remove(in("out.exr"));
     for (const Words& options : {Words{"--impulse", "diffraction"}, Words{"--framing", "lens"}}) {
