@@ -26,5 +26,7 @@ offers "coc" lens c
 offers "scatter layers lightfield hybrid auto pinhole" focus a.exr --method ""
 offers "layers lightfield" focus a.exr --method l
 offers "auto" trace scene.toml --overscan ""
+offers "W path first-hit" focus a.exr --depth-model ""
+offers "distance inverse normalized:" focus a.exr --depth-encoding ""
 offers "--focal-length --f-number --focus" lens coc --f
 offers "" focus a
