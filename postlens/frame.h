@@ -56,8 +56,9 @@ struct Records {
     /// transmitted. 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0: visible from the pinhole; n: the n-th surface behind it.
-    /// The matrix W, 1/m: elements xx, xy, yx and yy of each record. For the lens point q, the image of the
-    /// node moves on the raster by -W q. For a surface that is seen directly, W = I / z' [Igehy 1999].
+    /// The matrix W, 1/m: elements xx, xy, yx and yy of each record. From the lens point q, m, the node is
+    /// seen in a direction whose tangent differs by -W q; times film distance / pixel pitch this is px. For a
+    /// surface that is seen directly, W = I / z' [Igehy 1999].
     std::vector<float> w = {};
     /// Second-order error of W, 1/m^2. Infinite if other lens points do not see the node by this path.
     std::vector<float> w_bend = {};

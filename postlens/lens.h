@@ -16,8 +16,8 @@ struct LensSettings {
     std::optional<double> focal_length_mm = {};
     /// F-number n, more than 0: the aperture's diameter is F / n (`--f-number`). Infinity: a pinhole.
     std::optional<double> f_number = {};
-    /// Distance from the lens to the plane in focus, m, along the optical axis, more than F (`--focus`).
-    /// Infinity is allowed.
+    /// Distance from the lens to the plane in focus, m, along the optical axis, more than 0 (`--focus`). If
+    /// the film is at F or V (`framing`, `breathing`, single lenses), more than F. Infinity is allowed.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). Cannot be combined with
     /// `focus_distance_m`.
@@ -111,7 +111,7 @@ struct ImpulseResponse {
     std::vector<float> values = {};
     double energy_in_frame = 0;    ///< Sum of `values`, up to 1.
     double coc_px = 0;             ///< Diameter of the geometric circle of confusion, px.
-    double image_distance_mm = 0;  ///< Distance from the lens to the image of the point, mm.
+    double image_distance_mm = 0;  ///< Distance V = F s / (s - F) from the lens to the film, mm.
     Report report = {};            ///< Of `postlens lens psf`.
 };
 

@@ -11,7 +11,8 @@
 namespace postlens::api {
 
 /// Settings of `sweep`. It makes a picture for every combination of values of the first five members. An
-/// empty member has the value of the file.
+/// empty member has the value of the file. From picture to picture, the focus distance changes fastest, then
+/// the f-number, the focal length, the shutter and the impulse response.
 struct SweepSettings {
     std::vector<double> f_number = {};  ///< F-numbers, more than 0; infinity: a pinhole (`--f-number`).
     std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).
@@ -44,11 +45,10 @@ struct SweepPicture {
 
 /// What `sweep` has made.
 struct SweepResult {
-    std::vector<SweepPicture> pictures =
-        {};              ///< The pictures, in the order of the combinations. The last member changes fastest.
-    int made = 0;        ///< Number of pictures that this call has made.
-    int kept = 0;        ///< Number of pictures of an earlier run that were kept.
-    Report report = {};  ///< Of `postlens sweep`.
+    std::vector<SweepPicture> pictures = {};  ///< The pictures, in the order of the combinations.
+    int made = 0;                             ///< Number of pictures that this call has made.
+    int kept = 0;                             ///< Number of pictures of an earlier run that were kept.
+    Report report = {};                       ///< Of `postlens sweep`.
 };
 
 /// Makes a picture of the sample file `frame` for every combination of the settings. Writes the pictures, a
