@@ -25,6 +25,8 @@ offers "trace image records render focus motionblur shoot sweep lens compare cha
 offers "coc" lens c
 offers "scatter layers lightfield hybrid auto pinhole" focus a.exr --method ""
 offers "layers lightfield" focus a.exr --method l
+offers "layers lightfield" focus a.exr --method = l
+offers "auto" trace scene.toml --overscan =
 offers "auto" trace scene.toml --overscan ""
 offers "W path first-hit" focus a.exr --depth-model ""
 offers "distance inverse normalized:" focus a.exr --depth-encoding ""
