@@ -129,7 +129,7 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     for (int set = 1; set <= sets; ++set) {
         s.set = set;
         StackField field = stack_field(picture, behind, s);
-        divide_by_seen(field);
+        divide_by_covered(field);
         sum.resize(field.image.rgb.size());
         squares.resize(field.image.rgb.size());
         for (std::size_t i = 0; i < sum.size(); ++i) {

@@ -222,15 +222,15 @@ void take_alpha(const Image& grey, Image& image) {
 /// opaque image gets no alpha.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
-    const std::vector<float> seen = divide_by_seen(field);
+    divide_by_covered(field);
     if (opaque) {
         field.image.alpha.clear();
     } else {
         Image alpha = grey(field.image);
-        fill_gaps(alpha, seen);
+        fill_gaps(alpha, field.covered);
         take_alpha(alpha, field.image);
     }
-    fill_gaps(field.image, seen);
+    fill_gaps(field.image, field.covered);
     double unseen = 0;
     for (const float share : field.unseen) unseen += static_cast<double>(share);
     const double share = unseen / (static_cast<double>(drawn.width()) * drawn.height());
@@ -261,8 +261,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
     // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
     // that the crop is bit-identical to that part of the whole image.
-    const auto is_gap = [](float unseen) { return unseen >= 1; };
-    if (crop && std::any_of(field.unseen.begin(), field.unseen.end(), is_gap)) {
+    const auto is_gap = [](float covered) { return !(covered > 0); };
+    if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;
         field = stack_field(picture, behind, s);
     }

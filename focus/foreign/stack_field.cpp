@@ -116,12 +116,14 @@ class Band {
             // A view whose light the lens blocks contributes black, so colours are means over all views.
             // Alpha is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
-            out.image.alpha[k] = passed > 0 ? std::min(sums_[i].rgba[3] / passed, 1.0F) : 1;
+            out.image.alpha[k] = passed > 0 ? sums_[i].rgba[3] / passed : 1;
             if (!shares_.empty() && passed > 0) {
                 for (ObjectShare& o : shares_[i]) o.share /= passed;
                 out.shares[k] = std::move(shares_[i]);
             }
+            const float covered = passed > 0 ? (sums_[i].rgba[3] + sums_[i].held_out) / passed : 1;
             out.unseen[k] = passed > 0 && nothing_[k] == 0 ? sums_[i].unseen / passed : 0;
+            out.covered[k] = nothing_[k] == 0 ? covered : std::max(covered, 1.0F);
         }
     }
 
@@ -139,7 +141,7 @@ class Band {
     };
     struct Sum {
         std::array<float, 4> rgba{};
-        float unseen = 0;
+        float unseen = 0, held_out = 0;  ///< views, and alpha of holdouts
     };
     struct Hit {
         std::uint32_t at;
@@ -232,15 +234,15 @@ class Band {
                 sum.rgba[2] += s.b;
                 sum.rgba[3] += s.alpha;
                 if (!shares_.empty()) add_share(shares_[h.at], s);
+            } else {
+                sum.held_out += s.alpha;
             }
-            if (met_.empty()) met_.resize(sums_.size());
-            met_[h.at] = 1;
         }
+        // A view that meets only samples that are transparent in it looks past them at what is not shown.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
-            const bool met = !met_.empty() && met_[i] != 0;
-            if (!met && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
+            const bool ends = nearest_[i].inverse_z >= 0;
+            if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
         }
-        std::fill(met_.begin(), met_.end(), std::uint8_t{0});
     }
     void add_share(std::vector<ObjectShare>& of_pixel, const StackSample& s) const {
         constexpr double in_focus_px = 1;
@@ -277,7 +279,7 @@ class Band {
     std::vector<Depth> nearest_;  ///< per pixel, the nearest opaque quadrilateral of the view
     std::vector<Hit> hits_;
     std::vector<Sum> sums_;
-    std::vector<std::uint8_t> met_, passes_;
+    std::vector<std::uint8_t> passes_;
     std::vector<std::vector<ObjectShare>> shares_;
     std::vector<float> passed_;  ///< per pixel, number of views that the lens transmits; empty: all
     double half_diagonal_px_;
@@ -295,6 +297,7 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
     const std::size_t pixels = out.image.rgb.size() / 3;
     out.image.alpha.resize(pixels);
     out.unseen.resize(pixels);
+    out.covered.resize(pixels, 1.0F);
     if (settings.shares) out.shares.resize(pixels);
     const auto bands =
         static_cast<std::size_t>((settings.drawn.height() + rows_per_task - 1) / rows_per_task);
@@ -311,15 +314,13 @@ StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>&
     return out;
 }
 
-std::vector<float> divide_by_seen(StackField& field) {
-    std::vector<float> seen(field.unseen.size());
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-        seen[k] = 1 - field.unseen[k];
-        if (!(seen[k] > 0)) continue;
-        for (std::size_t c = 0; c < 3; ++c) field.image.rgb[3 * k + c] /= seen[k];
-        field.image.alpha[k] = std::min(field.image.alpha[k] / seen[k], 1.0F);
+void divide_by_covered(StackField& field) {
+    for (std::size_t k = 0; k < field.covered.size(); ++k) {
+        const float covered = field.covered[k];
+        if (!(covered > 0)) continue;
+        for (std::size_t c = 0; c < 3; ++c) field.image.rgb[3 * k + c] /= covered;
+        field.image.alpha[k] = std::min(field.image.alpha[k] / covered, 1.0F);
     }
-    return seen;
 }
 
 }  // namespace postlens

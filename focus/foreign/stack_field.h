@@ -36,10 +36,15 @@ struct ObjectShare {
 };
 
 struct StackField {
-    Image image;  ///< premultiplied; `alpha` has a value for every pixel
-    /// Per pixel of the window, the fraction of its views that see what the picture does not show: what lies
-    /// beyond its border, or behind what it shows. Empty space behind a pixel counts as seen.
+    /// Premultiplied. `alpha` has a value for every pixel, which may exceed 1, as the samples that are opaque
+    /// in a view are drawn at random.
+    Image image;
+    /// Per pixel of the window, the fraction of its views that end at what the picture does not show: beyond
+    /// its border, or behind its last sample. Empty space behind a pixel counts as shown.
     std::vector<float> unseen;
+    /// Per pixel of the window, the sum of the alphas that make up the image, those of holdouts included. Its
+    /// expected value is 1 less that of `unseen`. At least 1 for a pixel with empty space behind it.
+    std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
@@ -62,8 +67,8 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides colours and alpha by the share of the views that see what the picture shows. Returns this share
-/// for each pixel.
-std::vector<float> divide_by_seen(StackField& field);
+/// Divides colours and alpha by StackField::covered, so that what the picture shows also stands for what it
+/// does not show, and limits alpha to 1. Pixels of which no view shows anything keep their values.
+void divide_by_covered(StackField& field);
 
 }  // namespace postlens

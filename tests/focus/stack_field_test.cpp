@@ -81,7 +81,7 @@ Image squares_one_by_one(const Bench& bench, const ForeignPicture& p, int views)
     }
     for (std::size_t k = 0; k < sums.size(); ++k) {
         for (std::size_t c = 0; c < 3; ++c) out.rgb[3 * k + c] = static_cast<float>(sums[k][c] / views);
-        out.alpha[k] = static_cast<float>(std::min(1.0, sums[k][3] / views));
+        out.alpha[k] = static_cast<float>(sums[k][3] / views);
     }
     return out;
 }
