@@ -4,6 +4,9 @@
 #include <cctype>
 #include <tuple>
 
+#include "core/text.h"
+#include "pictures/foreign/channel_names.h"
+
 namespace postlens {
 namespace {
 
@@ -72,10 +75,31 @@ ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::strin
     std::erase_if(words, [&](const std::string& w) {
         const bool of_pass = has_word(pass, w);
         out.has_pass = out.has_pass || of_pass;
-        return of_pass || is_number_of_part(w);
+        return of_pass || has_word(colour_words, w) || is_number_of_part(w);
     });
     out.layer = std::move(words);
     return out;
+}
+
+std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
+                                              const std::string& name) {
+    const ForeignPart& p = file.parts()[part];
+    const auto [before, letter] = split_channel(name);
+    const std::string last = lower_case(letter);
+    const ChannelGroup group = channel_group(file, part, before, depth_words);
+    // A Z beside X and Y is not a depth, but a component of a position, a direction or a motion.
+    const bool has_x =
+        p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
+    if (last == "z" && (group.has_pass || !has_x)) {
+        if (has_any_word(group.layer, {"normal", "normals", "position", "vector", "vectors", "motion",
+                                       "velocity", "forward"}))
+            return {};
+        return GroupCandidate{group, name, group.has_pass ? 2 : 1};
+    }
+    if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))
+        return GroupCandidate{group, name, 3};
+    if (group.has_pass && last == "r") return GroupCandidate{group, name, 4};
+    return {};
 }
 
 std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates, const ChannelGroup& own,

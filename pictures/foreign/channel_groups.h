@@ -17,8 +17,9 @@ namespace postlens {
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
-                                                 "color", "colour", "image"};
-inline constexpr std::string_view depth_words[]{"depth", "z", "zdepth", "depthz", "zbuffer", "zbuf"};
+                                                 "color", "colour", "image",    "ci"};
+inline constexpr std::string_view depth_words[]{"depth",   "z",    "zdepth", "depthz",
+                                                "zbuffer", "zbuf", "pz",     "vrayzdepth"};
 inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
@@ -27,7 +28,8 @@ inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward",
 ///
 /// Programs order names differently: LAYER.depth.Z, depth.LAYER.Z, or a part depth_LAYER with a channel Z.
 /// Therefore, the words of the part's name and of the channel's name (without its last word) form a set. The
-/// layer is what remains of this set without the words that name the pass or the view.
+/// layer is what remains of this set without the words that name the pass or the view. Words that name
+/// colours are not part of a layer's name either: the Z of a part "rgba" belongs to the colours of that part.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< of the part or the name; else the first of `multiView`; else empty
@@ -54,6 +56,10 @@ struct GroupMatch {
     std::size_t candidate = 0;
     bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
+
+/// The channel as a candidate for a depth, by its name. Empty if the name is not that of a depth.
+[[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
+                                                            const std::string& name);
 
 /// Selects the channel that belongs to the colours of the group `own` (view and layer). The channel must have
 /// the same view, and its layer must equal that of the colours or contain all words of that layer. Among

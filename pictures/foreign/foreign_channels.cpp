@@ -66,7 +66,8 @@ class Finder {
                 const auto [before, letter] = split_channel(name);
                 const ChannelGroup group = channel_group(file_, part, before, alpha_words);
                 const std::string last = lower_case(letter);
-                if (letter == "A" || last == "alpha" || (group.has_pass && last == "y"))
+                const bool is_a = letter == "A" || (letter == "a" && out_.r == out_.layer + "r");
+                if (is_a || last == "alpha" || (group.has_pass && last == "y"))
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
@@ -177,27 +178,11 @@ class Finder {
         const bool own_file = file_.has_own_file(PartUse::depth);
         auto found =
             candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
-                const ForeignPart& p = file_.parts()[part];
+                auto depth = depth_candidate(file_, part, name);
+                if (!depth) return;
                 const auto [before, letter] = split_channel(name);
-                const std::string last = lower_case(letter);
-                const ChannelGroup group = channel_group(file_, part, before, depth_words);
-                // A Z beside X and Y is not a depth, but a component of a position, a direction or a motion.
-                const bool has_x = p.has(before + (letter == "z" ? "x" : "X")) &&
-                                   p.has(before + (letter == "z" ? "y" : "Y"));
-                if (last == "z" && (group.has_pass || !has_x)) {
-                    if (has_any_word(group.layer, {"normal", "normals", "position", "vector", "vectors",
-                                                   "motion", "velocity", "forward"}))
-                        return;
-                    to.push_back({group, name,
-                                  part == out_.part && before == out_.layer ? 0
-                                  : group.has_pass                          ? 2
-                                                                            : 1});
-                } else if ((group.has_pass && (last == "v" || last == "y")) || last == "depth" ||
-                           last == "zdepth") {
-                    to.push_back({group, name, 3});
-                } else if (group.has_pass && letter == "R") {
-                    to.push_back({group, name, 4});
-                }
+                if (lower_case(letter) == "z" && part == out_.part && before == out_.layer) depth->rank = 0;
+                to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
         // A separate depth file stores the depths in its only channel, or the same depths in each of R, G and

@@ -35,17 +35,26 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
 /// Priority of a layer whose channels hold data, not colours.
 constexpr int data_rank = 4;
 
+/// Whether the names of the layer or of its part say that its channels are data. The name of the only part
+/// says nothing about its channels.
+bool holds_data(const ForeignFile& file, std::size_t part, const std::string& layer) {
+    const bool only = std::count_if(file.parts().begin(), file.parts().end(),
+                                    [](const ForeignPart& p) { return p.use == PartUse::picture; }) == 1;
+    const std::vector<std::string> words = words_of(only ? layer : file.parts()[part].name + "." + layer);
+    const bool matte = std::any_of(words.begin(), words.end(), [](const std::string& w) {
+        return w.find("crypto") != std::string::npos;
+    });
+    return matte || has_any_word(words, {"depth", "zdepth", "vrayzdepth", "normal", "normals", "position",
+                                         "vector", "motion", "velocity", "forward", "uv"});
+}
+
 /// Priority of a layer as the source of colours; lower is better.
-int rank(const std::string& layer) {
-    const std::vector<std::string> words = words_of(layer);
-    const bool data = std::any_of(words.begin(), words.end(),
-                                  [](const std::string& w) { return w.find("crypto") != std::string::npos; });
-    if (data || has_any_word(words, {"depth", "zdepth", "normal", "normals", "position", "vector", "motion",
-                                     "velocity", "forward", "uv"}))
-        return data_rank;
+int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
+    if (holds_data(file, part, layer)) return data_rank;
     if (layer.empty()) return 0;
+    const std::vector<std::string> words = words_of(layer);
     if (has_any_word(words, {"combined"})) return 1;
-    return has_any_word(words, {"rgba", "beauty", "color"}) ? 2 : 3;
+    return has_any_word(words, {"rgba", "beauty", "color", "ci"}) ? 2 : 3;
 }
 
 /// How well a layer matches the requested name. Lower is better; 2 means no match.
@@ -65,23 +74,22 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// What a channel belongs to: a part of the file, a view (such as the left eye's) and a layer (as words).
-using Owner = std::tuple<std::size_t, std::string, std::vector<std::string>>;
+/// What a channel belongs to: a view (such as the left eye's) and a layer (as words). Deep samples only
+/// belong to those of the same part.
+using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
-Owner owner_of(const ChannelGroup& group) {
-    return {group.part, group.view, group.layer};
+Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
+    const bool deep = file.parts()[group.part].deep;
+    return {deep ? std::optional(group.part) : std::nullopt, group.view, group.layer};
 }
 
-/// Layers that have a depth channel in the same part.
+/// Layers that have a depth channel.
 std::set<Owner> owners_of_depths(const ForeignFile& file) {
     std::set<Owner> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
+        if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& name : file.parts()[i].channels) {
-            const auto words = split_channel(name);
-            const std::string letter = lower_case(words.second);
-            if (letter != "z" && letter != "v") continue;
-            const ChannelGroup depth = channel_group(file, i, words.first, depth_words);
-            if (letter == "z" || depth.has_pass) out.insert(owner_of(depth));
+            if (const auto depth = depth_candidate(file, i, name)) out.insert(owner_of(file, depth->group));
         }
     }
     return out;
@@ -96,7 +104,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
     const auto views = file.views();
     const std::set<Owner> with_depth = owners_of_depths(file);
     std::optional<std::pair<std::size_t, std::string>> best;
-    std::tuple<int, bool, std::size_t, int, std::size_t, bool> least{2, false, 0, 0, 0, false};
+    std::tuple<int, bool, std::size_t, int, std::size_t, bool, std::size_t> least{2, false, 0, 0,
+                                                                                  0, false, 0};
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
@@ -108,13 +117,14 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
             // Of the layers that fit a name, the one with the fewest words is meant: ViewLayer is the
             // beginning of ViewLayer.001, too.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
-            const int kind = rank(layer);
+            const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),
                                    kind == data_rank,
                                    words,
                                    kind,
                                    by_name ? static_cast<std::size_t>(view - views.begin()) : 0,
-                                   !with_depth.contains(owner_of(group))};
+                                   !with_depth.contains(owner_of(file, group)),
+                                   group.layer.size()};
             if (order < least) {
                 least = order;
                 best = {i, layer};
@@ -186,7 +196,7 @@ std::vector<ChannelGroup> colour_groups(const ForeignFile& file) {
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : colour_layers(file.parts()[i])) {
-            if (rank(layer) != data_rank) out.push_back(channel_group(file, i, layer, colour_words));
+            if (!holds_data(file, i, layer)) out.push_back(channel_group(file, i, layer, colour_words));
         }
     }
     return out;

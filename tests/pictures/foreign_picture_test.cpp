@@ -159,6 +159,61 @@ TEST_F(ForeignPictureTest, PartsMayHoldBareNames) {
     EXPECT_EQ(near.channels.id, "id");
 }
 
+// Of a file that has a part for every pass, the picture is used, wherever its part stands.
+TEST_F(ForeignPictureTest, ThePictureIsFoundAmongThePartsOfItsPasses) {
+    const Plane depth = even(4), other = even(8);
+    const Part albedo{colours_of(2, ""), "albedo", ""},
+        as_colours{{{"R", depth}, {"G", depth}, {"B", depth}}, "depth", ""};
+    for (const char* name : {"rgba", "beauty", "ViewLayer.Combined", "shot_010.rgba"}) {
+        const std::string layer = std::string(name).substr(0, std::string(name).rfind('.') + 1);
+        const Part colours{colours_of(1, ""), name, ""}, depths{{{"Z", depth}}, layer + "depth", ""};
+        Part with_depth = colours, other_with_depth = albedo;
+        with_depth.channels["Z"] = depth;
+        other_with_depth.channels["Z"] = other;
+        other_with_depth.name = layer + "albedo";
+        std::vector<std::vector<Part>> files{{other_with_depth, with_depth},
+                                             {with_depth, other_with_depth},
+                                             {with_depth, {{{"Z", other}}, layer + "shadow", ""}},
+                                             {other_with_depth, colours, depths},
+                                             {with_depth}};
+        if (layer.empty()) {
+            files.push_back({albedo, colours, depths});
+            files.push_back({as_colours, colours});
+        }
+        for (std::size_t i = 0; i < files.size(); ++i) {
+            const ForeignPicture p = read(files[i]);
+            EXPECT_EQ(p.stack(0, 0)[0].r, 1) << name << " " << i;
+            EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F) << name << " " << i;
+            EXPECT_EQ(warning(p, "assumed"), "") << name << " " << i;
+        }
+        EXPECT_EQ(read(files[0], {.layer = layer + "albedo"}).stack(0, 0)[0].inverse_z, 0.125F);
+    }
+    // A view layer without a depth, such as Blender's Composite, is not used if another one has a depth.
+    const ForeignPicture p = read({{colours_of(2, ""), "Composite.Combined", ""},
+                                   {{{"Z", depth}}, "ViewLayer.Depth", ""},
+                                   {colours_of(1, ""), "ViewLayer.Combined", ""}});
+    EXPECT_EQ(p.stack(0, 0)[0].r, 1);
+    EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F);
+}
+
+// RenderMan writes the colours Ci.r, Ci.g and Ci.b beside an alpha a; V-Ray and Mantra have names of their
+// own for the depth.
+TEST_F(ForeignPictureTest, RenderersNameAlphaAndDepthInTheirOwnWays) {
+    const std::map<std::string, Plane> ci{{"Ci.r", even(0.5F)}, {"Ci.g", even(0.5F)}, {"Ci.b", even(0.5F)}};
+    for (const char* depth : {"z", "Pz", "VRayZDepth", "VRayZDepth.R", "depth.r"}) {
+        Part part{ci};
+        part.channels["a"] = even(0.5F);
+        part.channels[depth] = even(4);
+        const ForeignPicture p = read({part});
+        EXPECT_EQ(p.stack(0, 0)[0].alpha, 0.5F) << depth;
+        EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F) << depth;
+    }
+    // A lower-case a beside upper-case colours is something else.
+    Part part{rgbz(1, 4)};
+    part.channels["a"] = even(0.5F);
+    EXPECT_EQ(read({part}).stack(0, 0)[0].alpha, 1);
+}
+
 TEST_F(ForeignPictureTest, WhatIsSurmisedIsSaid) {
     // A pass without depth gets the depth of the whole image, with a warning.
     Part passes{rgbz(1, 4)};
