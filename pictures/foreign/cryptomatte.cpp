@@ -3,11 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
+#include <filesystem>
 #include <fmt/format.h>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
+#include <system_error>
 
 namespace postlens {
 namespace {
@@ -167,11 +172,27 @@ std::string as_json(std::string manifest) {
     return unescaped->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// Largest manifest file that is read.
+constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
+
+/// Text of the file in which a manifest stands, beside the image. Empty if it cannot be read. Cryptomatte
+/// allows no other folder.
+std::string text_beside(const std::string& image, const std::string& name) {
+    namespace fs = std::filesystem;
+    if (fs::path(name).filename() != fs::path(name)) return "";
+    const fs::path path = fs::path(image).parent_path() / name;
+    std::error_code error;
+    if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > most_manifest_bytes) return "";
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace
 
 Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
     struct Said {
-        std::string name, manifest;
+        std::string name, manifest, manifest_file;
+        std::size_t part = 0;
     };
     std::map<std::string, Said> keys;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -187,6 +208,9 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
                     said.name = std::move(text);
                 } else if (what == "manifest") {
                     said.manifest = as_json(std::move(text));
+                } else if (what == "manif_file") {
+                    said.manifest_file = std::move(text);
+                    said.part = i;
                 }
             }
         }
@@ -197,6 +221,14 @@ Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part) {
         if (said.name.empty()) {
             out.problems.push_back(fmt::format("Cryptomatte {} has no name", shown(key)));
         } else {
+            if (said.manifest.empty() && !said.manifest_file.empty()) {
+                said.manifest = as_json(text_beside(file.name_of(said.part), said.manifest_file));
+                if (said.manifest.empty()) {
+                    out.problems.push_back(fmt::format(
+                        "Cryptomatte {} has no names of objects: cannot read its manifest {} beside {}",
+                        shown(said.name), shown(said.manifest_file), file.name_of(said.part)));
+                }
+            }
             sets[said.name] = {said.name, {}, std::move(said.manifest)};
         }
     }

@@ -271,6 +271,30 @@ TEST_F(ForeignIds, BrokenCryptomattesAreWarnedOfAndLeftAside) {
     EXPECT_EQ(p.stack(0, 0)[0].id, cryptomatte_id("bunny"));
 }
 
+TEST_F(ForeignIds, AManifestMayStandInAFileBesideThePicture) {
+    Part part = with_matte();
+    part.texts.erase("cryptomatte/1234567/manifest");
+    const std::string bunny = R"({"bunny":"13851a76"})";
+    std::ofstream(in("names.json")) << bunny;
+    part.texts["cryptomatte/1234567/manif_file"] = "names.json";
+    EXPECT_EQ(read({part}).channels.matte->manifest, bunny);
+    EXPECT_EQ(warnings(read({part})), 0);
+    // Other folders are not read. Without names, the ids still separate surfaces.
+    for (const char* file : {"none.json", "../names.json", "/etc/hostname", ".", "a\nb"}) {
+        part.texts["cryptomatte/1234567/manif_file"] = file;
+        const ForeignPicture p = read({part});
+        ASSERT_TRUE(p.channels.matte.has_value()) << file;
+        EXPECT_EQ(p.channels.matte->manifest, "") << file;
+        EXPECT_EQ(p.stack(0, 0)[0].id, cryptomatte_id("bunny")) << file;
+        ASSERT_EQ(warnings(p), 1) << file;
+        EXPECT_EQ(p.repairs.back().text.find('\n'), std::string::npos) << file;
+    }
+    // A manifest in the picture itself comes first.
+    part.texts["cryptomatte/1234567/manifest"] = R"({"hare":"13851a76"})";
+    part.texts["cryptomatte/1234567/manif_file"] = "names.json";
+    EXPECT_EQ(manifest_names(read({part}).channels.matte->manifest), std::vector<std::string>{"hare"});
+}
+
 TEST_F(ForeignIds, NamesInTheManifestOfCyclesAreNotEscaped) {
     const auto names = [&](const std::string& manifest) {
         Part part = with_matte();
