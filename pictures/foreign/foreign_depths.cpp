@@ -108,6 +108,16 @@ void ForeignDepths::finish(const ForeignFile& file, const ForeignPart& part, For
 }
 
 void ForeignDepths::warn_of_encoding(ForeignPicture& picture) const {
+    constexpr float rounding = 1e-3F;
+    if (encoding_ && encoding_->kind == DepthEncoding::Kind::normalized && greatest_value_ > 1 + rounding) {
+        picture.repairs.push_back(
+            {"assumed",
+             fmt::format(
+                 "normalized depths are up to {:.6g}, not 1: they are farther than the end of the range "
+                 "that --depth-encoding states",
+                 greatest_value_),
+             1});
+    }
     if (encoding_ || negative_ + positive_ == 0 || farthest_ > 1) return;
     picture.repairs.push_back(
         {"assumed",

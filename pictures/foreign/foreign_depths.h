@@ -37,6 +37,7 @@ class ForeignDepths {
     void note(float z, int x, int y, float value) {
         if (!is_hit(z)) return;
         farthest_ = std::max(farthest_, std::abs(z));
+        greatest_value_ = std::max(greatest_value_, value);
         if (z < 0) {
             if (negative_ == 0) first_negative_ = {x, y, value};
             ++negative_;
@@ -58,12 +59,13 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
-    /// Warns if all depths are between 0 and 1. Few scenes are that small, but other encodings of depth have
-    /// this range.
+    /// Warns if all depths are between 0 and 1, or if normalized ones are not. Few scenes are that small, but
+    /// other encodings of depth have this range.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;
-    float farthest_ = 0;  ///< largest finite depth, in the file's unit
+    float farthest_ = 0;        ///< largest finite depth, in the file's unit
+    float greatest_value_ = 0;  ///< largest value of a depth in the file
     std::size_t negative_ = 0, positive_ = 0;
     Place first_negative_;
 };

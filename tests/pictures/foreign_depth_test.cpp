@@ -38,6 +38,14 @@ TEST_F(ForeignPictureTest, DepthsOfOneSignAreDistancesOfBothRefused) {
     EXPECT_NE(refusal([&] { (void)read({part}); }).find("channel Z at pixel 1,0"), std::string::npos);
 }
 
+TEST_F(ForeignPictureTest, NormalizedDepthsBeyondOneAreWarnedOf) {
+    // 16 bits of an integer channel are not divided by their largest value.
+    ForeignChoice choice;
+    choice.depth_encoding = DepthEncoding{DepthEncoding::Kind::normalized, 1, 10};
+    EXPECT_FALSE(warns(read({{rgbz(1, 1)}}, choice), "assumed"));
+    EXPECT_TRUE(warns(read({{rgbz(1, 65535)}}, choice), "assumed"));
+}
+
 TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
     const ForeignCameraChoice camera{
         .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
