@@ -257,7 +257,7 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult foreign_image(const ImageOptions& options);
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
 /// Throws Error(wrong_arguments) for options that apply only to images of other programs.
-void refuse_foreign_options(const ForeignOptions& options);
+void refuse_foreign_options(const ForeignOptions& options, const std::string& input);
 
 /// Returns how the reader handles a damaged sample file: with --salvage it reads the undamaged rows.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {

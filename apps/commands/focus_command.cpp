@@ -78,7 +78,7 @@ CommandResult run_focus(const FocusOptions& options) {
     // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
     // it.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
-    refuse_foreign_options(options.foreign);
+    refuse_foreign_options(options.foreign, options.input);
     check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,

@@ -150,9 +150,10 @@ std::string ForeignOptions::given() const {
     return names;
 }
 
-void refuse_foreign_options(const ForeignOptions& options) {
+void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    if (given.empty()) return;
+    // Of any other input, its reader says what it is.
+    if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
          given);
@@ -185,6 +186,18 @@ CommandResult focus_foreign(const FocusOptions& options) {
         fail(ExitCode::wrong_arguments,
              "--predict: not for a picture of another program, which does not tell what it lacks (expected a "
              "sample file)");
+    }
+    for (const auto& [name, is_given] : std::initializer_list<std::pair<const char*, bool>>{
+             {"--scene", options.retrace.scene.has_value()},
+             {"--target-db", options.target_db.has_value()},
+             {"--explain", options.retrace.explain.has_value()}}) {
+        if (is_given) {
+            fail(ExitCode::wrong_arguments,
+                 "{}: not for a picture of another program, which no ray can look into again (expected a "
+                 "sample "
+                 "file)",
+                 name);
+        }
     }
     if (options.retrace.lumens_per_watt) {
         fail(ExitCode::wrong_arguments,

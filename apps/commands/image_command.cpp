@@ -11,7 +11,7 @@ CommandResult run_image(const ImageOptions& options) {
     // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
     // it.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
-    refuse_foreign_options(options.foreign);
+    refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
                                  exposure_of_samples(options.exposure, options.input, damage), damage);

@@ -256,6 +256,19 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--behind", in("none.exr")},
             ExitCode::invalid_input, "none.exr");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--predict"}, two, "--predict");
+    for (const auto& [option, word] :
+         {std::pair("--scene", "a.toml"), {"--target-db", "40"}, {"--explain", "e.png"}}) {
+        refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", option, word}, two,
+                std::string(option) + ": not for a picture of another program");
+    }
+    // What is no OpenEXR file is not taken for a sample file.
+    std::ofstream(in("a.png")) << "png";
+    refused({"focus", in("a.png"), "-o", o, "--film-width", "24"}, ExitCode::invalid_input,
+            "a.png: not a postlens sample file (not an OpenEXR file)");
+    refused({"image", in("a.png"), "-o", o, "--layer", "x"}, ExitCode::invalid_input,
+            "a.png: not a postlens sample file (not an OpenEXR file)");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24", "--salvage"},
+            ExitCode::invalid_input, "not a postlens sample file");
     refused({"focus", a, "-o", o, "--focus", "4"}, two, "--f-number");
     refused({"focus", a, "-o", o, "--f-number", "2"}, two, "--focus");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--z", "x"}, two, "--z");
