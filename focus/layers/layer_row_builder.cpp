@@ -8,8 +8,8 @@ namespace postlens {
 namespace {
 
 /// CoC radii, px, from which samples are placed only in steps of a quarter pixel or of a whole pixel, if a
-/// pixel has several samples. The samples then merge into few splats. A blurred edge changes by (step /
-/// radius)^2 / 8 < 1e-3 of its height (see phases_of).
+/// pixel has several samples. The samples then merge into few splats. An edge blurred by a uniform response
+/// changes by (step / radius)^2 / 8 < 1e-3 of its height (see phases_of).
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// CoC radii, px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
@@ -50,8 +50,9 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Spherical aberration makes a bright core, which coarser steps would blur, whatever the radius.
-    if (!alone_ && spherical_px == 0 && response.radius_px >= quarter_steps_from_px)
+    // A response that is not uniform may have a bright core, which coarser steps would blur, whatever the
+    // radius: spherical aberration, a real lens, diffraction and pictures of apertures have such cores.
+    if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
                                                                                    : quarter_steps_radius_px);

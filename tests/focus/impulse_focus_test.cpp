@@ -142,26 +142,57 @@ TEST(SphericalAberration, HidesWhatRaysDoNotSee) {
     }
 }
 
-// A strong aberration has a wide halo around a core as sharp as the focus. Where pixels are subdivided, the
-// core must stay at the position of its sample.
-TEST(SphericalAberration, KeepsTheCoreOfAWideHalo) {
-    constexpr int overscan = 20;
-    std::mt19937 random(5);
-    RecordBand band = random_band(random, -overscan, 40 + overscan + 1, -overscan, 30 + overscan + 1,
-                                  {.levels = 3, .probability = 0.4});
-    for (Record& r : band.records) {
-        r.id = 1;
-        r.z = 0.5F;
+// Some responses have a wide halo around a sharp core. Where pixels are subdivided, the core must stay at the
+// position of its sample, however far the halo reaches.
+class WideHalo : public testing::Test {
+  protected:
+    void SetUp() override {
+        std::mt19937 random(5);
+        band_ = random_band(random, -overscan, width + overscan + 1, -overscan, height + overscan + 1,
+                            {.levels = 3, .probability = 0.4});
+        for (Record& r : band_.records) {
+            r.id = 1;
+            r.z = 0.5F;
+        }
+        geometry_.gain_px *= 4;
+        geometry_.inverse_focus_per_m = 2;
     }
-    FocusGeometry geometry = unit_geometry;
-    geometry.gain_px *= 4;
-    geometry.inverse_focus_per_m = 2;
-    const std::shared_ptr<const ResponseModel> response =
-        response_model({.spherical = 4}, geometry, std::hypot(40, 30) / 2);
-    Image by_scatter, by_layers;
-    scatter(*tables_of(band, overscan, {.geometry = geometry}, response), by_scatter);
-    layers(*splats_of(band, overscan, {.geometry = geometry}, response), by_layers);
-    EXPECT_LT(difference(by_layers, by_scatter), 1e-4);
+    /// Largest difference between `layers` and `scatter`.
+    double difference_of_methods(const Impulse& impulse) {
+        const std::shared_ptr<const ResponseModel> response =
+            response_model(impulse, geometry_, std::hypot(width, height) / 2);
+        Image by_scatter, by_layers;
+        scatter(*tables_of(band_, overscan, {.geometry = geometry_}, response), by_scatter);
+        layers(*splats_of(band_, overscan, {.geometry = geometry_}, response), by_layers);
+        return difference(by_layers, by_scatter);
+    }
+
+    static constexpr int overscan = 20, width = 40, height = 30;
+    RecordBand band_;
+    FocusGeometry geometry_ = unit_geometry;
+};
+
+TEST_F(WideHalo, OfAStrongAberrationKeepsItsCore) {
+    EXPECT_LT(difference_of_methods({.spherical = 4}), 1e-4);
+}
+
+TEST_F(WideHalo, OfAPinholeInAGreyFilterKeepsItsCore) {
+    const TemporaryFolder folder;
+    std::ofstream picture(folder.path() / "pinhole.pgm");
+    constexpr int side = 31;
+    picture << "P2 " << side << " " << side << " 255\n";
+    for (int i = 0; i < side * side; ++i) picture << (i == side * side / 2 ? "255 " : "1 ");
+    picture.close();
+    geometry_.inverse_focus_per_m = 6;
+    EXPECT_LT(difference_of_methods({.kind = ImpulseKind::picture, .file = folder.path() / "pinhole.pgm"}),
+              1e-4);
+}
+
+// In focus, 1 % of the light lies beyond 8 times the Airy disc's diameter.
+TEST_F(WideHalo, OfDiffractionKeepsItsCore) {
+    // An Airy disc of 2 px: 2.44 lambda gain / (2 radius).
+    geometry_.aperture_radius_m = 2.44 * 550e-9 * geometry_.gain_px / 4;
+    EXPECT_LT(difference_of_methods({.kind = ImpulseKind::diffraction, .wavelengths_nm = {550}}), 2e-3);
 }
 
 // Each pixel of a uniform wall is darkened by the share of the lens through which it sees, without seams
