@@ -1,5 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <memory>
+#include <string_view>
+#include <vector>
 
 #include "apps/lens/lens_command.h"
 #include "apps/lens/lens_fit_limits_command.h"
@@ -134,6 +137,36 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
     app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
 }
 
+/// What `lens fit` fits to, and the options that this uses.
+struct FitTask {
+    std::string_view name;
+    std::vector<std::string_view> uses;
+};
+
+const std::array<FitTask, 4> fit_tasks{
+    {{"a prescription",
+      {"--f-number", "--focus", "--wavelength", "--focus-by", "--move", "--depths", "--field",
+       "--tolerance-px", "--pixel-pitch", "--samples"}},
+     {"--pairs", {"--focal-length", "--f-number"}},
+     {"--sharp", {"--coc-limit", "--sensor", "--focal-length", "--f-number", "--wavelength"}},
+     {"--picture", {"--frame", "--focal-length", "--impulse", "--squeeze", "--cats-eye", "--spherical"}}}};
+
+/// Refuses options of the other tasks, which would have no effect.
+void refuse_unused(const CLI::App& app, const FitTask& task) {
+    const auto uses = [](const FitTask& t, const std::string& option) {
+        return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();
+    };
+    for (const CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->count() > 0; })) {
+        const std::string name = option->get_name();
+        if (uses(task, name)) continue;
+        for (const FitTask& other : fit_tasks) {
+            if (!uses(other, name)) continue;
+            fail(ExitCode::wrong_arguments, "{}: not with {} (got {}; expected none, or {})", name, task.name,
+                 option->results().front(), other.name);
+        }
+    }
+}
+
 void add_fit(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app =
         *lens.add_subcommand("fit",
@@ -153,19 +186,20 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
            "Pixel pitch on the film; the default is 36 mm over 1920 px", "UM", above_0);
     whole(app, "--samples", o->samples, "Depths and fields that are compared", "N", {.low = 3, .high = 64});
     common_options(app, common);
-    app.callback([&common, o, limits] {
+    app.callback([&app, &common, o, limits] {
+        const std::array given{!o->lens.input.empty(), limits->pairs.has_value(), limits->sharp.has_value(),
+                               limits->picture.has_value()};
+        const auto tasks = std::count(given.begin(), given.end(), true);
+        if (tasks > 1) {
+            fail(ExitCode::wrong_arguments,
+                 "lens fit: too much to do (got {} of a prescription, --pairs, --sharp and --picture; "
+                 "expected one)",
+                 tasks);
+        }
+        for (std::size_t i = 0; i < given.size(); ++i) {
+            if (given[i]) refuse_unused(app, fit_tasks[i]);
+        }
         common.run = [o, limits] {
-            int tasks = o->lens.input.empty() ? 0 : 1;
-            for (const bool given :
-                 {limits->pairs.has_value(), limits->sharp.has_value(), limits->picture.has_value()})
-                tasks += given ? 1 : 0;
-            if (tasks > 1) {
-                fail(ExitCode::wrong_arguments,
-                     "lens fit: too much to do (got {} of a prescription, --pairs, --sharp and --picture; "
-                     "expected "
-                     "one)",
-                     tasks);
-            }
             if (limits->picture) return run_lens_fit_picture(*limits);
             if (!o->lens.input.empty()) return run_lens_fit(*o);
             limits->f_number = o->lens.f_number;

@@ -57,4 +57,26 @@ TEST_F(LensFitLimitsCommand, RefusesInOneLine) {
             "--pairs");
 }
 
+// An option that belongs to another task would have no effect, such as the focus distance that a fit finds.
+TEST_F(LensFitLimitsCommand, RefusesOptionsOfOtherTasks) {
+    std::ofstream(in("pairs.csv")) << "1,0.1\n2,0.2\n3,0.3\n";
+    const std::string lens = std::string(POSTLENS_TEST_DATA) + "/lens/dgauss.22deg.50.0mm.dat";
+    const std::vector<std::string> pairs{"--pairs", in("pairs.csv")}, prescription{lens},
+        sharp{"--sharp", "1:2", "--sensor", "36x24"};
+    for (const auto& [task, option, value, whose] :
+         {std::tuple{pairs, "--focus", "7", "a prescription"},
+          {pairs, "--sensor", "36x24", "--sharp"},
+          {sharp, "--depths", "1:2", "a prescription"},
+          {sharp, "--squeeze", "2", "--picture"},
+          {prescription, "--impulse", "polygon:5", "--picture"},
+          {prescription, "--focal-length", "20", "--pairs"},
+          {{"--picture", in("p.exr"), "--frame", in("f.exr")}, "--focus", "2", "a prescription"}}) {
+        std::vector<std::string> words{"lens", "fit"};
+        words.insert(words.end(), task.begin(), task.end());
+        words.insert(words.end(), {option, value});
+        refused(words, ExitCode::wrong_arguments, fmt::format("{}: not with", option));
+        refused(words, ExitCode::wrong_arguments, fmt::format("expected none, or {})", whose));
+    }
+}
+
 }  // namespace postlens::test::lens_fit_limits_command_test
