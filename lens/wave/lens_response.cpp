@@ -30,6 +30,18 @@ void check(const LensResponseRequest& request) {
              impulse_text(request.impulse));
     }
     check_impulse(request.impulse);
+    if (request.impulse.cats_eye != 0) {
+        fail(
+            ExitCode::wrong_arguments,
+            "--cats-eye: the point lies on the axis, where the second rim hides nothing (got {}; expected 0)",
+            request.impulse.cats_eye);
+    }
+    if (request.focus_distance_m <= request.lens.focal_length_mm * metres_per_mm) {
+        fail(ExitCode::wrong_arguments,
+             "focus distance lies within the focal length, where the lens forms no real image (got {} m; "
+             "expected more than {} m)",
+             request.focus_distance_m, request.lens.focal_length_mm * metres_per_mm);
+    }
     const double V_mm = image_distance_mm(request.lens, request.focus_distance_m);
     (void)focus_geometry(request.lens, request.focus_distance_m, Framing::breathing,
                          {V_mm > 0 ? V_mm : 1, request.pixel_pitch_mm});

@@ -131,7 +131,7 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
                                               {"--focal-length", "0", "--focal-length"},
                                               {"--focal-length", "-50", "--focal-length"},
                                               {"--focus", "0.05", "focus distance"},
-                                              {"--focus", "0.04", "focus distance"},
+                                              {"--focus", "0.04", "expected more than 0.05 m)"},
                                               {"--focus", "nan", "--focus"},
                                               {"--depth", "0", "depth"},
                                               {"--depth", "-1", "depth"},
@@ -143,12 +143,14 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
                                               {"--size", "16385", "size"},
                                               {"--size", "2.5", "--size"},
                                               {"--impulse", "gauss", "--impulse"},
-                                              {"--impulse", "diffraction:50", "wavelength"},
+                                              {"--impulse", "diffraction:50", "expected 100 to 20000"},
                                               {"--impulse", "diffraction:", "--impulse"}}) {
         refused(with(option, value), ExitCode::wrong_arguments, part);
     }
     refused(psf({out, "--wavelength", "550", "--impulse", "diffraction:480"}), ExitCode::wrong_arguments,
             "--wavelength");
+    refused(psf({out, "--cats-eye", "0.5"}), ExitCode::wrong_arguments,
+            "--cats-eye: the point lies on the axis");
     refused(psf({in("p.png")}), ExitCode::wrong_arguments, ".exr");
     refused(psf({}), ExitCode::wrong_arguments, "OUT");
     refused(psf({out, "--crossover"}), ExitCode::wrong_arguments, "--crossover");
