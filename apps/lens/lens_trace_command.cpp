@@ -40,8 +40,7 @@ void check_path(const std::string& path) {
     if (!is_csv(path)) check_drawing_path(path, "csv, ");
 }
 
-FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, int rays,
-                        double axis_area_mm2) {
+FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, int rays, double axis_mm2) {
     FieldResult out;
     out.deg = deg;
     out.tangent = tangent_of(deg);
@@ -67,7 +66,7 @@ FieldResult trace_field(const TracedLens& traced, double depth_m, double deg, in
     }
     out.rms_mm = std::sqrt(square / sum);
     out.spot.rms_mm = out.rms_mm;
-    out.transmission = axis_area_mm2 > 0 ? out.mesh.passing_area_mm2 / axis_area_mm2 : 0;
+    out.transmission = axis_mm2 > 0 ? out.mesh.passing_area_mm2 / axis_mm2 : 0;
     return out;
 }
 
@@ -112,8 +111,14 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm,
-                         double axis_area_mm2) {
+/// Area of the entrance pupil that transmits light of a point on the axis, mm^2. Areas are compared on the
+/// same grid, so that the point on the axis itself has all of it.
+double axis_area_mm2(const TracedLens& traced, double depth_m, int rays, PupilMesh& mesh) {
+    return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
+}
+
+FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
+    constexpr int rays = 129;
     FieldCurves out;
     // The paraxial scale of the image is computed from a chief ray near its centre.
     constexpr double small = 1e-4;
@@ -125,14 +130,15 @@ FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_r
         edge = std::min(edge, 1.5);  // no chief ray reaches the film's edge, so keep the paraxial estimate
     }
     PupilMesh mesh;
+    const double axis_mm2 = axis_area_mm2(traced, depth_m, rays, mesh);
     for (int i = 0; i < curve_points; ++i) {
         const double tangent = edge * i / (curve_points - 1);
         const double height = chief_height(traced, depth_m, tangent);
         out.deg.push_back(std::atan(tangent) * 180 / std::numbers::pi);
         out.film_mm.push_back(height);
         out.distortion_percent.push_back(tangent > 0 ? 100 * (height / (scale * tangent) - 1) : 0);
-        const bool any = traced.impulse(depth_m, {0, tangent}, 129, mesh);
-        out.pupil_share.push_back(any ? mesh.passing_area_mm2 / axis_area_mm2 : 0);
+        const bool any = traced.impulse(depth_m, {0, tangent}, rays, mesh);
+        out.pupil_share.push_back(any && axis_mm2 > 0 ? mesh.passing_area_mm2 / axis_mm2 : 0);
         out.illumination.push_back(
             std::isfinite(height) ? irradiance(traced, std::min(height, film_radius_mm)) : NAN);
     }
@@ -213,7 +219,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
         degs = {0, 0.5 * edge, edge};
     }
     PupilMesh axis;
-    (void)traced.impulse(depth, dvec2(0), 257, axis);
+    const double axis_mm2 = axis_area_mm2(traced, depth, o.rays, axis);
     std::vector<FieldResult> fields;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     out.text = fmt::format("{}: f/{:.4g}, film {:.6g} mm behind the last surface, object at {}", o.lens.input,
@@ -221,7 +227,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
                            std::isinf(depth) ? "infinity" : fmt::format("{:g} m", depth));
     const double scale = chief_height(traced, depth, 1e-4) / 1e-4;
     for (const double deg : degs) {
-        fields.push_back(trace_field(traced, depth, deg, o.rays, axis.passing_area_mm2));
+        fields.push_back(trace_field(traced, depth, deg, o.rays, axis_mm2));
         const FieldResult& f = fields.back();
         const double height = chief_height(traced, depth, f.tangent) + 0.0;  // turns -0 into 0
         const double distortion = f.tangent != 0 ? 100 * (height / (scale * f.tangent) - 1) : 0;
@@ -235,10 +241,11 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
         if (f.transmission == 0)
             out.warnings.push_back(
                 {"no_light", fmt::format("no light from {:g} degrees reaches the film", deg)});
+        const bool has_chief = std::isfinite(height);
         out.text += fmt::format(
-            "\n{:7.3f} degrees: chief ray at {:.6g} mm, RMS radius {:.4g} um, {:.3g} of the axis's pupil, "
-            "distortion {:.3g} %",
-            deg, height, 1000 * f.rms_mm, f.transmission, distortion);
+            "\n{:7.3f} degrees: {}, RMS radius {:.4g} um, {:.3g} of the axis's pupil{}", deg,
+            has_chief ? fmt::format("chief ray at {:.6g} mm", height) : "no chief ray", 1000 * f.rms_mm,
+            f.transmission, has_chief ? fmt::format(", distortion {:.3g} %", distortion) : "");
     }
     out.json = {{"f_number", traced.f_number()},
                 {"film_distance_mm", traced.film_distance_mm()},
@@ -250,8 +257,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
     for (const FieldResult& f : fields) spots.push_back(f.spot);
     if (o.output && is_csv(*o.output)) write_file(*o.output, spots_csv(fields));
     if (o.output && !is_csv(*o.output)) write_drawing(*o.output, draw_spots(spots));
-    if (o.curves)
-        write_curves(*o.curves, field_curves(traced, depth, 0.5 * o.film_width_mm, axis.passing_area_mm2));
+    if (o.curves) write_curves(*o.curves, field_curves(traced, depth, 0.5 * o.film_width_mm));
     if (o.impulse) write_impulse(*o.impulse, traced, depth, fields, o.pixel_pitch_um * 1e-3);
     return out;
 }

@@ -87,7 +87,7 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     // the lens images the plane z = b/a in object space onto the stop. The entrance pupil is 1/a times as
     // large as the stop.
     out.entrance_pupil_z_mm = front.b / front.a;
-    out.exit_pupil_z_mm = -behind * back.b / back.d;
+    out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, for a stop on the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
     if (lens.entrance_pupil_diameter_mm) radius = 0.5 * *lens.entrance_pupil_diameter_mm * std::abs(front.a);
     if (lens.f_number) radius = 0.5 * std::abs(out.efl_mm) / *lens.f_number * std::abs(front.a);

@@ -124,7 +124,7 @@ Prescription parse_lens_toml(const std::string& text, const std::string& file) {
              text.size());
     }
     const toml::table document = parse_toml(text, file);
-    const TomlTable root(file, document, "lens");
+    const TomlTable root(file, document, "prescription");
     static constexpr std::array<Name, 3> known{"lens", "glass", "surface"};
     root.allow_only({known});
     Prescription lens;
