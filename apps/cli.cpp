@@ -17,9 +17,25 @@
 namespace postlens {
 namespace {
 
+// Refuses a value of a flag, for example --breathing=false. CLI11 would set a flag that is a function
+// whatever its value.
+void check_flags(const CLI::App& command, std::span<const std::string> words) {
+    for (const std::string& word : words) {
+        if (word == "--") return;
+        const std::size_t equals = word.find('=');
+        if (!word.starts_with("--") || equals == std::string::npos) continue;
+        const std::string name = word.substr(0, equals);
+        const CLI::Option* option = command.get_option_no_throw(name);
+        if (option == nullptr || option->get_items_expected_max() > 0) continue;
+        fail(ExitCode::wrong_arguments, "{}: takes no value (got {})", name,
+             excerpt(word.substr(equals + 1)));
+    }
+}
+
 // Reports an unknown option or subcommand by its name, because CLI11's own message would only be that a
 // subcommand is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
+    if (app.get_subcommands([](const CLI::App*) { return true; }).empty()) check_flags(app, arguments);
     if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
     if (arguments[0].starts_with('-')) {
         if (app.get_option_no_throw(arguments[0]) != nullptr) return;

@@ -10,6 +10,8 @@ import sys
 import warnings
 from typing import Any, Callable, Mapping, Optional, Union
 
+import numpy as np
+
 from . import _postlens
 from ._errors import ArgumentError, Error, PostlensWarning, error_of
 
@@ -63,6 +65,8 @@ def words_of(options: Mapping[str, object]) -> list[str]:
     words: list[str] = []
     flags: list[str] = []
     for keyword, value in options.items():
+        if isinstance(value, np.bool_):
+            value = bool(value)
         if value is None or value is False:
             continue
         name = option_name(keyword)
@@ -91,14 +95,17 @@ def path_text(what: str, path: object) -> str:
 
 
 def _in_keywords(text: str, options: Mapping[str, object]) -> str:
-    """Replaces the options in an error message by keywords: `--focus: ...` becomes `focus_m: ...`."""
+    """Replaces the options in an error message by keywords: `--focus: ...` becomes `focus_m: ...`.
+
+    `--help` remains, because it is a word for the command line.
+    """
     keywords = {option_name(keyword): keyword for keyword in options}
 
     def keyword(found: re.Match[str]) -> str:
         option = found.group(0)
         return keywords.get(option, option[2:].replace("-", "_"))
 
-    return re.sub(r"(?<![\w-])--[a-z]+(?:-[a-z]+)*", keyword, text)
+    return re.sub(r"(?<![\w-])--(?!help\b)[a-z]+(?:-[a-z]+)*", keyword, text)
 
 
 _folder = os.path.dirname(__file__)

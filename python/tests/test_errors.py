@@ -115,7 +115,19 @@ def test_an_option_without_a_value_takes_no_other_word(frame, wrong):
     right = {"f_number": 2, "focus_m": 3}
     with pytest.raises(postlens.ArgumentError) as error:
         frame.focus(**{**right, **wrong})
-    assert "focus" not in str(error.value).replace("(see postlens focus help)", "")
+    said = str(error.value)
+    assert "focus" not in said.replace("(see postlens focus --help)", "")
+    assert "focus help" not in said
+
+
+def test_a_flag_is_a_truth_value(frame):
+    right = {"f_number": 2, "focus_m": 3}
+    without, breathing = frame.focus(**right).array, frame.focus(**right, breathing=True).array
+    assert np.array_equal(frame.focus(**right, breathing=np.False_).array, without)
+    assert np.array_equal(frame.focus(**right, breathing=np.True_).array, breathing)
+    for wrong in (0, 1, "no", "false"):
+        with pytest.raises(postlens.ArgumentError, match="^breathing: takes no value"):
+            frame.focus(**right, breathing=wrong)
 
 
 def test_a_frame_is_that_of_one_file(frame_path, tmp_path):

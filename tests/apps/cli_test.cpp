@@ -224,6 +224,11 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
             "unknown option (got --methd; expected --method, see postlens focus --help)");
     refused({"lens", "psf", in("x.exr"), "--focal-lenght", "50", "--f-number"}, two,
             "unknown option (got --focal-lenght; expected --focal-length, see postlens lens psf --help)");
+    refused(image + Words{"--quiet=maybe"}, two, "--quiet: takes no value (got 'maybe')");
+    for (const char* value : {"false", "0", "true", ""}) {
+        refused({"focus", frame, "-o", in("x.exr"), "--f-number", "2", std::string("--breathing=") + value},
+                two, "--breathing: takes no value");
+    }
     refused(image + Words{"left", "over"}, two, "not expected: over left (see postlens image --help)");
     refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
     refused({"lens", "trace", lens, "-o", in("x.foo")}, two, "expected csv, svg, exr, png");
