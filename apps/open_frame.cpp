@@ -1,8 +1,18 @@
 #include "apps/open_frame.h"
 
+#include <chrono>
+
 #include "apps/command.h"
+#include "core/job.h"
 
 namespace postlens {
+
+std::unique_lock<std::timed_mutex> KeptFrame::lock() {
+    std::unique_lock lock(mutex_, std::defer_lock);
+    constexpr std::chrono::milliseconds between_looks(50);
+    while (!lock.try_lock_for(between_looks)) throw_if_interrupted();
+    return lock;
+}
 
 std::shared_ptr<OpenFrame> KeptFrame::at(std::optional<double> exposure_stops) {
     if (!open_ || stops_ != exposure_stops) {

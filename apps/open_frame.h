@@ -24,8 +24,9 @@ struct OpenFrame {
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// A caller must hold this lock while it uses the result of `at`.
-    [[nodiscard]] std::unique_lock<std::mutex> lock() { return std::unique_lock(mutex_); }
+    /// A caller must hold this lock while it uses the result of `at`. Waits until no other caller holds it.
+    /// Throws Error(interrupted) if the current job is cancelled meanwhile.
+    [[nodiscard]] std::unique_lock<std::timed_mutex> lock();
     /// Returns the file, read at the given exposure. Opens the file again if the last call had another
     /// exposure.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
@@ -33,7 +34,7 @@ class KeptFrame {
   private:
     std::string path_;
     Damage damage_;
-    std::mutex mutex_;
+    std::timed_mutex mutex_;
     std::shared_ptr<OpenFrame> open_;
     std::optional<double> stops_;
 };

@@ -28,8 +28,8 @@ def pixels_of(what: str, values: object) -> Array:
     if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
         raise ArgumentError(f"{what}: has masked values (got a masked array; expected e.g. its filled(0))")
     array = np.asarray(values)
-    if array.dtype not in (np.float16, np.float32, np.float64):
-        raise ArgumentError(f"{what}: wrong type of values (got {array.dtype}; expected float32 or float64)")
+    if array.dtype.kind != "f":
+        raise ArgumentError(f"{what}: wrong type of values (got {array.dtype}; expected floats)")
     if array.ndim != 3 or array.shape[2] not in (3, 4) or 0 in array.shape:
         raise ArgumentError(f"{what}: wrong shape (got {array.shape}; expected (height, width, 3 or 4))")
     return np.ascontiguousarray(array, dtype=np.float32)
@@ -39,7 +39,7 @@ class Picture:
     """A picture that postlens has made or read.
 
     array: float32 (height, width, 3), or 4 with alpha; scene-linear, radiance times 2^exposure_stops; row 0
-        at the top. It belongs to the picture and may be changed.
+        at the top. It may be changed. Picture(array) copies the array only if it is not float32 in C order.
     exposure_stops: the exposure of the array; None if it is not known, as for a PNG file of another program.
     report: the JSON report of the command (--json), as a dict.
     passes: further channels by name, float32 (height, width). The ids of a Cryptomatte are the bits of the floats.
@@ -158,7 +158,7 @@ def compare(
 ) -> Report:
     """Measures the error of a picture against its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
 
-    image, reference: a Picture, an array (height, width, 3 or 4) of float32 or float64, or a file.
+    image, reference: a Picture, an array (height, width, 3 or 4) of floats, or a file.
     noise: an independent render of the reference. If given, the noise of the reference is subtracted from the error.
     pinhole: the picture without a lens. If given, errors of only the pixels that the lens changes are added.
     map, side_by_side: image files to write; both show the differences.

@@ -103,6 +103,42 @@ def test_one_thread_is_cancelled_the_other_goes_on(large_frame, frame_path):
     assert seen == [(54, 96, 3)]
 
 
+def test_a_thread_that_waits_for_its_turn_is_cancelled(large_frame):
+    class Stop(Exception):
+        pass
+
+    works, ended, made = threading.Event(), threading.Event(), []
+
+    def until(share, left_s):
+        works.set()
+        if ended.is_set():
+            raise Stop
+
+    def others():
+        try:
+            large_frame.focus(f_number=1.4, focus_m=2, method="lightfield", views=4096, progress=until)
+            made.append(True)
+        except Stop:
+            pass
+
+    def alarm(*_):
+        raise Stop
+
+    before = signal.signal(signal.SIGALRM, alarm)
+    other = threading.Thread(target=others)
+    other.start()
+    works.wait()
+    signal.setitimer(signal.ITIMER_REAL, 0.3)
+    try:
+        with pytest.raises(Stop):
+            large_frame.focus(f_number=2, focus_m=2)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+        ended.set()
+        other.join()
+    assert not made  # the other thread still worked when this one's call ended
+
+
 def test_the_interpreter_goes_on_while_a_picture_is_made(large_frame):
     ticks, done = [], threading.Event()
 

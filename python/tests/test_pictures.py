@@ -163,7 +163,8 @@ def test_compare_takes_arrays_of_any_order(frame, tmp_path):
     said = postlens.compare(a, b)
     mse = np.mean((srgb(a.array) - srgb(b.array)) ** 2)
     assert said["psnr_db"] == pytest.approx(-10 * math.log10(mse), abs=1e-3)
-    for same in (a.array, a.array.astype(np.float64), np.asfortranarray(a.array), a.array[::-1][::-1]):
+    for same in (a.array, a.array.astype(np.float64), np.asfortranarray(a.array), a.array[::-1][::-1],
+                 a.array.astype(">f4"), a.array.astype(np.longdouble)):  # fmt: skip
         assert postlens.compare(same, b)["psnr_db"] == said["psnr_db"]
     b.save(tmp_path / "b.exr")
     assert postlens.compare(a, tmp_path / "b.exr")["psnr_db"] == said["psnr_db"]
