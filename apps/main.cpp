@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <new>
 #include <string>
+#include <system_error>
 #include <unistd.h>
 #include <vector>
 
@@ -81,7 +82,9 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    static postlens::Job process;  // static, because a signal may arrive until the process ends
+    // Static, because a signal may arrive until the process ends. Only the job of the command, inside of this
+    // one, has work for more threads.
+    static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error
     // message instead of ending the program silently.
@@ -96,6 +99,9 @@ int main(int argc, char** argv) {
         return static_cast<int>(e.code());
     } catch (const std::bad_alloc&) {
         say_error("not enough memory");
+        return static_cast<int>(ExitCode::out_of_memory);
+    } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
+        say_error(std::string("cannot start a thread (") + e.code().message() + "; expected a higher limit)");
         return static_cast<int>(ExitCode::out_of_memory);
     } catch (const std::exception& e) {
         say_error(std::string("internal error: ") + e.what());

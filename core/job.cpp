@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/error.h"
+#include "core/thread_limits.h"
 
 namespace postlens {
 namespace {
@@ -22,6 +23,10 @@ class WidestJob {
   public:
     void add(int threads) {
         const std::lock_guard lock(mutex_);
+        if (threads > 1 && threads > most_tried_) {
+            require_threads(threads - 1 + library_threads());
+            most_tried_ = threads;
+        }
         threads_.insert(threads);
         allow();
     }
@@ -50,6 +55,7 @@ class WidestJob {
     std::mutex mutex_;
     std::multiset<int> threads_;
     int allowed_ = 0;
+    int most_tried_ = 1;  ///< number of threads for which require_threads has not thrown
     std::optional<tbb::global_control> control_;
 };
 

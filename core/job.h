@@ -31,6 +31,7 @@ struct JobSettings {
 /// of other libraries (OpenEXR, OpenImageIO, OpenCV).
 class Job {
   public:
+    /// Throws Error(out_of_memory) if the system does not allow so many threads.
     explicit Job(JobSettings settings = {});
     ~Job();
     Job(const Job&) = delete;

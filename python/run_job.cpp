@@ -6,6 +6,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <system_error>
 #include <thread>
 
 #include "core/error.h"
@@ -54,6 +55,9 @@ void translated(const std::function<void()>& call) {
         raise(e.code(), e.what());
     } catch (const std::bad_alloc&) {
         raise(ExitCode::out_of_memory, "not enough memory");
+    } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
+        raise(ExitCode::out_of_memory,
+              "cannot start a thread (" + e.code().message() + "; expected a higher limit)");
     }
 }
 
@@ -66,11 +70,12 @@ void run_job(int threads, const py::object& progress, const std::function<void()
             shared.report = report;
         };
     }
-    Job job(std::move(settings));
-    std::thread worker([&] {
+    std::optional<Job> job;
+    std::thread worker;
+    const auto work_in_job = [&] {
         std::exception_ptr error;
         try {
-            const JobScope scope(job);
+            const JobScope scope(*job);
             work();
         } catch (...) {
             error = std::current_exception();
@@ -79,6 +84,10 @@ void run_job(int threads, const py::object& progress, const std::function<void()
         shared.error = error;
         shared.done = true;
         shared.changed.notify_all();
+    };
+    translated([&] {
+        job.emplace(std::move(settings));
+        worker = std::thread(work_in_job);
     });
     std::exception_ptr of_python;
     {
@@ -95,7 +104,7 @@ void run_job(int threads, const py::object& progress, const std::function<void()
                     listen(progress, report);
                 } catch (py::error_already_set&) {
                     of_python = std::current_exception();
-                    job.cancel();
+                    job->cancel();
                 }
             }
             lock.lock();

@@ -1,19 +1,15 @@
 #include "pictures/exr/library_threads.h"
 
 #include <OpenEXR/ImfThreading.h>
-#include <algorithm>
 #include <mutex>
-#include <thread>
+
+#include "core/thread_limits.h"
 
 namespace postlens {
 
 int exr_library_threads() {
-    // More are hardly busy, and a limit of memory or processes may forbid to start them.
-    constexpr int most = 8;
     static std::once_flag once;
-    std::call_once(once, [&] {
-        Imf::setGlobalThreadCount(std::min(static_cast<int>(std::thread::hardware_concurrency()), most));
-    });
+    std::call_once(once, [] { Imf::setGlobalThreadCount(library_threads()); });
     return Imf::globalThreadCount();
 }
 

@@ -212,6 +212,23 @@ TEST_F(Cli, BoundsHoldForEveryValueThatIsGiven) {
     EXPECT_NE(run({"focus", "--help"}).out.find("Aperture number n, more than 0; inf"), std::string::npos);
 }
 
+TEST_F(Cli, ThreadsThatCannotBeStartedAreOneError) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer's address space cannot be limited";
+#endif
+    const auto limited = [&](const char* threads) {
+        return run({"render", scene(), "-o", in("x.exr"), "--size", "8x8", "--spp", "1", "--f-number", "2",
+                    "--focus", "1", "--quiet", "--threads", threads},
+                   "ulimit -v 1500000; timeout 20 ");
+    };
+    const Outcome many = limited("1000");
+    EXPECT_EQ(many.exit_code, static_cast<int>(ExitCode::out_of_memory));
+    EXPECT_TRUE(many.err.starts_with("postlens: cannot start the threads (got ")) << many.err;
+    EXPECT_EQ(std::count(many.err.begin(), many.err.end(), '\n'), 1) << many.err;
+    EXPECT_FALSE(fs::exists(in("x.exr")));
+    EXPECT_EQ(limited("2").exit_code, 0);
+}
+
 TEST_F(Cli, WhatIsWrongIsNamed) {
     const ExitCode two = ExitCode::wrong_arguments;
     const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";
