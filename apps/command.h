@@ -269,7 +269,8 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// Adds a warning `salvaged` with the lost rows, if the file is damaged.
+/// Adds a warning `salvaged` with the lost rows, if the file is damaged, and a warning `part`, if it is a
+/// part of a trace in shares.
 void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws

@@ -1,9 +1,20 @@
+#include <nlohmann/json.hpp>
+
 #include "apps/command.h"
+#include "apps/share.h"
 #include "records/lost_rows.h"
 
 namespace postlens {
 
 void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out) {
+    const std::optional<Share> share = share_of_mark(file.header().made_by);
+    if (share && share->count > 1) {
+        out.push_back({"part",
+                       fmt::format("the file is part {}/{} of a trace: nothing is seen in the rows of the "
+                                   "others (expected the whole, by `postlens merge`)",
+                                   share->index, share->count),
+                       1 - 1.0 / share->count});
+    }
     const std::span<const LostRows> lost = file.lost_rows();
     const std::span<const double> gone_s = file.lost_instants_s();
     if (lost.empty() && gone_s.empty()) return;

@@ -123,6 +123,16 @@ std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop) {
         .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
+std::optional<Share> share_of_mark(const std::string& mark) {
+    const nlohmann::json json = nlohmann::json::parse(mark, nullptr, false);
+    if (!json.is_object() || !json.contains("share")) return {};
+    const nlohmann::json& share = json["share"];
+    const auto whole = [](const nlohmann::json& n) { return n.is_number_integer(); };
+    if (!share.is_array() || share.size() != 2 || !std::all_of(share.begin(), share.end(), whole)) return {};
+    const Share out{share[0].get<int>(), share[1].get<int>()};
+    return out.index >= 0 && out.index < out.count ? std::optional(out) : std::nullopt;
+}
+
 std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {
     return nlohmann::ordered_json{{"share", {share.index, share.count}},
                                   {"crop", nullptr},

@@ -53,6 +53,9 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
+/// Returns the share in such a description. Empty for any other text.
+[[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
+
 /// Returns the description of a share whose result consists of items, such as the images of a sweep. It is
 /// JSON with the share, the fingerprint of the command, and the words of the command without share and
 /// output. `merge` runs these words to join the results.

@@ -49,6 +49,27 @@ class ShareCommand : public CommandTest {
     const Words lens_{"--f-number", "1.4", "--focus", "5"};
 };
 
+TEST_F(ShareCommand, APartOfATraceIsNoFrame) {
+    const auto warnings_of = [&](const Words& words) {
+        std::vector<std::string> codes;
+        const json said = done(words);
+        for (const json& warning : said.at("warnings")) codes.push_back(warning.at("code"));
+        return codes;
+    };
+    const auto warns = [&](const Words& words) {
+        const std::vector<std::string> codes = warnings_of(words);
+        return std::find(codes.begin(), codes.end(), "part") != codes.end();
+    };
+    const Words trace{"trace", scene_, "--size", "32x18", "--share"};
+    done(trace + Words{"1/3", "-o", part("t", 1)});
+    done(trace + Words{"0/1", "-o", in("all.exr")});
+    EXPECT_TRUE(warns({"info", part("t", 1)}));
+    EXPECT_TRUE(warns({"image", part("t", 1), "-o", in("x.exr")}));
+    EXPECT_TRUE(warns(Words{"focus", part("t", 1), "-o", in("x.exr")} + lens_));
+    EXPECT_FALSE(warns({"info", frame()}));
+    EXPECT_FALSE(warns({"info", in("all.exr")}));
+}
+
 TEST_F(ShareCommand, MergedPartsAreTheUndividedFileToTheByte) {
     for (const std::string method : {"scatter", "layers", "lightfield"})
         is_the_undivided(method, Words{"focus", frame(), "--method", method} + lens_, 3);
