@@ -159,6 +159,13 @@ void add_view(CLI::App& root, CommandOptions& s) {
     app.callback([&s] {
         s.view.threads = s.common.threads;
         s.export_view.input = s.view.input;
+        if (!s.export_view.output.empty() && s.view.scene) {
+            fail(
+                ExitCode::wrong_arguments,
+                "SCENE: not with --export, whose page is made from the records alone (got {}; expected FRAME "
+                "only)",
+                *s.view.scene);
+        }
         s.common.run = [&s] {
             return s.export_view.output.empty() ? run_view(s.view) : export_view(s.export_view);
         };

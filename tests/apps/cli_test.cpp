@@ -246,6 +246,8 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
         refused({"focus", frame, "-o", in("x.exr"), "--f-number", "2", std::string("--breathing=") + value},
                 two, "--breathing: takes no value");
     }
+    refused({"view", frame, "missing.toml", "--export", in("x.html")}, two,
+            "SCENE: not with --export, whose page is made from the records alone (got missing.toml;");
     refused(image + Words{"left", "over"}, two, "not expected: over left (see postlens image --help)");
     refused({"lens", "show", lens, "-o", in("x.foo")}, two, "expected svg, exr, png");
     refused({"lens", "trace", lens, "-o", in("x.foo")}, two, "expected csv, svg, exr, png");
