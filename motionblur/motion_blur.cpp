@@ -45,13 +45,13 @@ class MotionBlur {
 
     MotionBlurResult run() {
         result_.image = file_.picture();
-        find_motion();
+        if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
         // Static surfaces may change colour between recorded instants, so the images of these instants are
         // blended.
-        const bool blends = file_.instants() > 1 && settings_.method != MotionMethod::convolve &&
-                            settings_.exposure.close_s > settings_.exposure.open_s;
+        const bool blends =
+            file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
         touched_.assign(pixels, 0);
         unknown_.assign(pixels, 0);
@@ -67,6 +67,11 @@ class MotionBlur {
     }
 
   private:
+    // Whether the shutter shows the frame's own instant, which is recorded as it is, and no other.
+    [[nodiscard]] bool shows_frame_alone() const {
+        return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
+    }
+
     [[nodiscard]] std::vector<std::uint32_t> ids_of(MotionMethod method) const {
         std::vector<std::uint32_t> out;
         for (const ObjectReport& o : result_.objects) {
@@ -110,6 +115,7 @@ class MotionBlur {
     }
 
     void choose() {
+        const bool relit = keys_show_other_light();
         for (const IdMotion& m : motions_) {
             ObjectReport o;
             o.id = m.id;
@@ -128,6 +134,12 @@ class MotionBlur {
                 o.method = MotionMethod::lightfield;
                 o.reason = fmt::format("moves {:.1f} px, and the border cuts it at the frame's instant",
                                        m.largest_move_px);
+            } else if (m.kind != MotionKind::general && relit) {
+                o.method = MotionMethod::lightfield;
+                o.reason = fmt::format(
+                    "moves {:.1f} px, and the keys may show other shading, shadows or "
+                    "reflections than the frame's instant",
+                    m.largest_move_px);
             } else if (m.kind == MotionKind::parallax) {
                 o.method = MotionMethod::convolve;
                 o.reason = "moves parallel to the film";  // prepare_convolution gives the details
@@ -152,6 +164,13 @@ class MotionBlur {
     [[nodiscard]] bool lightfield_sees_more(std::uint32_t id) const {
         return file_.instants() > 1 &&
                is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
+    }
+
+    // Whether other recorded instants may show other light than the frame's own, which is the only one that
+    // convolve uses.
+    [[nodiscard]] bool keys_show_other_light() const {
+        return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
+               UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
     }
 
     // Rows of the raster in which a moving group of objects is recorded, or over which it passes.

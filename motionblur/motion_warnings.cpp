@@ -17,7 +17,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr int shadow_instants = 9;
+// The frame's own instant, and nine evenly spaced ones of the exposure.
+constexpr int shadow_instants = 10;
 constexpr int shadow_step_px = 4;
 
 bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
@@ -71,27 +72,34 @@ double share_of(std::uint64_t pixels, const SampleHeader& h, int step) {
 struct MovingSphere {
     std::uint32_t id = 0;
     std::array<dvec3, shadow_instants> centre{};
+    std::array<glm::dmat3, shadow_instants> rotation{};
     double radius = 0;
 };
 
 struct MovingLight {
-    bool directional = false;
+    bool directional = false, casts_shadows = true;
     std::array<dvec3, shadow_instants> place{};
 };
 
-double instant(const Exposure& e, int i) {
-    return e.open_s + (e.close_s - e.open_s) * i / (shadow_instants - 1);
+double instant(const SampleHeader& h, const Exposure& e, int i) {
+    return i == 0 ? h.time_s : e.open_s + (e.close_s - e.open_s) * (i - 1) / (shadow_instants - 2);
 }
 
-std::vector<MovingSphere> spheres_of(const SceneMotion& motion, const Exposure& exposure) {
+/// Whether something moves during the exposure, or from the frame's instant to it.
+bool moves(const MotionPath& path, const SampleHeader& h, const Exposure& e) {
+    return path.moves(std::min(e.open_s, h.time_s), std::max(e.close_s, h.time_s));
+}
+
+std::vector<MovingSphere> spheres_of(const SampleHeader& h, const Exposure& exposure) {
     std::vector<MovingSphere> out;
-    for (const auto& [id, object] : motion.objects) {
+    for (const auto& [id, object] : h.motion.objects) {
         const MotionPath path(object.keys);
-        if (!path.moves(exposure.open_s, exposure.close_s)) continue;
-        MovingSphere s{id, {}, 0};
-        for (int i = 0; i < shadow_instants; ++i) {
-            const MotionPath::Pose pose = path.at(instant(exposure, i));
-            s.centre[static_cast<std::size_t>(i)] = pose.point(object.centre_m);
+        if (!moves(path, h, exposure)) continue;
+        MovingSphere s{id, {}, {}, 0};
+        for (std::size_t i = 0; i < shadow_instants; ++i) {
+            const MotionPath::Pose pose = path.at(instant(h, exposure, static_cast<int>(i)));
+            s.centre[i] = pose.point(object.centre_m);
+            s.rotation[i] = pose.rotation;
             const dvec3 scale = glm::abs(pose.scale);
             s.radius = std::max(s.radius, object.radius_m * std::max({scale.x, scale.y, scale.z}));
         }
@@ -100,14 +108,13 @@ std::vector<MovingSphere> spheres_of(const SceneMotion& motion, const Exposure& 
     return out;
 }
 
-std::vector<MovingLight> lights_of(const SceneMotion& motion, const Exposure& exposure) {
+std::vector<MovingLight> lights_of(const SampleHeader& h, const Exposure& exposure) {
     std::vector<MovingLight> out;
-    for (const LightMotion& light : motion.lights) {
-        if (!light.casts_shadows) continue;
-        MovingLight l{light.directional, {}};
+    for (const LightMotion& light : h.motion.lights) {
+        MovingLight l{light.directional, light.casts_shadows, {}};
         const MotionPath path(light.keys);
         for (int i = 0; i < shadow_instants; ++i) {
-            const MotionPath::Pose pose = path.at(instant(exposure, i));
+            const MotionPath::Pose pose = path.at(instant(h, exposure, i));
             l.place[static_cast<std::size_t>(i)] =
                 light.directional ? -pose.direction(light.place) : pose.point(light.place);
         }
@@ -127,15 +134,45 @@ bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& spher
     return glm::dot(off, off) < sphere.radius * sphere.radius;
 }
 
+/// Direction from the centre of an object to the light at instant i, in the object's own frame.
+dvec3 direction_to(const MovingLight& light, const MovingSphere& object, std::size_t i) {
+    const dvec3 way = light.directional ? light.place[i] : light.place[i] - object.centre[i];
+    return way * object.rotation[i];  // the transpose of the rotation times `way`
+}
+
+/// Whether an object turns to a light, or passes by it, so far that its shading changes visibly.
+bool is_relit(const MovingSphere& object, const std::vector<MovingLight>& lights) {
+    constexpr double least_degrees = 15;
+    for (const MovingLight& light : lights) {
+        const dvec3 recorded = direction_to(light, object, 0);
+        for (std::size_t i = 1; i < shadow_instants; ++i) {
+            const dvec3 d = direction_to(light, object, i);
+            const double angle = std::atan2(glm::length(glm::cross(recorded, d)), glm::dot(recorded, d));
+            if (glm::degrees(angle) > least_degrees) return true;
+        }
+    }
+    return false;
+}
+
 class ShadowTest {
   public:
     ShadowTest(const SampleHeader& h, const Exposure& exposure)
         : is_perspective_(h.projection == Projection::perspective),
           world_from_raster_(h.world_from_camera * camera_from_raster(h)),
-          spheres_(spheres_of(h.motion, exposure)),
-          lights_(lights_of(h.motion, exposure)) {}
+          spheres_(spheres_of(h, exposure)),
+          lights_(lights_of(h, exposure)) {
+        for (const MovingSphere& s : spheres_) {
+            if (is_relit(s, lights_)) relit_.push_back(s.id);
+        }
+        lit_objects_move_ = !spheres_.empty() && !lights_.empty();
+        std::erase_if(lights_, [](const MovingLight& l) { return !l.casts_shadows; });
+    }
 
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
+    /// Whether there are lights and something that moves.
+    [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
+    /// Sorted ids of the objects that turn to a light or pass by it.
+    [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }
     [[nodiscard]] bool operator()(const Record& r) const {
         if (r.id == 0 || std::isinf(r.z)) return false;
         const dvec3 p = world(r);
@@ -160,7 +197,9 @@ class ShadowTest {
     bool is_perspective_;
     glm::dmat4 world_from_raster_;
     std::vector<MovingSphere> spheres_;
-    std::vector<MovingLight> lights_;
+    std::vector<MovingLight> lights_;  ///< those that cast shadows
+    std::vector<std::uint32_t> relit_;
+    bool lit_objects_move_ = false;
 };
 
 /// Whether an object that the border of the recorded area cuts off at a recorded instant has its cut side
@@ -193,8 +232,7 @@ struct UnseenMotion::Counts {
           shadow(of, exposure),
           lights_move(
               std::any_of(of.motion.lights.begin(), of.motion.lights.end(), [&](const LightMotion& light) {
-                  return MotionPath(light.keys)
-                      .moves(std::min(exposure.open_s, of.time_s), std::max(exposure.close_s, of.time_s));
+                  return postlens::moves(MotionPath(light.keys), of, exposure);
               })) {}
 
     const SampleHeader& header;
@@ -212,7 +250,7 @@ UnseenMotion::~UnseenMotion() = default;
 
 bool UnseenMotion::possible() const {
     const Counts& c = *counts_;
-    return (c.header.has_w && !c.moving.empty()) || c.shadow.possible() || c.lights_move;
+    return (c.header.has_w && !c.moving.empty()) || c.shadow.lit_objects_move() || c.lights_move;
 }
 
 void UnseenMotion::add(const RecordBand& band, int y_begin, int y_end) {
@@ -233,9 +271,12 @@ void UnseenMotion::add(const RecordBand& band, int y_begin, int y_end) {
                 return b.offsets[pixel] < b.offsets[pixel + 1] && c.shadow(b.records[b.offsets[pixel]]);
             });
     }
-    if (c.lights_move) {
-        c.lit += count_pixels(c.header, band, y_begin, y_end, 1, [](const RecordBand& b, std::size_t pixel) {
-            return b.offsets[pixel] < b.offsets[pixel + 1] && b.records[b.offsets[pixel]].id != 0;
+    const std::vector<std::uint32_t>& relit = c.shadow.relit();
+    if (c.lights_move || !relit.empty()) {
+        c.lit += count_pixels(c.header, band, y_begin, y_end, 1, [&](const RecordBand& b, std::size_t pixel) {
+            if (b.offsets[pixel] == b.offsets[pixel + 1]) return false;
+            const std::uint32_t id = b.records[b.offsets[pixel]].id;
+            return id != 0 && (c.lights_move || std::binary_search(relit.begin(), relit.end(), id));
         });
     }
 }
@@ -259,11 +300,12 @@ std::vector<MotionWarning> UnseenMotion::warnings() const {
                                    "for them)",
                                    rough(100 * share))});
     }
-    if (c.lights_move) {
+    if (c.lights_move || c.lit > 0) {
         const double share = share_of(c.lit, c.header, 1);
         out.push_back({"light", share,
-                       fmt::format("lights move: shading is that of {} s in {} % of the pixels (expected "
+                       fmt::format("{}: shading is that of {} s in {} % of the pixels (expected "
                                    "`trace --keys` or `render` for it)",
+                                   c.lights_move ? "lights move" : "objects turn or pass by lights",
                                    c.header.time_s, rough(100 * share))});
     }
     return out;

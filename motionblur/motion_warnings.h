@@ -16,8 +16,11 @@ namespace postlens {
 /// - "reflection": pixels whose mirror or glass shows an object that moves differently from the mirror or
 ///   glass;
 /// - "shadow": pixels whose path to a light may be crossed by an object that moves in the world. The objects'
-///   bounding spheres are tested at nine instants, in every fourth pixel along each axis;
-/// - "light": pixels that show an object while lights move; their shading is that of one instant.
+///   bounding spheres are tested at the frame's instant and nine of the exposure, in every fourth pixel
+///   along each axis;
+/// - "light": pixels that show an object while lights move, or an object that turns or passes by a light so
+///   that the direction to the light, seen from it, changes by more than 15 degrees; their shading is that of
+///   one instant.
 ///
 /// Usage: if `possible`, add all rows of the frame; then get the warnings.
 class UnseenMotion {

@@ -19,7 +19,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves or casts shadows. `place` is its position or direction without the keys.
+/// A light that moves, or that shines on something that moves. `place` is its position or direction without
+/// the keys.
 struct LightMotion {
     bool directional = false;  ///< true: `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position, m, or direction
@@ -31,7 +32,7 @@ struct LightMotion {
 struct SceneMotion {
     std::map<std::uint32_t, ObjectMotion> objects;  ///< only objects with keys
     std::vector<TransformKey> camera;               ///< empty: does not move
-    std::vector<LightMotion> lights;                ///< lights that move or cast shadows
+    std::vector<LightMotion> lights;                ///< all, where objects move; else those that move
     [[nodiscard]] bool empty() const { return objects.empty() && camera.empty() && lights.empty(); }
     [[nodiscard]] bool operator==(const SceneMotion&) const = default;
 };

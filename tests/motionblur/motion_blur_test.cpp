@@ -374,6 +374,59 @@ TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
     }
 }
 
+// A plate that moves parallel to the film close to a wall. Light falls on both.
+SceneBuilder lit_plate() {
+    SceneBuilder b;
+    b.add(Rectangle{{-5, -4, -6}, {10, 0, 0}, {0, 8, 0}}, matte(dvec3(0.8)));
+    b.add(Rectangle{{-0.8, -0.5, -5}, {0.8, 0, 0}, {0, 1, 0}}, matte(dvec3(0.7))).keys =
+        from_to({20 * m_per_px, 0, 0});
+    b.point_light({0.3, 1.5, -3.5});
+    return b;
+}
+
+TEST(MotionBlur, KeysShowTheShadingAndShadowOfWhatMovesAsAWhole) {
+    SceneBuilder passing = lit_plate(), light_moves = lit_plate();
+    passing.scene.lights[0].casts_shadows = false;
+    passing.scene.lights[0].position = {0.2, 0.1, -4.5};
+    light_moves.scene.lights[0].keys = from_to({-1, 0, 0});
+    TraceSettings settings = for_shutter(3);
+    settings.keys = 9;
+    for (const Scene& scene : {lit_plate().scene, passing.scene, light_moves.scene}) {
+        RenderSettings truth;
+        truth.spp = 256;
+        truth.shutter = TimeSpan{0, 1};
+        const Image reference = render_picture(scene, truth).image;
+        const TracedFrame frame(scene, settings);
+        const MotionBlurResult r = frame.blur(MotionMethod::automatic);
+        ASSERT_EQ(r.objects.size(), 1U);
+        EXPECT_EQ(r.objects[0].kind, MotionKind::translation);
+        EXPECT_EQ(r.objects[0].method, MotionMethod::lightfield) << r.objects[0].reason;
+        EXPECT_GT(psnr(r.image, reference), 38);
+        EXPECT_LT(psnr(frame.blur(MotionMethod::convolve).image, reference), 32);
+    }
+}
+
+TEST(MotionBlur, KeysShowOneInstantInItsOwnLight) {
+    SceneBuilder b;
+    b.add(Rectangle{{-5, -4, -6}, {10, 0, 0}, {0, 8, 0}}, matte(dvec3(0.8)));
+    b.point_light({-1, 0, -4}).keys = from_to({2, 0, 0});
+    TraceSettings settings = for_shutter();
+    settings.keys = 3;
+    const TracedFrame frame(b.scene, settings);
+    TraceSettings at_half = settings;
+    at_half.keys = 1;
+    at_half.time_s = 0.5;
+    const Image wanted = TracedFrame(b.scene, at_half).file().picture();
+    const MotionBlurResult half = frame.blur(MotionMethod::automatic, 0.5, 0.5);
+    for (std::size_t i = 0; i < wanted.rgb.size(); ++i) EXPECT_NEAR(half.image.rgb[i], wanted.rgb[i], 1e-6);
+    EXPECT_FALSE(has_warning(half, "light"));
+    // The frame's own instant is recorded as it is, whatever moves at others.
+    const TracedFrame plate(lit_plate().scene, settings);
+    for (const MotionMethod method :
+         {MotionMethod::automatic, MotionMethod::convolve, MotionMethod::lightfield})
+        EXPECT_TRUE(equal_bits(plate.blur(method, 0, 0).image, plate.file().picture()));
+}
+
 TEST(MotionBlur, SameBitsForAnyNumberOfThreads) {
     const TracedFrame frame(plate_over_wall(), for_shutter());
     for (const MotionMethod method : {MotionMethod::convolve, MotionMethod::lightfield}) {
@@ -438,6 +491,27 @@ TEST(MotionBlur, SaysWhatItCannotShow) {
     EXPECT_FALSE(has_warning(r, "light"));
     b.scene.lights[0].keys = from_to({1, 0, 0});
     EXPECT_TRUE(has_warning(TracedFrame(b.scene, for_shutter()).blur(MotionMethod::automatic), "light"));
+}
+
+TEST(MotionBlur, SaysWhoseShadingChanges) {
+    for (const bool casts_shadows : {false, true}) {
+        SceneBuilder b = lit_plate();
+        b.scene.lights[0].casts_shadows = casts_shadows;
+        const TracedFrame frame(b.scene, for_shutter());
+        const MotionBlurResult passes = frame.blur(MotionMethod::automatic);
+        EXPECT_TRUE(has_warning(passes, "light"));
+        EXPECT_EQ(has_warning(passes, "shadow"), casts_shadows);
+        // At 2 s the plate has arrived: its shading and shadow differ from those recorded at 0 s all the
+        // same.
+        const MotionBlurResult later = frame.blur(MotionMethod::automatic, 2, 3);
+        EXPECT_TRUE(has_warning(later, "light"));
+        EXPECT_EQ(has_warning(later, "shadow"), casts_shadows);
+        EXPECT_TRUE(frame.blur(MotionMethod::automatic, 0, 0).warnings.empty());
+    }
+    // A far light sees the plate move, but from one direction.
+    SceneBuilder far = lit_plate();
+    far.scene.lights[0].position = {3, 90, 60};
+    EXPECT_FALSE(has_warning(TracedFrame(far.scene, for_shutter()).blur(MotionMethod::automatic), "light"));
 }
 
 TEST(MotionBlur, RefusesWhatMakesNoSense) {

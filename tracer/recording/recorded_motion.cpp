@@ -30,9 +30,8 @@ SceneMotion recorded_motion(const Scene& scene, const Camera& camera) {
     }
     for (auto& [id, motion] : out.objects) bound(boxes[id], motion);
     out.camera = camera.keys;
-    const bool shadows_move = !out.objects.empty();
     for (const Light& l : scene.lights) {
-        if (l.keys.empty() && !(shadows_move && l.casts_shadows)) continue;
+        if (l.keys.empty() && out.objects.empty()) continue;
         const bool directional = l.kind == Light::Kind::directional;
         out.lights.push_back({directional, directional ? l.direction : l.position, l.casts_shadows, l.keys});
     }
