@@ -321,7 +321,7 @@ void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vect
 
 bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
             std::span<const IdExtents> instants, const Exposure& exposure) {
-    if (!instants[0].contains(id)) return false;
+    const bool in_frame = instants[0].contains(id);
     std::vector<double> instants_s;
     for (std::size_t i = 0; i < instants.size(); ++i) instants_s.push_back(file.instant_s(i));
     for (const double t : probe_times(motion.breaks_s(id), exposure)) {
@@ -332,6 +332,9 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
+        // What neither the frame's instant nor one around t shows is out of sight then.
+        const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
+        if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
                          [&](const InstantShare& at) { return is_whole(at.instant); }))
             return true;

@@ -50,9 +50,9 @@ class UnseenMotion {
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
 /// Whether the border of the recorded area cuts off an object so that a part of it is missing in the frame
-/// while the shutter is open. False for objects that are not recorded at the frame's own instant.
-/// `instants`: extents of the objects at the first recorded instants of the file, which are the ones to use.
-/// At every instant, one of the two around it suffices if it shows the whole object.
+/// while the shutter is open. `instants`: extents of the objects at the first recorded instants of the file,
+/// which are the ones to use. At every instant, one of the two around it suffices if it shows the whole
+/// object.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

@@ -106,6 +106,7 @@ class Instant {
 
     [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
     [[nodiscard]] const CameraModel& camera() const { return camera_; }
+    /// The motion from this instant to those of the whole shutter; null without one.
     [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
     [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
 
@@ -160,8 +161,9 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need.
-int overscan_for(const TraceSettings& s, const Instant& instant) {
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion`: to the
+// instants at which this one is used; may be null.
+int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
     if (s.for_f_number && s.for_focus_m) {
@@ -174,7 +176,18 @@ int overscan_for(const TraceSettings& s, const Instant& instant) {
         lens = focus_geometry({camera.film_distance_mm, *s.for_f_number}, *s.for_focus_m, Framing::keep,
                               {camera.film_distance_mm, camera.pixel_pitch_mm});
     }
-    return find_overscan(instant.tracer(), camera, lens, instant.motion());
+    return find_overscan(instant.tracer(), camera, lens, motion);
+}
+
+// Returns the instants at which views use the key `at_s`: from the recorded instant before it to the one
+// after it.
+std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
+    double before_s = at_s, after_s = at_s;
+    for (const double t : recorded_s) {
+        if (t < at_s) before_s = before_s == at_s ? t : std::max(before_s, t);
+        if (t > at_s) after_s = after_s == at_s ? t : std::min(after_s, t);
+    }
+    return looked_at_instants(before_s, after_s, std::vector<double>{at_s});
 }
 
 // Returns a lower bound of the memory of a trace, from the buffers that grow with the raster. A trace may
@@ -308,8 +321,11 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     TraceResult result;
     result.keys = settings.keys.value_or(1);
     if (!settings.keys) {
-        result.keys_sweep_degrees = view_sweep_degrees(scene, of, *settings.for_shutter);
-        result.keys = keys_for_sweep(*result.keys_sweep_degrees, settings.degrees_per_key);
+        const KeyCount wanted = automatic_keys(scene, of, settings.camera, time_s, *settings.for_shutter,
+                                               settings.degrees_per_key);
+        result.keys = wanted.keys;
+        result.keys_sweep_degrees = wanted.sweep_degrees;
+        result.keys_sweep_of = wanted.what;
     }
     std::vector<double> keys_s;
     if (settings.for_shutter) keys_s = key_instants(result.keys, *settings.for_shutter, time_s);
@@ -321,7 +337,15 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         return std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     std::unique_ptr<Instant> instant = instant_at(time_s);
-    result.overscan_px = settings.overscan_auto ? overscan_for(settings, *instant) : settings.overscan_px;
+    result.overscan_px =
+        settings.overscan_auto ? overscan_for(settings, *instant, instant->motion()) : settings.overscan_px;
+    // Methods that use the frame's own instant alone need it to suffice for the whole shutter. A key needs to
+    // suffice up to the keys beside it.
+    for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
+        const double at_s = result.instants_s[i];
+        const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));
+        result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant_at(at_s), &near));
+    }
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};

@@ -80,8 +80,9 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< as in the settings, or as the motion needs
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// set if `keys` was chosen from the motion: view_sweep_degrees
+    /// set if `keys` was chosen from the motion: the angle, and what turns by it
     std::optional<double> keys_sweep_degrees;
+    const char* keys_sweep_of = "";
 };
 
 /// Throws Error(out_of_memory), with the size, if a lower bound of the trace's memory exceeds the available

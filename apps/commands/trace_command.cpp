@@ -160,8 +160,9 @@ CommandResult run_trace(const TraceOptions& options) {
             counted(scene.lights.size(), "light"));
     }
     if (r.keys_sweep_degrees) {
-        out.text += fmt::format("\n{}, as something turns by {:.4g} degrees",
-                                counted(static_cast<std::uint64_t>(r.keys), "key"), *r.keys_sweep_degrees);
+        out.text += fmt::format("\n{}, as {} turns by {:.4g} degrees",
+                                counted(static_cast<std::uint64_t>(r.keys), "key"), r.keys_sweep_of,
+                                *r.keys_sweep_degrees);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));

@@ -292,6 +292,10 @@ TEST(MotionBlur, AutomaticReprojectsWhatTheBorderCutsAtTheFramesInstant) {
     for (int x = 0; x < 64; ++x)
         EXPECT_NEAR(static_cast<double>(r.image.pixel(x, 20)[0]), pixel_mean(x, -20, 24, 40), 0.03) << x;
     EXPECT_TRUE(has_warning(frame.blur(MotionMethod::convolve), "overscan"));
+    // A wider bar comes in from where the frame's instant shows none of it. At the second key, in columns
+    // [-10, 70), the right border cuts it, and this side is in the frame before.
+    EXPECT_TRUE(
+        has_warning(TracedFrame(bar(-100, 80, 90), settings).blur(MotionMethod::automatic), "overscan"));
     // With one instant alone, lightfield lacks the same part.
     settings.keys = 1;
     const MotionBlurResult one = TracedFrame(scene, settings).blur(MotionMethod::automatic);

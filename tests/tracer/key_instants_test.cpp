@@ -112,6 +112,62 @@ TEST(ViewSweep, OrthographicCamerasSeeAlongTheAxis) {
     EXPECT_NEAR(sweep(b), 20, rounding_degrees);
 }
 
+TEST(LightSweep, IsTheTurnOfTheLightThatFallsOnWhatIsSeen) {
+    const auto sweep_of = [](const Scene& s) {
+        return light_sweep_degrees(s, CameraModel(s.cameras[0], 0), 0, shutter);
+    };
+    SceneBuilder b;
+    b.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
+    b.point_light({-1, 0, -8});
+    EXPECT_EQ(sweep_of(b.scene), 0);
+    // From the point of the wall at half way, 1 m away, the light turns from -45 to 45 degrees. The grid has
+    // a point within 0.1 m of it.
+    b.scene.lights[0].keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0}}};
+    EXPECT_NEAR(sweep_of(b.scene), 90, 1);
+    // A wall that moves with the light sees no turn, and one that only shines needs no light.
+    SceneBuilder along = b;
+    along.scene.objects[0].motion_base = along.scene.objects[0].world_from_object;
+    along.scene.objects[0].keys = b.scene.lights[0].keys;
+    EXPECT_NEAR(sweep_of(along.scene), 0, rounding_degrees);
+    SceneBuilder shining = b;
+    shining.scene.materials[0] = glowing(dvec3(1));
+    EXPECT_EQ(sweep_of(shining.scene), 0);
+    // The sun does not move, but a box turns.
+    SceneBuilder turning;
+    Object& box = turning.add(Box{}, matte(dvec3(0.5)));
+    box.keys = {turned(0, 0, {0, 0, 1}, {0, 0, -4}), turned(1, 60, {0, 0, 1}, {0, 0, -4})};
+    Light& sun = turning.point_light({0, 0, 0});
+    sun.kind = Light::Kind::directional;
+    sun.direction = {-1, 0, 0};
+    EXPECT_NEAR(sweep_of(turning.scene), 60, rounding_degrees);
+}
+
+TEST(AutomaticKeys, FollowObjectsLightAndCamera) {
+    const auto keys_of = [](const Scene& s) { return automatic_keys(s, s.cameras[0], {}, 0, shutter, 15); };
+    const KeyCount turns = keys_of(turning_box(60, {0, 1, 0}).scene);
+    EXPECT_EQ(turns.keys, 5);
+    EXPECT_STREQ(turns.what, "something");
+    SceneBuilder lamp;
+    lamp.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
+    lamp.point_light({-1, 0, -8}).keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0}}};
+    const KeyCount light = keys_of(lamp.scene);
+    EXPECT_EQ(light.keys, 7);  // for 90 degrees
+    EXPECT_STREQ(light.what, "the light on something");
+    // A pan by more than half of the picture's shorter side shows what no overscan need hold.
+    SceneBuilder pan;
+    pan.add(square({0, 0, -9}, {0, 0, 1}, 100), glowing(dvec3(1)));
+    Camera& camera = pan.scene.cameras[0];
+    const double half = half_field_degrees(CameraModel(camera, 0));
+    EXPECT_NEAR(std::tan(glm::radians(half)), 24 / (64 * 50 / 36.0), 1e-12);
+    camera.keys = {turned(0, 0, {0, 1, 0}), turned(1, 0.99 * half, {0, 1, 0})};
+    EXPECT_EQ(keys_of(pan.scene).keys, 1);
+    camera.keys[1] = turned(1, 1.5 * half, {0, 1, 0});
+    EXPECT_EQ(keys_of(pan.scene).keys, 3);
+    EXPECT_STREQ(keys_of(pan.scene).what, "the camera");
+    camera.keys[1] = turned(1, 90, {0, 0, 1});  // a roll
+    EXPECT_EQ(keys_of(pan.scene).keys, 1);
+}
+
 TEST(KeysForSweep, OneMoreForEveryFifteenDegrees) {
     EXPECT_EQ(keys_for_sweep(0, 15), 1);
     EXPECT_EQ(keys_for_sweep(1e-9, 15), 1);
@@ -347,6 +403,25 @@ TEST(Overscan, ReachesAsFarAsTheShutterBringsThingsIn) {
         overscan({{.time_s = 0}, {.time_s = 1}}, {turned(0, 0, {0, 1, 0}), turned(1, 5, {0, 1, 0})});
     EXPECT_GE(pan, 9);
     EXPECT_LE(pan, 9 + 16);
+}
+
+TEST(Overscan, LetsEveryKeyHoldWhatItsNeighboursNeed) {
+    // A plate of 40 px comes in from the left by 160 px, from beyond all overscan at the frame's instant.
+    // Half of the plate is outside of the frame at the third of four keys, at 2/3 s.
+    SceneBuilder b;
+    const double px = 4 / (64 * 50 / 36.0);
+    b.add(square({0, 0, -4}, {0, 0, 1}, 40 * px), glowing(dvec3(1))).keys = {
+        {.time_s = 0, .translation = {(-32 - 160 * 2 / 3.0) * px, 0, 0}},
+        {.time_s = 1, .translation = {(-32 + 160 / 3.0) * px, 0, 0}}};
+    const TemporaryFolder folder;
+    TraceSettings settings = trace_settings(4);
+    settings.overscan_px = 0;
+    settings.overscan_auto = true;
+    const int overscan = trace_to_file(b.scene, settings, folder.path() / "a.exr").overscan_px;
+    EXPECT_GE(overscan, 20);
+    EXPECT_LE(overscan, 32);  // half of the frame, the most
+    settings.keys = 1;
+    EXPECT_EQ(trace_to_file(b.scene, settings, folder.path() / "a.exr").overscan_px, 0);
 }
 
 TEST(TraceSettingsOfShutters, AreChecked) {

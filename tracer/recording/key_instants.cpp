@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "core/threads.h"
 #include "records/motion/motion_path.h"
@@ -51,6 +54,69 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
+// Instants at which directions are looked at: even steps of the shutter interval and the keyframes within it.
+std::vector<double> looks(const TimeSpan& shutter, int count,
+                          std::initializer_list<const std::vector<TransformKey>*> motions) {
+    std::vector<double> out;
+    for (int i = 0; i <= count; ++i)
+        out.push_back(even_instant(shutter.open_s, shutter.close_s, i, count + 1));
+    for (const std::vector<TransformKey>* keys : motions) {
+        for (const TransformKey& k : *keys) {
+            if (k.time_s > shutter.open_s && k.time_s < shutter.close_s) out.push_back(k.time_s);
+        }
+    }
+    std::sort(out.begin(), out.end());
+    return out;
+}
+
+bool responds_to_lights(const Material& m) {
+    return m.diffuse != dvec3(0) || m.diffuse_transmission != dvec3(0) || m.specular != dvec3(0);
+}
+
+// Total rotation, degrees, of the direction to the light from a point of an object, in the object's frame.
+// `rest`: the point without the object's motion.
+double light_sweep(const Object& object, const dvec3& rest, const Light& light, const TimeSpan& shutter) {
+    constexpr int light_steps = 64;
+    const MotionPath of_object(object.keys), of_light(light.keys);
+    if (!of_object.moves(shutter.open_s, shutter.close_s) && !of_light.moves(shutter.open_s, shutter.close_s))
+        return 0;
+    double sum = 0;
+    std::optional<dvec3> last;
+    for (const double t : looks(shutter, light_steps, {&object.keys, &light.keys})) {
+        const MotionPath::Pose pose = of_object.at(t), lamp = of_light.at(t);
+        const dvec3 way = light.kind == Light::Kind::directional
+                              ? -lamp.direction(light.direction)
+                              : lamp.point(light.position) - pose.point(rest);
+        const dvec3 d = way * pose.rotation;  // the transpose of the rotation times `way`
+        if (last) sum += angle(*last, d);
+        last = d;
+    }
+    return glm::degrees(sum);
+}
+
+// Points that a coarse grid of rays sees.
+std::vector<SurfacePoint> visible_points(const RayScene& rays, const CameraModel& camera) {
+    constexpr int across = 32, down = 16;
+    std::vector<CameraRay> eye;
+    RayBatch batch;
+    batch.clear(false);
+    for (int y = 0; y < down; ++y) {
+        for (int x = 0; x < across; ++x) {
+            const CameraRay& r = eye.emplace_back(
+                camera.ray((x + 0.5) / across * camera.width, (y + 0.5) / down * camera.height));
+            batch.add(r.origin, r.direction, std::numeric_limits<float>::infinity());
+        }
+    }
+    rays.intersect(batch, false);
+    std::vector<SurfacePoint> out;
+    for (std::size_t i = 0; i < eye.size(); ++i) {
+        if (!batch.hit(i).valid()) continue;
+        out.push_back(
+            rays.surface(batch.hit(i), eye[i].origin, eye[i].direction, static_cast<double>(batch.t[i])));
+    }
+    return out;
+}
+
 double sweep(const Object& object, const std::vector<View>& views, bool orthographic) {
     const bool moves = !object.keys.empty();
     const Bounds box = shape_bounds(object.shape, moves ? object.motion_base : object.world_from_object);
@@ -96,6 +162,59 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
         }
     });
     return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
+}
+
+double light_sweep_degrees(const Scene& scene, const CameraModel& camera, double recorded_s,
+                           const TimeSpan& shutter) {
+    const auto moves = [&](const auto& of) {
+        return MotionPath(of.keys).moves(shutter.open_s, shutter.close_s);
+    };
+    if (scene.lights.empty()) return 0;
+    if (std::none_of(scene.lights.begin(), scene.lights.end(), moves) &&
+        std::none_of(scene.objects.begin(), scene.objects.end(), moves))
+        return 0;
+    const std::vector<SurfacePoint> points = visible_points(RayScene(scene, recorded_s), camera);
+    std::vector<double> sweeps(points.size(), 0);
+    parallel_for(points.size(), [&](std::size_t i) {
+        const Object& o = scene.objects[points[i].object];
+        if (!responds_to_lights(scene.materials[o.material])) return;
+        const dvec3 rest = MotionPath(o.keys).at(recorded_s).unmoved_point(points[i].position);
+        for (const Light& light : scene.lights)
+            sweeps[i] = std::max(sweeps[i], light_sweep(o, rest, light, shutter));
+    });
+    return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
+}
+
+double pan_degrees(const Camera& camera, const TimeSpan& shutter) {
+    if (camera.projection == Camera::Projection::orthographic || !(shutter.close_s > shutter.open_s))
+        return 0;
+    double sum = 0;
+    std::optional<dvec3> last;
+    for (const double t : looks(shutter, steps, {&camera.keys})) {
+        const dvec3 backwards = View(camera, t).backwards;
+        if (last) sum += angle(*last, backwards);
+        last = backwards;
+    }
+    return glm::degrees(sum);
+}
+
+double half_field_degrees(const CameraModel& camera) {
+    return glm::degrees(std::atan(camera.tangent_per_px * std::min(camera.width, camera.height) / 2));
+}
+
+KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
+                        double recorded_s, const TimeSpan& shutter, double degrees_per_key) {
+    const CameraModel model(camera, recorded_s, overrides);
+    KeyCount out;
+    const auto need = [&](double sweep_degrees, double per_key, const char* what) {
+        const int keys = keys_for_sweep(sweep_degrees, per_key);
+        if (*out.what == '\0' || keys > out.keys) out = {keys, sweep_degrees, what};
+    };
+    need(view_sweep_degrees(scene, camera, shutter), degrees_per_key, "something");
+    need(light_sweep_degrees(scene, model, recorded_s, shutter), degrees_per_key, "the light on something");
+    const double pan = pan_degrees(camera, shutter);
+    if (pan > 0) need(pan, half_field_degrees(model), "the camera");
+    return out;
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {

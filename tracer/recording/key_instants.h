@@ -17,6 +17,34 @@ namespace postlens {
 /// inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
+/// Returns the greatest angle, degrees, by which the light that falls on a visible surface turns while the
+/// shutter is open: the total rotation of the direction from a point of the surface to a light, in the frame
+/// of the surface's object, if the light or the object moves. The points are those that a coarse grid of rays
+/// sees at `recorded_s`; surfaces that do not respond to lights are ignored.
+[[nodiscard]] double light_sweep_degrees(const Scene& scene, const CameraModel& camera, double recorded_s,
+                                         const TimeSpan& shutter);
+
+/// Returns the angle, degrees, by which the optical axis of a perspective camera turns while the shutter is
+/// open.
+[[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
+
+/// Returns the angle, degrees, from the optical axis to the nearer of the frame's edges. A key for every such
+/// angle of a pan records all that the frame shows between two keys.
+[[nodiscard]] double half_field_degrees(const CameraModel& camera);
+
+/// A number of keys, and the motion that it is for.
+struct KeyCount {
+    int keys = 1;
+    double sweep_degrees = 0;
+    const char* what = "";  ///< what turns by `sweep_degrees`
+};
+
+/// Returns the number of keys for the turns of objects and of light, one for every `degrees_per_key`, and for
+/// the camera's pan.
+[[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
+                                      const CameraOverrides& overrides, double recorded_s,
+                                      const TimeSpan& shutter, double degrees_per_key);
+
 /// Returns the number of keys (recorded instants) for a sweep: 1 up to `degrees_per_key`, else 1 + ceil(sweep
 /// / degrees_per_key), at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
