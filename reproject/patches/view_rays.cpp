@@ -121,18 +121,26 @@ void CheckedSamples::begin(const PatchField& field, const PatchViews& set, const
 
 void CheckedSamples::note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
                           const TreeSums* trees) {
+    const std::vector<std::uint16_t>& pixels = pixels_[number];
+    const std::size_t uses = shown.view.uses.size();
+    if (u == 0) noted_.assign(pixels.size(), glm::dvec4(0));
     const PatchMesh& mesh = shown.mesh(u);
-    for (const std::uint16_t k : pixels_[number]) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const std::size_t k = pixels[i];
         const std::uint32_t texel = shown.seen[u].texel[k];
-        // If both recorded instants show the same surface, only the first one is compared with a ray.
         if (texel == SeenTile::no_texel || (rays.uses[k] >> u & 1U) != 0) continue;
-        if (shown.view.uses.size() == 2 && (u == 1 || shown.share(u, k) == 0)) continue;
-        const int x = k % SeenTile::edge, y = k / SeenTile::edge;
-        if (!shown.passes(x, y)) continue;
+        const double weight = uses == 1 ? 1 : shown.share(u, k);
+        const glm::dvec3 light =
+            glm::dvec3(mesh.light(texel)) + (trees != nullptr ? trees->light(k) : glm::dvec3(0));
+        noted_[i] += weight * glm::dvec4(light, 1);
+    }
+    if (u + 1 < uses) return;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const int x = pixels[i] % SeenTile::edge, y = pixels[i] / SeenTile::edge;
+        if (noted_[i].w == 0 || !shown.passes(x, y)) continue;
         lines_.push_back(shown.line(x, y));
-        pixel_.push_back(k);
-        recorded_.push_back(glm::dvec3(mesh.light(texel)) +
-                            (trees != nullptr ? trees->light(k) : glm::dvec3(0)));
+        pixel_.push_back(pixels[i]);
+        recorded_.push_back(noted_[i]);
     }
 }
 
@@ -143,7 +151,8 @@ void CheckedSamples::check(const PatchViews& set) {
         PixelCheck& of = sums[pixel_[i]];
         ++of.rays;
         for (std::size_t n = 0; n < 3; ++n) {
-            of.sum[n] += static_cast<double>(radiance_[i][n]) - recorded_[i][static_cast<int>(n)];
+            of.sum[n] +=
+                recorded_[i].w * static_cast<double>(radiance_[i][n]) - recorded_[i][static_cast<int>(n)];
         }
     }
     lines_.clear();

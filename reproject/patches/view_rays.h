@@ -101,8 +101,8 @@ class CheckedSamples {
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
     /// Stores the radiance of the records for those samples of a view that are checked, unless rays replace
-    /// them. `number`: number of the view in its set. `trees`: null if no reflected or transmitted node is
-    /// drawn.
+    /// them. Called for each use of the view in turn. `number`: number of the view in its set. `trees`: null
+    /// if no reflected or transmitted node is drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -114,7 +114,9 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    std::vector<glm::dvec3> recorded_;
+    /// Per checked pixel of the view, and per line: radiance of the records times the share of the sample
+    /// that they have, and this share. The rest of the sample is a ray.
+    std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };
 

@@ -111,6 +111,52 @@ TEST(PatchField, ChecksLookAlongTheLinesOfTheirViews) {
     }
 }
 
+/// Rays that all see the same radiance.
+class EvenRays : public NoRays {
+  public:
+    explicit EvenRays(float radiance) : radiance_(radiance) {}
+    void trace(std::span<const SightLine>, const LightElsewhere&,
+               std::span<std::array<float, 3>> radiance) const override {
+        for (std::array<float, 3>& r : radiance) r.fill(radiance_);
+    }
+
+  private:
+    float radiance_;
+};
+
+// A view between two recorded instants shows a mixture of both, so this mixture is what a check ray must see.
+TEST(PatchField, ChecksCompareAMixtureOfTwoInstants) {
+    const auto made = [](float radiance) {
+        return MadeSheets({.levels = 1}, [=](Record& r) {
+            r.id = 5;
+            r.r = r.g = r.b = radiance;
+        });
+    };
+    const MadeSheets before = made(0.2F), after = made(0.8F);
+    const PatchMesh first = cut_patches(before.sheets.primary, {1, 0.1}),
+                    second = cut_patches(after.sheets.primary, {1, 0.1});
+    const EvenRays rays(0.65F);
+    PatchField field;
+    field.instants = {{&first, nullptr}, {&second, nullptr}};
+    field.width = width;
+    field.height = height;
+    field.recorded_end = {width, height};
+    field.sets.resize(1);
+    PatchView v;
+    v.uses = {{0, 0.25, {}}, {1, 0.75, {}}};
+    field.sets[0].views = {v};
+    field.sets[0].rays = &rays;
+    field.sets[0].checked = [](int, int, std::vector<std::uint32_t>& views) { views = {0}; };
+    std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+    patch_field(field, pictures);
+    std::uint32_t checked = 0;
+    for (const PixelCheck& check : pictures[0].checks) {
+        checked += check.rays;
+        EXPECT_NEAR(check.mean(1), 0, 1e-6);
+    }
+    EXPECT_GE(checked, 100U);
+}
+
 /// Rays that take as long as 32 patches.
 class CostlyRays : public NoRays {
   public:
