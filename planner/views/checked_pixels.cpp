@@ -13,7 +13,7 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 
 }  // namespace
 
-CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : checked_views_(random_rays ? 8 : 2) {
+CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
     // Products of residuals (ray minus record) have a wide distribution. With 8000 of them, their mean is
     // known well enough.
     constexpr int enough_pixels = 8000;
@@ -51,8 +51,9 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
     const std::uint64_t h =
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
+    const int checked = random_rays_ ? std::max(8, count / 4) : 2;
     // Consecutive points are well distributed over the lens.
-    for (int i = 0; i < std::min(count, checked_views_); ++i) {
+    for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
                                                  static_cast<std::uint64_t>(count)));
     }

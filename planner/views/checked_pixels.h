@@ -10,11 +10,12 @@ namespace postlens {
 /// checked to state the image's error. Another random pixel is checked to decide in which tiles rays replace
 /// all samples.
 ///
-/// If the radiances of rays are random, because a light has an extent or a material a lobe, eight views of
-/// each half are compared in one pixel of 5 x 5 px (3 x 3 px in small images). Otherwise two views are
-/// compared in one pixel of 4 x 4 px (2 x 2 px). Twice as many views divide the variance of the product of
-/// two noisy means by four. Twice as many pixels would only divide it by two, but find errors that are few
-/// and large.
+/// If the radiances of rays are random, because a light has an extent or a material a lobe, a quarter of the
+/// views of each half, at least eight, are compared in one pixel of 5 x 5 px (3 x 3 px in small images).
+/// Otherwise two views are compared in one pixel of 4 x 4 px (2 x 2 px). Twice as many views divide the
+/// variance of the product of two noisy means by four. Twice as many pixels would only divide it by two, but
+/// find errors that are few and large. The noise of an image's views decreases with their number, so the
+/// error of the records must be known better the more views there are.
 ///
 /// Rays are aimed at the highlights of the pixel that states the error, and of more pixels of the block the
 /// more views the image has. Errors of highlights are rare and large, and their rays cost little compared
@@ -41,7 +42,8 @@ class CheckedPixels {
     [[nodiscard]] std::uint64_t pixels() const {
         return static_cast<std::uint64_t>(edge_) * static_cast<std::uint64_t>(edge_);
     }
-    int edge_, checked_views_;
+    int edge_;
+    bool random_rays_;
 };
 
 }  // namespace postlens

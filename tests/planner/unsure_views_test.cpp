@@ -162,6 +162,33 @@ TEST(UnsureViews, ATextureFinerThanTheSamplesIsUnsureInAMirrorBallToo) {
     EXPECT_LT(got.retraced_share, 0.5);
 }
 
+// A frosted pane before a fine pattern. The means over its lobe have as much noise in the records as some 100
+// rays, so 256 views are better as rays. Check rays look through the pane by chance, and must still tell so.
+TEST(UnsureViews, BehindFrostedGlassRaysReplaceManyViews) {
+    SceneBuilder b;
+    Material wall = glowing(dvec3(1));
+    wall.emission_texture = std::make_shared<const Texture>(Checker{
+        .size = dvec3(0.06), .offset = dvec3(0.013, 0.017, 0.019), .even = dvec3(0.8), .odd = dvec3(0.1)});
+    b.add(Plane{dvec3(0, 0, -3), dvec3(0, 0, 1)}, wall);
+    Material pane = glowing(dvec3(0));
+    pane.transmission = dvec3(0.9);
+    pane.transmission_exponent = 300;
+    b.add(Rectangle{dvec3(-0.8, -0.5, -2), dvec3(1.4, 0, 0.2), dvec3(0, 1, 0)}, pane);
+    const Case c{"", 2, 2};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 256);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const Image truth = rendered(b.scene, c, 50, 4096, 9);
+    const double of_views = db(got.focus.image, truth);
+    EXPECT_GT(of_views, db(rendered(b.scene, c, 50, 256, 5, true), truth) - 1);
+    ASSERT_TRUE(got.stated);
+    EXPECT_GT(got.stated->high_db(), of_views);
+    EXPECT_LT(got.stated->low_db(), of_views);
+}
+
 // A rectangle brighter than white in front of a cone that passes through its depth. The rectangle has a lobe:
 // a record includes the lobe's mean, while rays sample it. The radiance above white is added as a highlight,
 // and only once.
