@@ -10,6 +10,7 @@
 #include "core/sample_hash.h"
 #include "core/sobol.h"
 #include "pictures/srgb.h"
+#include "tracer/shading/radiance_bounds.h"
 
 namespace postlens {
 namespace {
@@ -105,7 +106,8 @@ struct LobeMeans::Group {
 };
 
 LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
-    : sampler_(SamplerKind::random, Sampler::max_spp, 0) {
+    : sampler_(SamplerKind::random, Sampler::max_spp, 0),
+      bound_(radiance_bounds(scene.scene(), settings.max_depth)) {
     for (int left = 1; left < settings.max_depth; ++left) {
         tracers_.emplace_back(
             scene, sampler_,
@@ -192,8 +194,10 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         const std::size_t count = g.end - g.first;
         double weight = 0;
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
-        weight /= static_cast<double>(count);
-        const auto pilots = std::min(count, static_cast<std::size_t>(std::ceil(weight / target_noise)) + 1);
+        weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
+                  static_cast<double>(count);
+        const auto pilots = static_cast<std::size_t>(
+            std::min(std::ceil(weight / target_noise) + 1, static_cast<double>(count)));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
         first = g.end;
         groups.push_back(std::move(g));
