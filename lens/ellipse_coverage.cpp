@@ -221,33 +221,4 @@ double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, 
     return static_cast<double>(inside) / n / n / ellipse.area_px2();
 }
 
-namespace {
-
-/// Area of the part { x > a } of the unit disc. a >= 0.
-double area_beyond(double a) {
-    return a < 1 ? std::acos(a) - a * std::sqrt(1 - a * a) : 0;
-}
-
-/// Area of the part { x > a, y > b } of the unit disc. a, b >= 0.
-double area_beyond(double a, double b) {
-    if (a * a + b * b >= 1) return 0;
-    const double x = std::sqrt(1 - b * b), y = std::sqrt(1 - a * a);
-    return (std::asin(x) - std::asin(a) - a * (y - b) - b * (x - a)) / 2;
-}
-
-}  // namespace
-
-double disc_share_inside(double radius_px, const glm::dvec2& centre, const glm::dvec2& low,
-                         const glm::dvec2& high) {
-    if (!(radius_px > 0)) return 1;
-    const glm::dvec2 before = (centre - low) / radius_px, behind = (high - centre) / radius_px;
-    double outside = 0;
-    for (const double x : {before.x, behind.x}) {
-        outside += area_beyond(x);
-        for (const double y : {before.y, behind.y}) outside -= area_beyond(x, y);
-    }
-    for (const double y : {before.y, behind.y}) outside += area_beyond(y);
-    return 1 - outside / std::numbers::pi;
-}
-
 }  // namespace postlens

@@ -40,11 +40,6 @@ struct CoverageRow {
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// Share of a disc that lies inside the rectangle [low, high], px, which contains the disc's centre. Exact up
-/// to rounding. A radius of 0 gives 1.
-[[nodiscard]] double disc_share_inside(double radius_px, const glm::dvec2& centre, const glm::dvec2& low,
-                                       const glm::dvec2& high);
-
 /// Coverage of the pixels of one row. Pixels [inner_begin, inner_end) are completely covered and have equal
 /// values, so only the values of the edge pixels on both sides are stored. Pixels outside [x_begin, x_end)
 /// are not covered. x_begin <= inner_begin <= inner_end <= x_end.

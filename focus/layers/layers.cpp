@@ -9,7 +9,6 @@
 #include "focus/layers/layer_resolve.h"
 #include "focus/layers/layer_sums.h"
 #include "focus/layers/visibility.h"
-#include "lens/ellipse_coverage.h"
 
 namespace postlens {
 namespace {
@@ -20,19 +19,6 @@ constexpr int block_height = layers_block_px;
 /// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time; each needs about
 /// 270 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
-
-/// Continues a surface beyond the border of the records as it is inside: divides what arrives from it by the
-/// share of its circle of confusion around the pixel that has records. Otherwise a blurred surface that
-/// reaches beyond the border would become translucent there.
-void continue_beyond_border(const LayerSplats& splats, int x, int y, Fragment& f) {
-    const RasterWindow& source = splats.source();
-    const double radius_px = std::abs(splats.geometry().coc_diameter_px(f.inverse_depth_per_m)) / 2;
-    const double inside = disc_share_inside(radius_px, {x + 0.5, y + 0.5}, {source.x_begin, source.y_begin},
-                                            {source.x_end - 1, source.y_end - 1});
-    if (inside == 1) return;
-    f.covered /= inside;
-    for (SurfaceLight* light : {&f.seen, &f.hidden}) light->divide(inside);
-}
 
 /// Composites the fragments of the pixel (x, y) and stores the channels that one pass computes: all three, or
 /// one if each channel has its own kernels.
@@ -48,7 +34,6 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
             for (SurfaceLight* light : {&f.seen, &f.hidden}) light->divide(open);
         }
     }
-    for (Fragment& f : fragments) continue_beyond_border(splats, x, y, f);
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;

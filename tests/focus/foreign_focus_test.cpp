@@ -68,35 +68,6 @@ TEST(ForeignFocus, HalfPlaneBeforeAnEvenBackgroundIsTheSameFromAFlatPicture) {
     }
 }
 
-TEST(ForeignFocus, ASurfaceDoesNotBecomeTranslucentAtTheBorder) {
-    // No pixel lies outside, and the half-plane goes on there.
-    const Bench bench{.width = 80, .height = 48, .margin_px = 0};
-    constexpr int x0 = 40;
-    for (const double near_px : {-3.3, -12.0}) {
-        for (const double far_px : {0.0, 3.0}) {
-            const ForeignPicture p = bench.picture([&](int x, int) {
-                if (x < x0) return Stack{{bench.inverse_z(far_px), 0, 0.25F, 1}};
-                return Stack{{bench.inverse_z(near_px), 1, 0.5F, 0}};
-            });
-            const FocusResult r = bench.focus(p, FocusMethod::layers);
-            const double radius_px = level_radius(near_px);
-            // What a border cuts off is found for the middle of a pixel. It is a convex function of the
-            // position, and differs most from its mean over a pixel where the circle touches the border. The
-            // mean is there at most half of what a border half a pixel nearer cuts off. A corner has two
-            // borders.
-            const double tolerance = 2 * edge_response(0.5 / radius_px - 1) / 2;
-            for (int y = 0; y < bench.height; ++y) {
-                for (int x = 0; x < bench.width; ++x) {
-                    // Beside the edge, the share that a circle sees inside is not that of the whole circle.
-                    const double front = edge_response((x + 0.5 - x0) / radius_px);
-                    if (front > 0 && front < 1) continue;
-                    ASSERT_NEAR(value(r.image, x, y, 0), front, tolerance) << near_px << " " << x << " " << y;
-                }
-            }
-        }
-    }
-}
-
 TEST(ForeignFocus, AlphaOfAHalfPlaneBeforeNothingIsItsEdge) {
     const Bench bench{.width = 80, .height = 24, .margin_px = 40};
     constexpr int x0 = 40;

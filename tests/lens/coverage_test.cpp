@@ -227,26 +227,5 @@ TEST(Ellipse, RaisesSemiAxesThatAreTooShort) {
     EXPECT_NEAR(flat.half_chord, 5, 1e-12);
 }
 
-TEST(DiscShareInside, IsTheSumOfTheCoverageOfThePixelsInside) {
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> unit(0, 1);
-    for (int trial = 0; trial < 200; ++trial) {
-        const double radius_px = 0.3 + 40 * unit(random);
-        const int width = 1 + static_cast<int>(60 * unit(random)),
-                  height = 1 + static_cast<int>(60 * unit(random));
-        const glm::dvec2 centre(width * unit(random), height * unit(random));
-        double sum = 0;
-        for (const CoverageRow& row : ellipse_coverage(Ellipse::disc(radius_px), centre.x, centre.y)) {
-            if (row.y < 0 || row.y >= height) continue;
-            for (int x = std::max(0, row.x_begin);
-                 x < std::min(width, row.x_begin + static_cast<int>(row.share.size())); ++x)
-                sum += row.share[static_cast<std::size_t>(x - row.x_begin)];
-        }
-        EXPECT_NEAR(disc_share_inside(radius_px, centre, {0, 0}, {width, height}), sum, 1e-9) << trial;
-    }
-    EXPECT_EQ(disc_share_inside(0, {0, 0}, {0, 0}, {1, 1}), 1);
-    EXPECT_EQ(disc_share_inside(2, {3, 3}, {0, 0}, {6, 6}), 1);
-}
-
 }  // namespace
 }  // namespace postlens::test::coverage_test
