@@ -77,43 +77,13 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles with the largest values, until those of all others add up to at most `most`. `value`:
-/// of each tile, a share of the image's; only positive ones are selected.
-template <typename Value>
-std::vector<std::uint8_t> largest(const std::vector<TileError>& tiles, const TileGrid& grid, double most,
-                                  const Value& value) {
-    const double pixels = static_cast<double>(grid.width) * grid.height;
-    std::vector<std::pair<double, std::size_t>> order;
-    double left = 0;
-    for (std::size_t t = 0; t < tiles.size(); ++t) {
-        order.emplace_back(-value(tiles[t], grid.pixels(t) / pixels), t);
-        left -= order.back().first;
-    }
-    std::sort(order.begin(), order.end());
-    std::vector<std::uint8_t> out(tiles.size(), 0);
-    for (const auto& [less, t] : order) {
-        if (left <= most || less >= 0) break;
-        left += less;
-        out[t] = 1;
-    }
-    return out;
-}
-
 /// Selects the tiles whose check rays leave the error of the records least certain, until the variance of the
 /// remaining tiles is at most `most_variance`.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
-    return largest(tiles, grid, most_variance, [](const TileError& tile, double share) {
+    return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
         return tile.bias_deviation * tile.bias_deviation * share * share;
     });
-}
-
-/// Selects the tiles in which rays replace all samples of views, because the records themselves are in error,
-/// until the error of the remaining tiles is at most a quarter of the target.
-std::vector<std::uint8_t> most_biased(const std::vector<TileError>& tiles, const TileGrid& grid,
-                                      double most_mse) {
-    return largest(tiles, grid, most_mse / 4,
-                   [](const TileError& tile, double share) { return tile.bias_mse * share; });
 }
 
 /// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
@@ -278,14 +248,10 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         views.draw(wanted);
         measured = measure({}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
-            std::vector<std::uint8_t> biased = biased_tiles(measured.tiles);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (measured.bias_mse - measured.highlights_mse > most_mse / 4) {
-                const std::vector<std::uint8_t> more = most_biased(measured.tiles, grid, most_mse);
-                for (std::size_t t = 0; t < biased.size(); ++t) biased[t] |= more[t];
-            }
-            if (views.leave_to_rays(biased)) measured = measure({}, CheckedPixels::Use::deciding);
+            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4)))
+                measured = measure({}, CheckedPixels::Use::deciding);
         }
         if (layers) mix = mixed_tiles(measured);
         const StatedError error = stated_error(measured, mix);

@@ -1,7 +1,9 @@
 #include "planner/hybrid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
+#include <limits>
 #include <numeric>
 
 #include "core/text.h"
@@ -88,8 +90,13 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Makes the image from records and from rays into the scene. The two halves of the image are drawn
-/// separately, and their difference measures the noise.
+/// Squared error of an image of 50 dB, which is below one step of 8 bits: more rays would not be seen.
+constexpr double fine_mse = 1e-5;
+
+/// Makes the image from records and from rays into the scene. If the check rays show an error of the records,
+/// rays replace the tiles with most of it, until it is an eighth of the noise, so that the image is within
+/// 0.5 dB of one by as many rays, or until the image has an error of `fine_mse`. The two halves of the image
+/// are drawn separately, and their difference measures the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));
@@ -98,7 +105,12 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
         const auto measured = [&](const std::optional<Crop>& crop, CheckedPixels::Use use) {
             return measured_error(views.half(0), views.half(1), crop, views.checked_pixels(), use);
         };
-        views.leave_to_rays(biased_tiles(measured({}, CheckedPixels::Use::deciding).tiles));
+        const MeasuredError deciding = measured({}, CheckedPixels::Use::deciding);
+        const double noise_mse = stated_error(deciding).views_mse;
+        const bool is_known = deciding.bias_mse > 2 * std::sqrt(deciding.bias_variance);
+        views.leave_to_rays(biased_tiles(deciding, views.grid(),
+                                         is_known ? std::max(noise_mse / 8, fine_mse - noise_mse)
+                                                  : std::numeric_limits<double>::infinity()));
         stated = stated_error(measured(settings.focus.crop, CheckedPixels::Use::stating));
     }
     HybridResult out = finished(frame, std::move(views), settings.focus.crop);

@@ -1,8 +1,10 @@
 // What two independent halves of the views, and check rays, say about the errors of an image.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "focus/light_field/field_focus.h"
@@ -61,8 +63,34 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Returns 1 for tiles in which samples that the records seem to determine have a significant error. An error
-/// is significant if it exceeds the noise of the views and twice its own standard error.
-[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const std::vector<TileError>& tiles);
+/// Selects the tiles with the largest values, until those of all others add up to at most `most`. `value` of
+/// a tile and its share of the image: what the tile contributes to the image. Only positive ones are
+/// selected. Returns 1 for selected tiles.
+template <typename Value>
+[[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
+                                                      const TileGrid& grid, double most, const Value& value) {
+    const double pixels = static_cast<double>(grid.width) * grid.height;
+    std::vector<std::pair<double, std::size_t>> order;
+    double left = 0;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        order.emplace_back(-value(tiles[t], grid.pixels(t) / pixels), t);
+        left -= order.back().first;
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::uint8_t> out(tiles.size(), 0);
+    for (const auto& [less, t] : order) {
+        if (left <= most || less >= 0) break;
+        left += less;
+        out[t] = 1;
+    }
+    return out;
+}
+
+/// Returns 1 for tiles in which rays should replace all samples of views, because samples that the records
+/// seem to determine are in error there: the tiles with the largest such errors, until the error of the
+/// remaining tiles is at most `most_mse` in the mean over the image, and those whose error exceeds the noise
+/// of their views and twice its own standard error.
+[[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
+                                                     double most_mse);
 
 }  // namespace postlens
