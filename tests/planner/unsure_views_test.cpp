@@ -146,7 +146,7 @@ TEST(UnsureViews, ATextureFinerThanTheSamplesIsUnsureInAMirrorBallToo) {
     Material floor = glowing(dvec3(1));
     floor.emission_texture = std::make_shared<const Texture>(Checker{
         .size = dvec3(0.3), .offset = dvec3(0.013, 0.017, 0.019), .even = dvec3(0.9), .odd = dvec3(0.1)});
-    b.add(Plane{dvec3(0, 1, 0), dvec3(0, -0.7, 0)}, floor);
+    b.add(Plane{.point = dvec3(0, -0.7, 0), .normal = dvec3(0, 1, 0)}, floor);
     Material mirror = glowing(dvec3(0));
     mirror.reflection = dvec3(0.85);
     b.add(Sphere{dvec3(0.2, -0.1, -2.2), 0.5}, mirror);
