@@ -333,19 +333,24 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     result.instants_s.insert(result.instants_s.end(), keys_s.begin(), keys_s.end());
 
     const SceneMotion motion = recorded_motion(scene, of);
-    const auto instant_at = [&](double at_s) {
-        return std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
+    std::unique_ptr<Instant> instant;
+    const auto go_to = [&](double at_s) {
+        instant.reset();  // frees the memory of an instant before the next one is built
+        instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
-    std::unique_ptr<Instant> instant = instant_at(time_s);
-    result.overscan_px =
-        settings.overscan_auto ? overscan_for(settings, *instant, instant->motion()) : settings.overscan_px;
-    // Methods that use the frame's own instant alone need it to suffice for the whole shutter. A key needs to
-    // suffice up to the keys beside it.
+    result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
+    // A key needs to suffice up to the keys beside it.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));
-        result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant_at(at_s), &near));
+        go_to(at_s);
+        result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
+    go_to(time_s);
+    // Methods that use the frame's own instant alone need it to suffice for the whole shutter.
+    if (settings.overscan_auto)
+        result.overscan_px =
+            std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
@@ -387,8 +392,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     Radiance radiance(scene.exposure_stops);
     for (std::size_t i = 0; i < result.instants_s.size(); ++i) {
         if (i > 0) {
-            instant.reset();  // frees the memory of this instant before the next one is built
-            instant = instant_at(result.instants_s[i]);
+            go_to(result.instants_s[i]);
             instant->look_through_lens(settings, window);
             find_outlines(i);
             writer.next_instant();

@@ -28,9 +28,10 @@ struct TraceSettings {
     /// Levels of subdivision that suffice if images are made with rays in the scene, which replace what
     /// coarse records do not determine (docs/planner.md has the times of other levels).
     static constexpr int ray_levels = 1;
-    /// Angle, degrees, by which an object turns relative to the camera between two recorded instants, if
-    /// `keys` is absent. Halfway between two instants, a ball has turned by 7.5 degrees from either. A part
-    /// of its silhouette that neither shows is then 1 - cos 7.5 degrees, or 0.9 %, of its radius wide.
+    /// Angle, degrees, by which an object turns relative to the camera or to a light between two recorded
+    /// instants, if `keys` is absent. Halfway between two instants, a ball has turned by 7.5 degrees from
+    /// either. A part of its silhouette that neither shows is then 1 - cos 7.5 degrees, or 0.9 %, of its
+    /// radius wide.
     double degrees_per_key = 15;
     /// Angle that suffices for images with rays in the scene (motion.toml turns a box by 65
     /// degrees: 15, 30 and 33 degrees are as accurate).
