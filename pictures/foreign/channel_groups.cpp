@@ -81,6 +81,12 @@ ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::strin
     return out;
 }
 
+bool names_vectors(const std::vector<std::string>& words) {
+    return has_any_word(words, {"normal", "normals", "position"}) ||
+           std::any_of(words.begin(), words.end(),
+                       [](const std::string& w) { return has_word(vector_words, w); });
+}
+
 std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                               const std::string& name) {
     const ForeignPart& p = file.parts()[part];
@@ -91,9 +97,7 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     const bool has_x =
         p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
     if (last == "z" && (group.has_pass || !has_x)) {
-        if (has_any_word(group.layer, {"normal", "normals", "position", "vector", "vectors", "motion",
-                                       "velocity", "forward"}))
-            return {};
+        if (names_vectors(group.layer)) return {};
         return GroupCandidate{group, name, group.has_pass ? 2 : 1};
     }
     if ((group.has_pass && (last == "v" || last == "y")) || (last != "z" && has_word(depth_words, last)))

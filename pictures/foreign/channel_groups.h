@@ -57,6 +57,9 @@ struct GroupMatch {
     bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
 
+/// Whether words of names say that channels are components of normals, positions or motions.
+[[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
+
 /// The channel as a candidate for a depth, by its name. Empty if the name is not that of a depth.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);

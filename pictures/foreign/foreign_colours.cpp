@@ -44,8 +44,7 @@ bool holds_data(const ForeignFile& file, std::size_t part, const std::string& la
     const bool matte = std::any_of(words.begin(), words.end(), [](const std::string& w) {
         return w.find("crypto") != std::string::npos;
     });
-    return matte || has_any_word(words, {"depth", "zdepth", "vrayzdepth", "normal", "normals", "position",
-                                         "vector", "motion", "velocity", "forward", "uv"});
+    return matte || names_vectors(words) || has_any_word(words, {"depth", "zdepth", "vrayzdepth", "uv"});
 }
 
 /// Priority of a layer as the source of colours; lower is better.
