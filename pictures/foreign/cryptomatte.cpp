@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <filesystem>
 #include <fmt/format.h>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
-#include <system_error>
+
+#include "core/error.h"
+#include "core/files/text_file.h"
 
 namespace postlens {
 namespace {
@@ -180,11 +180,11 @@ constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";
-    const fs::path path = fs::path(image).parent_path() / name;
-    std::error_code error;
-    if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > most_manifest_bytes) return "";
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
+    try {
+        return read_text_file(fs::path(image).parent_path() / name, most_manifest_bytes);
+    } catch (const Error&) {
+        return "";
+    }
 }
 
 }  // namespace
