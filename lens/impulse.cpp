@@ -63,7 +63,8 @@ Impulse parse_impulse(const std::string& option, const std::string& text) {
         Impulse out{.kind = ImpulseKind::diffraction};
         if (has_rest) {
             for (const std::string& part : split(rest, ','))
-                out.wavelengths_nm.push_back(number_in(option, "the wavelength in nm", part, 100, 2e4));
+                out.wavelengths_nm.push_back(number_in(option, "the wavelength in nm", part,
+                                                       shortest_wavelength_nm, longest_wavelength_nm));
         }
         return out;
     }

@@ -15,6 +15,9 @@ enum class ImpulseKind {
     lens,         ///< a real lens, traced from its prescription
 };
 
+/// Limits of accepted wavelengths, nm.
+inline constexpr double shortest_wavelength_nm = 100, longest_wavelength_nm = 20000;
+
 /// Settings of the options `--impulse`, `--squeeze`, `--cats-eye` and `--spherical`.
 struct Impulse {
     ImpulseKind kind = ImpulseKind::disc;

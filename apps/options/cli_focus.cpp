@@ -83,7 +83,7 @@ void add_focus(CLI::App& root, CommandOptions& s) {
             {"path", DepthModel::path},
             {"first-hit", DepthModel::first_hit}});
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
+    strict_option(app, o.strict);
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.focus); }; });
@@ -155,7 +155,7 @@ void add_motionblur(CLI::App& root, CommandOptions& s) {
     target_option(app, o.target_db, fmt::format("{:g} with --scene", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
+    strict_option(app, o.strict);
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.motionblur); }; });
@@ -192,7 +192,7 @@ void add_shoot(CLI::App& root, CommandOptions& s) {
     target_option(app, o.target_db, fmt::format("{:g}", default_target_db));
     retrace_options(app, o.retrace);
     predict_option(app, o.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
+    strict_option(app, o.strict);
     salvage_option(app, o.salvage);
     common_options(app, s.common);
     app.callback([&s] { s.common.run = [&s] { return run_frames(s.asked_frames(), s.shoot); }; });

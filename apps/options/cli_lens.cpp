@@ -51,7 +51,7 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     number(app, "--focus", o->focus_m, "Focus distance s, beyond F", "M", above_0, true);
     number(app, "--depth", o->depth_m, "Depth z' of the point", "M", above_0, true);
     number(app, "--wavelength", o->wavelength_nm, "Wavelength [default: 550]", "NM",
-           {.low = 100, .high = 2e4});
+           {.low = shortest_wavelength_nm, .high = longest_wavelength_nm});
     number(app, "--pixel-pitch", o->pixel_pitch_um, "Pixel pitch on the film", "UM", above_0);
     whole(app, "--size", o->size_px, "Width and height; 0: what holds 99% of the energy, at most 1025", "PX",
           {.low = 0, .high = 16384});

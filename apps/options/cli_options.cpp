@@ -119,6 +119,10 @@ void predict_option(CLI::App& app, bool& to) {
         "tile with --json: compares it with a light field of as many further views, 64 at least");
 }
 
+void strict_option(CLI::App& app, bool& to) {
+    app.add_flag("--strict", to, "Exit with 6 after any warning but that of the exposure");
+}
+
 void salvage_option(CLI::App& app, bool& to) {
     app.add_flag("--salvage", to,
                  "Read the intact rows of a damaged or truncated sample file; the others count as empty, and "

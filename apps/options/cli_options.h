@@ -54,6 +54,8 @@ void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absen
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
+/// Adds --strict, which turns warnings into an exit code.
+void strict_option(CLI::App& app, bool& to);
 /// Adds --salvage, for commands that read a sample file.
 void salvage_option(CLI::App& app, bool& to);
 /// Adds --predict, which reports the predicted error of the image.

@@ -123,7 +123,7 @@ void folder_options(CLI::App& app, SweepOptions& o) {
            "Only every N-th picture, from the I-th, for `merge` (docs/farm.md)")
         ->type_name("I/N");
     predict_option(app, s.picture.predict);
-    app.add_flag("--strict", o.strict, "Exit with 6 after any warning but that of the exposure");
+    strict_option(app, o.strict);
     app.add_flag_function(
         "--salvage", [&s](std::int64_t) { s.damage = Damage::salvage; },
         "Read the intact rows of a damaged or truncated sample file, as for focus");

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "lens/impulse.h"
 
 namespace postlens {
 namespace {

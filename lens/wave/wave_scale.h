@@ -12,9 +12,6 @@ struct WaveScale {
     double v_per_px = 0;  ///< v = pi r D / (lambda V) for r = one pixel; 0 for an aperture of width 0
 };
 
-/// Limits of accepted wavelengths, nm.
-inline constexpr double shortest_wavelength_nm = 100, longest_wavelength_nm = 20000;
-
 /// Throws Error(wrong_arguments) if the wavelength is outside [shortest_wavelength_nm,
 /// longest_wavelength_nm].
 void check_wavelength(double wavelength_nm);
