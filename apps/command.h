@@ -271,7 +271,7 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
                                                     Damage damage);
 /// Adds a warning `salvaged` with the lost rows, if the file is damaged, and a warning `part`, if it is a
 /// part of a trace in shares.
-void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out);
+void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws
 /// Error(wrong_arguments) if both are absent; `file` names the kind of file in the message.

@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-void warn_of_lost_rows(const SampleFileReader& file, std::vector<Warning>& out) {
+void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out) {
     const std::optional<Share> share = share_of_mark(file.header().made_by);
     if (share && share->count > 1) {
         out.push_back({"part",

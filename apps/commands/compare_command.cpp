@@ -219,6 +219,7 @@ class Exposer {
 // Writes the map of error causes, and reports for each cause the fraction of the error that it explains.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
+    warn_of_missing_rows(file, out.warnings);
     LensOptions lens = o.lens;
     const SampleHeader& h = file.header();
     if (o.shutter && !lens.f_number) lens.f_number = std::numeric_limits<double>::infinity();

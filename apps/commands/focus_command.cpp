@@ -116,7 +116,7 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .crop = options.crop};
     const bool predict = options.predict && method != FocusMethod::automatic;
     if (predict) check_predictable(file.header(), settings);
-    warn_of_lost_rows(file, out.warnings);
+    warn_of_missing_rows(file, out.warnings);
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;

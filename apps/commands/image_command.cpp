@@ -20,7 +20,7 @@ CommandResult run_image(const ImageOptions& options) {
     const int width = options.crop ? options.crop->width : image.width,
               height = options.crop ? options.crop->height : image.height;
     CommandResult out;
-    warn_of_lost_rows(file, out.warnings);
+    warn_of_missing_rows(file, out.warnings);
     out.json = {{"width", width}, {"height", height}, {"records", file.record_count()}};
     out.text = fmt::format("{}: {}x{} px, pinhole", output, width, height);
     deliver(std::move(image), {output, options.crop, options.made_by, {}}, out);

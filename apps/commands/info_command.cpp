@@ -55,7 +55,7 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
     nlohmann::ordered_json ids = nlohmann::ordered_json::object();
     for (const auto& [id, name] : h.object_names) ids[std::to_string(id)] = name;
     CommandResult out;
-    warn_of_lost_rows(file, out.warnings);
+    warn_of_missing_rows(file, out.warnings);
     out.json = {
         {"kind", "samples"},
         {"width", h.width},
@@ -167,10 +167,10 @@ CommandResult scene_info(const std::string& input) {
                            counted(scene.objects.size(), "object"), moving,
                            counted(scene.materials.size(), "material"), counted(scene.lights.size(), "light"),
                            counted(scene.cameras.size(), "camera"), camera.width, camera.height);
-    if (!meshes.empty())
-        out.text +=
-            fmt::format("\n{} of {}", meshes.size() == 1 ? "1 mesh" : fmt::format("{} meshes", meshes.size()),
-                        counted(triangles, "triangle"));
+    if (!meshes.empty()) {
+        out.text += fmt::format("\n{} {} of {}", meshes.size(), meshes.size() == 1 ? "mesh" : "meshes",
+                                counted(triangles, "triangle"));
+    }
     if (!textures.empty()) out.text += fmt::format("\n{}", counted(textures.size(), "texture"));
     if (motion) out.text += fmt::format("\nmotion from {:.6g} to {:.6g} s", motion->open_s, motion->close_s);
     if (scene.cameras.size() > 1) out.text += fmt::format("\ncameras: {}", fmt::join(cameras, ", "));

@@ -252,7 +252,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     MotionBlurResult result = motion_blur(file, settings);
 
     std::vector<Warning> warnings;
-    warn_of_lost_rows(file, warnings);
+    warn_of_missing_rows(file, warnings);
     check_sufficient(h, settings.exposure, warnings);
     CommandResult out = report(options, result, std::move(warnings));
     nlohmann::ordered_json objects = nlohmann::ordered_json::array();

@@ -86,7 +86,7 @@ CommandResult run_records(const RecordsOptions& options) {
     }
     const auto instant = static_cast<std::size_t>(options.key);
     CommandResult out;
-    warn_of_lost_rows(file, out.warnings);
+    warn_of_missing_rows(file, out.warnings);
     out.json = {{"x", x},
                 {"y", y},
                 {"time_s", file.instant_s(instant)},

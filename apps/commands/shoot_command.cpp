@@ -58,7 +58,7 @@ CommandResult run_shoot(const ShootOptions& options) {
     const FrameMotion motion =
         motion_of(h, options.paths ? read_paths(*options.paths) : std::vector<ObjectPath>());
     CommandResult out;
-    warn_of_lost_rows(file, out.warnings);
+    warn_of_missing_rows(file, out.warnings);
     const HybridSettings settings{.focus = {.lens = lens.lens,
                                             .focus_distance_m = lens.focus_m,
                                             .framing = o.lens.framing,

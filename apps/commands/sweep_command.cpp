@@ -121,7 +121,7 @@ CommandResult run_sweep(const SweepOptions& o) {
     {
         const SampleFileReader file(o.input, settings.damage);
         header = file.header();
-        warn_of_lost_rows(file, out.warnings);
+        warn_of_missing_rows(file, out.warnings);
         settings.axes = axes_of(o, header);
     }
     for (const Impulse& i : settings.axes.impulses)

@@ -45,6 +45,7 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
     const double f_number_error = f_number * found.aperture_error_mm / best.aperture_mm;
     const double focus_error_m = s_m * s_m * found.inverse_focus_error_per_m;
     CommandResult out;
+    warn_of_missing_rows(file, out.warnings);
     out.json = {{"focal_length_mm", focal_length_mm},
                 {"f_number", f_number},
                 {"f_number_error", f_number_error},
