@@ -22,7 +22,8 @@ struct TraceSettings {
     std::optional<double> time_s = {};
     /// Smallest f-number for which the records must suffice, more than 0 (`--for-f-number`).
     std::optional<double> for_f_number = {};
-    /// Focus distance for which the records must suffice, m, more than 0; may be infinite (`--for-focus`).
+    /// Focus distance for which an `automatic` overscan must suffice, m, more than 0; may be infinite
+    /// (`--for-focus`).
     std::optional<double> for_focus_distance_m = {};
     /// Exposure time for which the records must suffice (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};

@@ -345,7 +345,8 @@ def trace(
 
     output: the sample file to write. Without it, a temporary file is written, which is removed with the Frame.
     size: (width, height), px; default: that of the camera.
-    for_f_number, for_focus_m, for_shutter: the lens and shutter for which the records must suffice.
+    for_f_number, for_shutter: the smallest f-number and the shutter for which the records must suffice.
+    for_focus_m: the focus distance for which overscan_px="auto" and plan make the records suffice.
     for_rays: pictures will be made with rays (the argument scene of Frame.focus), for which coarse records suffice.
     plan: choose subdivision, hidden layers, overscan and recorded instants for target_db.
     `postlens trace --help` describes the other arguments.
