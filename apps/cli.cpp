@@ -35,15 +35,17 @@ void check_flags(const CLI::App& command, std::span<const std::string> words) {
 // Reports an unknown option or subcommand by its name, because CLI11's own message would only be that a
 // subcommand is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
-    if (app.get_subcommands([](const CLI::App*) { return true; }).empty()) check_flags(app, arguments);
-    if (arguments.empty() || app.get_subcommands([](const CLI::App*) { return true; }).empty()) return;
+    const std::vector<const CLI::App*> subcommands =
+        app.get_subcommands([](const CLI::App*) { return true; });
+    if (subcommands.empty()) return check_flags(app, arguments);
+    if (arguments.empty()) return;
     if (arguments[0].starts_with('-')) {
         if (app.get_option_no_throw(arguments[0]) != nullptr) return;
         fail(ExitCode::wrong_arguments, "unknown option (got {}; expected a subcommand, see {} --help)",
              arguments[0], app.get_name());
     }
     std::string known;
-    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) {
+    for (const CLI::App* sub : subcommands) {
         if (sub->get_name() == arguments[0]) return check_subcommand(*sub, arguments.subspan(1));
         known += (known.empty() ? "" : ", ") + sub->get_name();
     }

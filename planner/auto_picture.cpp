@@ -336,8 +336,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         out.met = out.noise_mse <= most_mse;
         const std::string said = fmt::format(
             "{:.1f} dB without the error of the records, at least {:.1f} dB with it, as {} % of the view "
-            "samples "
-            "are unsure",
+            "samples are unsure",
             out.noise_db(), out.bound_db(), rough(100 * out.unsure_share));
         out.plan += said;
         if (settings.target_db && out.met && out.bound_mse > most_mse) {

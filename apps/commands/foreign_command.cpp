@@ -193,8 +193,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
              {"--explain", options.retrace.explain.has_value()}}) {
         if (is_given) {
             fail(ExitCode::wrong_arguments,
-                 "{}: not for a picture of another program, which no ray can look into again (expected a "
-                 "sample "
+                 "{}: not for a picture of another program, whose scene cannot be traced (expected a sample "
                  "file)",
                  name);
         }

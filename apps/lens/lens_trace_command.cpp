@@ -113,7 +113,8 @@ struct FieldCurves {
 
 /// Area of the entrance pupil that transmits light of a point on the axis, mm^2. Areas are compared on the
 /// same grid, so that the point on the axis itself has all of it.
-double axis_area_mm2(const TracedLens& traced, double depth_m, int rays, PupilMesh& mesh) {
+double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
+    PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
 }
 
@@ -130,7 +131,7 @@ FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_r
         edge = std::min(edge, 1.5);  // no chief ray reaches the film's edge, so keep the paraxial estimate
     }
     PupilMesh mesh;
-    const double axis_mm2 = axis_area_mm2(traced, depth_m, rays, mesh);
+    const double axis_mm2 = axis_area_mm2(traced, depth_m, rays);
     for (int i = 0; i < curve_points; ++i) {
         const double tangent = edge * i / (curve_points - 1);
         const double height = chief_height(traced, depth_m, tangent);
@@ -218,8 +219,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
             std::atan(0.5 * o.film_width_mm / traced.first_order().efl_mm) * 180 / std::numbers::pi;
         degs = {0, 0.5 * edge, edge};
     }
-    PupilMesh axis;
-    const double axis_mm2 = axis_area_mm2(traced, depth, o.rays, axis);
+    const double axis_mm2 = axis_area_mm2(traced, depth, o.rays);
     std::vector<FieldResult> fields;
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     out.text = fmt::format("{}: f/{:.4g}, film {:.6g} mm behind the last surface, object at {}", o.lens.input,

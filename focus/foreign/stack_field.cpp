@@ -141,7 +141,8 @@ class Band {
     };
     struct Sum {
         std::array<float, 4> rgba{};
-        float unseen = 0, held_out = 0;  ///< views, and alpha of holdouts
+        float unseen = 0;    ///< number of views that end at what the picture does not show
+        float held_out = 0;  ///< sum of the alphas of holdouts
     };
     struct Hit {
         std::uint32_t at;

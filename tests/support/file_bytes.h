@@ -16,8 +16,8 @@ inline std::string bytes_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// Writes a new file. ext4 sends a file to the disk at once if it replaces another one, which would make
-/// tests wait that write thousands.
+/// Writes a new file. If a file replaces another one, ext4 writes it to the disk at once, and a test that
+/// writes thousands of files would wait for the disk each time.
 inline void write_bytes(const std::filesystem::path& path, std::string_view bytes) {
     std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
