@@ -254,6 +254,7 @@ CommandResult run_lens_trace(const LensTraceOptions& o) {
                 {"axial_irradiance_sr", traced.axial_irradiance_sr()},
                 {"fields", list}};
     std::vector<Spot> spots;
+    spots.reserve(fields.size());
     for (const FieldResult& f : fields) spots.push_back(f.spot);
     if (o.output && is_csv(*o.output)) write_file(*o.output, spots_csv(fields));
     if (o.output && !is_csv(*o.output)) write_drawing(*o.output, draw_spots(spots));
