@@ -66,6 +66,9 @@ TEST_F(ShareCommand, APartOfATraceIsNoFrame) {
     EXPECT_TRUE(warns({"info", part("t", 1)}));
     EXPECT_TRUE(warns({"image", part("t", 1), "-o", in("x.exr")}));
     EXPECT_TRUE(warns(Words{"focus", part("t", 1), "-o", in("x.exr")} + lens_));
+    EXPECT_TRUE(warns(
+        Words{"compare", in("x.exr"), in("x.exr"), "--map-causes", in("why.png"), "--frame", part("t", 1)} +
+        lens_));
     EXPECT_FALSE(warns({"info", frame()}));
     EXPECT_FALSE(warns({"info", in("all.exr")}));
 }
