@@ -14,6 +14,7 @@
 #include "core/progress.h"
 #include "core/signals.h"
 #include "core/text.h"
+#include "core/thread_limits.h"
 
 namespace {
 
@@ -101,7 +102,7 @@ int main(int argc, char** argv) {
         say_error("not enough memory");
         return static_cast<int>(ExitCode::out_of_memory);
     } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
-        say_error(std::string("cannot start a thread (") + e.code().message() + "; expected a higher limit)");
+        say_error(postlens::thread_error_text(e));
         return static_cast<int>(ExitCode::out_of_memory);
     } catch (const std::exception& e) {
         say_error(std::string("internal error: ") + e.what());

@@ -7,8 +7,9 @@
 
 namespace postlens {
 
-std::unique_lock<std::timed_mutex> KeptFrame::lock() {
-    std::unique_lock lock(mutex_, std::defer_lock);
+std::unique_lock<std::timed_mutex> KeptFrame::lock(const std::shared_ptr<KeptFrame>& kept) {
+    if (!kept) return {};
+    std::unique_lock lock(kept->mutex_, std::defer_lock);
     constexpr std::chrono::milliseconds between_looks(50);
     while (!lock.try_lock_for(between_looks)) throw_if_interrupted();
     return lock;

@@ -25,8 +25,8 @@ class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
     /// A caller must hold this lock while it uses the result of `at`. Waits until no other caller holds it.
-    /// Throws Error(interrupted) if the current job is cancelled meanwhile.
-    [[nodiscard]] std::unique_lock<std::timed_mutex> lock();
+    /// Throws Error(interrupted) if the current job is cancelled meanwhile. Locks nothing if `kept` is null.
+    [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
     /// Returns the file, read at the given exposure. Opens the file again if the last call had another
     /// exposure.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);

@@ -23,7 +23,7 @@ CommandResult run_command(std::vector<std::string> words, const std::shared_ptr<
         help.json["seconds"] = 0.0;
         return help;
     }
-    const auto lock = kept ? kept->lock() : std::unique_lock<std::timed_mutex>();
+    const auto lock = KeptFrame::lock(kept);
     return run_timed(command);
 }
 

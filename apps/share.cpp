@@ -21,8 +21,7 @@ Share parse_share(std::string_view option, std::string_view text) {
         return error == std::errc() && end == word.data() + word.size() && !word.empty();
     };
     if (slash == std::string_view::npos || !number(text.substr(0, slash), out.index) ||
-        !number(text.substr(slash + 1), out.count) || out.count < 1 || out.count > most_shares ||
-        out.index < 0 || out.index >= out.count) {
+        !number(text.substr(slash + 1), out.count) || !is_share(out.index, out.count)) {
         fail(ExitCode::wrong_arguments,
              "{}: out of range (got {}; expected I/N, I from 0 to N - 1, N from 1 to {})", option, text,
              most_shares);
@@ -129,8 +128,9 @@ std::optional<Share> share_of_mark(const std::string& mark) {
     const nlohmann::json& share = json["share"];
     const auto whole = [](const nlohmann::json& n) { return n.is_number_integer(); };
     if (!share.is_array() || share.size() != 2 || !std::all_of(share.begin(), share.end(), whole)) return {};
-    const Share out{share[0].get<int>(), share[1].get<int>()};
-    return out.index >= 0 && out.index < out.count ? std::optional(out) : std::nullopt;
+    const auto index = share[0].get<std::int64_t>(), count = share[1].get<std::int64_t>();
+    if (!is_share(index, count)) return {};
+    return Share{static_cast<int>(index), static_cast<int>(count)};
 }
 
 std::string mark_of_items(const Share& share, const AskedFor& asked, const std::vector<std::string>& words) {

@@ -2,6 +2,7 @@
 // stores a description (mark) in its result by which `merge` recognises it.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -15,6 +16,10 @@
 namespace postlens {
 
 inline constexpr int most_shares = 100000;
+/// Whether there is a share `index` of `count`.
+[[nodiscard]] constexpr bool is_share(std::int64_t index, std::int64_t count) {
+    return index >= 0 && index < count && count <= most_shares;
+}
 
 /// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) with the
 /// name of the option.

@@ -41,6 +41,10 @@ void require_threads(int number) {
     }
 }
 
+std::string thread_error_text(const std::system_error& error) {
+    return "cannot start a thread (" + error.code().message() + "; expected a higher limit)";
+}
+
 int library_threads() {
     // More are hardly busy, and a limit of memory or processes may forbid to start them.
     constexpr int most = 8;

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/job.h"
 #include "core/text.h"
+#include "core/thread_limits.h"
 
 namespace py = pybind11;
 
@@ -56,8 +57,7 @@ void translated(const std::function<void()>& call) {
     } catch (const std::bad_alloc&) {
         raise(ExitCode::out_of_memory, "not enough memory");
     } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
-        raise(ExitCode::out_of_memory,
-              "cannot start a thread (" + e.code().message() + "; expected a higher limit)");
+        raise(ExitCode::out_of_memory, thread_error_text(e));
     }
 }
 

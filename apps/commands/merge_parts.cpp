@@ -18,7 +18,7 @@ Share share_in(const nlohmann::ordered_json& mark, const std::string& name) {
                        (mark["crop"].is_null() || numbers("crop", 4));
     if (!whole) fail(ExitCode::invalid_input, "{}: is a damaged part (its mark is not ours)", name);
     const auto index = mark["share"][0].get<std::int64_t>(), count = mark["share"][1].get<std::int64_t>();
-    if (count < 1 || count > most_shares || index < 0 || index >= count)
+    if (!is_share(index, count))
         fail(ExitCode::invalid_input, "{}: is a damaged part (got share {}/{})", name, index, count);
     return {static_cast<int>(index), static_cast<int>(count)};
 }

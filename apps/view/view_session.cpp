@@ -91,7 +91,7 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
-    const auto lock = kept ? kept->lock() : std::unique_lock<std::timed_mutex>();
+    const auto lock = KeptFrame::lock(kept);
     throw_if_interrupted();
     const auto start = std::chrono::steady_clock::now();
     result = command.run();
@@ -421,7 +421,7 @@ ViewReply ViewSession::save(const ViewParameters& parameters) {
         words.push_back("--output=" + file.path().string());
         const std::shared_ptr<KeptFrame> kept = frame_->kept();
         const ParsedCommand command = parse_command_line(words, {.kept = kept});
-        const auto lock = kept ? kept->lock() : std::unique_lock<std::timed_mutex>();
+        const auto lock = KeptFrame::lock(kept);
         static_cast<void>(command.run());
         constexpr std::uintmax_t most_bytes = std::uintmax_t{4} << 30U;
         return ViewReply{.type = format == "png" ? "image/png" : "image/x-exr",
