@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <type_traits>
 
 #include "core/error.h"
@@ -71,16 +72,26 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     return out;
 }
 
-/// Whether the result has pixels that are not opaque.
-bool is_see_through(const ForeignPicture& picture, const std::vector<Behind>& behind) {
-    return !picture.flattened().alpha.empty() ||
-           std::any_of(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha < 1; });
+/// What the estimates behind some pixels have in common.
+struct Guessed {
+    std::size_t known = 0;        ///< pixels with an estimate
+    bool is_see_through = false;  ///< empty space is visible behind one of them
+
+    void add(const Guessed& other) {
+        known += other.known;
+        is_see_through = is_see_through || other.is_see_through;
+    }
+};
+
+Guessed guessed(std::span<const Behind> behind) {
+    Guessed out;
+    for (const Behind& b : behind) out.add({b.known ? 1U : 0U, b.known && b.alpha < 1});
+    return out;
 }
 
-std::optional<FocusWarning> guessed_warning(const std::vector<Behind>& behind) {
-    const auto known = std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known; });
-    if (known == 0) return {};
-    const double share = static_cast<double>(known) / static_cast<double>(behind.size());
+std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const ForeignPicture& picture) {
+    if (guessed.known == 0) return {};
+    const double share = static_cast<double>(guessed.known) / static_cast<double>(picture.offsets.size() - 1);
     return FocusWarning{
         "uncovered", share,
         fmt::format("what stands behind {} % of the pixels may come to light and is not in the "
@@ -99,16 +110,16 @@ class Spread {
           geometry_(geometry),
           window_(window),
           corners_(known_corners(picture)),
-          levels_(geometry, depth_range(picture), settings.spacing, settings.depths) {
+          depths_(depth_range(picture)),
+          levels_(geometry, depths_, settings.spacing, settings.depths) {
         const double half_diagonal_px = std::hypot(corners_.width(), corners_.height()) / 2.0;
-        const auto nearest = depth_range(picture).nearest_m;
         response_ = view != nullptr
                         ? lens_model(*view, geometry, half_diagonal_px,
-                                     1 / nearest.value_or(std::numeric_limits<double>::infinity()))
+                                     1 / depths_.nearest_m.value_or(std::numeric_limits<double>::infinity()))
                         : std::shared_ptr<const ResponseModel>(response_model(
                               settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
         if (method_ == FocusMethod::layers) {
-            behind_ = behind_fill(picture, geometry, std::abs(response_->spherical_px()));
+            behind_.emplace(picture, geometry, std::abs(response_->spherical_px()));
         } else {
             nothing_ = nothing_in_reach(picture, geometry, window, std::abs(response_->spherical_px()));
         }
@@ -117,32 +128,39 @@ class Spread {
     [[nodiscard]] FocusResult picture() {
         FocusResult out;
         out.method = method_;
-        spread(StackValue::colour, out.image, &out);
-        if (is_see_through(picture_, behind_)) {
+        const Guessed guessed = spread(StackValue::colour, out.image, &out);
+        if (guessed.is_see_through || !picture_.is_opaque()) {
             Image alpha;
-            spread(StackValue::alpha, alpha, nullptr);
+            (void)spread(StackValue::alpha, alpha, nullptr);
             out.image.alpha.resize(alpha.rgb.size() / 3);
             for (std::size_t i = 0; i < out.image.alpha.size(); ++i)
                 out.image.alpha[i] = std::clamp(alpha.rgb[3 * i + 1], 0.0F, 1.0F);
         }
-        if (auto warning = guessed_warning(behind_)) out.warnings.push_back(*std::move(warning));
+        if (auto warning = guessed_warning(guessed, picture_)) out.warnings.push_back(*std::move(warning));
         return out;
     }
 
   private:
     template <typename Splats>
-    void take_in(Splats& splats, StackValue value) const {
+    [[nodiscard]] Guessed take_in(Splats& splats, StackValue value) const {
         const auto rows = static_cast<std::size_t>(corners_.height() - 1);
-        parallel_for((rows + rows_per_task - 1) / rows_per_task, [&](std::size_t task) {
+        std::vector<Guessed> found((rows + rows_per_task - 1) / rows_per_task);
+        parallel_for(found.size(), [&](std::size_t task) {
             StackLights lights(geometry_, method_ == FocusMethod::layers);
             std::vector<PixelLight> row;
+            std::vector<Behind> behind_row;
             const std::size_t end = std::min(rows, (task + 1) * rows_per_task);
             for (std::size_t i = task * rows_per_task; i < end; ++i) {
                 const int y = corners_.y_begin + static_cast<int>(i);
                 row.clear();
+                behind_row.clear();
+                if (behind_ && y >= picture_.y_begin && y < picture_.y_end) behind_->row(y, behind_row);
+                found[task].add(guessed(behind_row));
                 for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
                     const bool stored = picture_.stores(x, y);
-                    const Behind* behind = stored && !behind_.empty() ? &behind_at(x, y) : nullptr;
+                    const Behind* behind = stored && behind_
+                                               ? &behind_row[static_cast<std::size_t>(x - picture_.x_begin)]
+                                               : nullptr;
                     // `scatter` does not estimate hidden surfaces, so translucent samples fill their pixels.
                     lights.add(x, stored ? picture_.stack(x, y) : std::span<const StackSample>(),
                                behind == nullptr || behind->fills, behind, value, row);
@@ -151,11 +169,12 @@ class Spread {
             }
         });
         splats.finish();
+        Guessed out;
+        for (const Guessed& some : found) out.add(some);
+        return out;
     }
 
-    [[nodiscard]] const Behind& behind_at(int x, int y) const { return behind_[picture_.pixel_at(x, y)]; }
-
-    void spread(StackValue value, Image& image, FocusResult* report) const {
+    Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
             // sum of its weights, which would fill empty space with the light around it. So `scatter` needs
@@ -165,22 +184,24 @@ class Spread {
             } else {
                 splats.let_nothing_fill(nothing_);
             }
-            take_in(splats, value);
+            const Guessed guessed = take_in(splats, value);
             method(splats, image, crop_);
             if (value == StackValue::alpha) undo_vignetting(splats.responses(), image);
-            if (report == nullptr) return;
+            if (report == nullptr) return guessed;
             report->depths = levels_.depths().value_or(splats.levels_used());
             report->largest_coc_px = splats.largest_coc_px();
             if (auto warning = overscan_warning(splats.border(), corners_, window_, crop_))
                 report->warnings.push_back(*std::move(warning));
+            return guessed;
         };
         // Images of other programs have no separate depths for reflected and transmitted surfaces, so the
         // choice of the depth model has no effect.
         if (method_ == FocusMethod::layers) {
-            finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_), layers);
-        } else {
-            finish(SplatTables(corners_, window_, geometry_, levels_, DepthModel::path, response_), scatter);
+            return finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_),
+                          layers);
         }
+        return finish(SplatTables(corners_, window_, geometry_, levels_, DepthModel::path, response_),
+                      scatter);
     }
 
     /// Alpha is coverage, which a lens that blocks light does not reduce. Where it blocks all light, the
@@ -201,10 +222,11 @@ class Spread {
     FocusMethod method_;
     FocusGeometry geometry_;
     RasterWindow window_, corners_;
+    DepthRange depths_;
     DepthLevels levels_;
     std::shared_ptr<const ResponseModel> response_;
-    std::vector<Behind> behind_;
-    std::vector<float> nothing_;  ///< nothing_in_reach, for `scatter`
+    std::optional<BehindSearch> behind_;  ///< for `layers`
+    std::vector<float> nothing_;          ///< nothing_in_reach, for `scatter`
 };
 
 /// An image with this alpha in all three channels.
@@ -258,7 +280,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     }
     const std::vector<Behind> behind = behind_fill(picture, geometry, s.aberration_px());
     StackField field = stack_field(picture, behind, s);
-    if (auto warning = guessed_warning(behind)) out.warnings.push_back(*std::move(warning));
+    const Guessed of_picture = guessed(behind);
+    if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
     // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
     // that the crop is bit-identical to that part of the whole image.
     const auto is_gap = [](float covered) { return !(covered > 0); };
@@ -266,7 +289,7 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
         s.drawn = window;
         field = stack_field(picture, behind, s);
     }
-    fill_unseen(field, s.drawn, !is_see_through(picture, behind), out.warnings);
+    fill_unseen(field, s.drawn, picture.is_opaque() && !of_picture.is_see_through, out.warnings);
     out.image = std::move(field.image);
     return out;
 }

@@ -33,11 +33,13 @@ bool is_farther(const Radii& other, const Radii& own) {
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
 }
 
-/// Searches around opaque pixels for farther surfaces. Each pixel is represented by the radii of the last
-/// sample in its stack, or of empty space if the stack never becomes opaque.
-class Search {
+}  // namespace
+
+/// Each pixel is represented by the radii of the last sample in its stack, or of empty space if the stack
+/// never becomes opaque.
+class BehindSearch::Impl {
   public:
-    Search(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
+    Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
         : p_(picture),
           geometry_(geometry),
           aberration_px_(static_cast<float>(aberration_px)),
@@ -51,6 +53,7 @@ class Search {
                        ? pixels()
                        : 0),
           opaque_(pixels()) {
+        std::vector<float> widest_px(static_cast<std::size_t>(height_), 0.0F);  // of each row
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
@@ -64,11 +67,10 @@ class Search {
                 }
                 opaque_[i] = left <= opaque_transmittance ? 1 : 0;
                 set_last(i, last);
+                if (std::isfinite(last.blur)) widest_px[y] = std::max(widest_px[y], std::abs(last.blur));
             }
         });
-        for (const float r : blur_px_.empty() ? last_px_ : blur_px_) {
-            if (std::isfinite(r)) widest_px_ = std::max(widest_px_, std::abs(r));
-        }
+        for (const float r : widest_px) widest_px_ = std::max(widest_px_, r);
         find_translucent();
         parallel_for(directions.size(),
                      [&](std::size_t d) { find_steps(directions[d], steps_to_farther_[d]); });
@@ -78,7 +80,7 @@ class Search {
         return static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     }
     [[nodiscard]] int width() const { return width_; }
-    [[nodiscard]] int height() const { return height_; }
+    [[nodiscard]] int y_begin() const { return p_.y_begin; }
 
     [[nodiscard]] Behind behind(int x, int y) const {
         Behind out = guess(x, y);
@@ -101,10 +103,14 @@ class Search {
                 });
             }
         });
-        for (std::size_t i = 0; i < pixels(); ++i) {
-            if (fills_[i] != 0) opaque_[i] = 1;
-            if (opaque_[i] == 0) set_last(i, {});
-        }
+        constexpr std::size_t pixels_of_task = std::size_t{1} << 16;
+        parallel_for(
+            pixels(),
+            [&](std::size_t i) {
+                if (fills_[i] != 0) opaque_[i] = 1;
+                if (opaque_[i] == 0) set_last(i, {});
+            },
+            pixels_of_task);
     }
 
     [[nodiscard]] Behind guess(int x, int y) const {
@@ -321,17 +327,25 @@ class Search {
     float widest_px_ = 0;
 };
 
-}  // namespace
+BehindSearch::BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
+    : impl_(std::make_shared<const Impl>(picture, geometry, aberration_px)) {}
+
+void BehindSearch::row(int y, std::vector<Behind>& out) const {
+    out.clear();
+    for (int x = 0; x < impl_->width(); ++x) out.push_back(impl_->behind(x, y - impl_->y_begin()));
+}
 
 std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                 double aberration_px) {
-    const Search search(picture, geometry, aberration_px);
-    require_memory(search.pixels() * sizeof(Behind), "what is hidden in the picture");
-    std::vector<Behind> out(search.pixels());
-    parallel_for(static_cast<std::size_t>(search.height()), [&](std::size_t y) {
-        for (int x = 0; x < search.width(); ++x)
-            out[y * static_cast<std::size_t>(search.width()) + static_cast<std::size_t>(x)] =
-                search.behind(x, static_cast<int>(y));
+    const BehindSearch search(picture, geometry, aberration_px);
+    const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin),
+               height = static_cast<std::size_t>(picture.y_end - picture.y_begin);
+    require_memory(width * height * sizeof(Behind), "what is hidden in the picture");
+    std::vector<Behind> out(width * height);
+    parallel_for(height, [&](std::size_t row) {
+        thread_local std::vector<Behind> of_row;
+        search.row(picture.y_begin + static_cast<int>(row), of_row);
+        std::copy(of_row.begin(), of_row.end(), out.begin() + static_cast<std::ptrdiff_t>(row * width));
     });
     return out;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "focus/responses/node_response.h"
@@ -23,17 +24,30 @@ struct Behind {
     bool fills = false;  ///< the pixel is translucent; only empty space behind it and its neighbours
 };
 
-/// Estimates the surface behind every stored pixel, row by row. From an opaque pixel, eight directions are
-/// searched for a farther surface. A surface is farther if its own depth is, and if the signed CoC radius of
-/// its own depth or of its blur (StackSample::moved_inverse_z) differs by at least a pixel. It must lie
-/// within the sum of both blurs' CoC radii plus a pixel. If samples have ids, only the id with the largest
-/// sum of 1 / squared distance counts.
+/// Estimates the surface behind stored pixels. From an opaque pixel, eight directions are searched for a
+/// farther surface. A surface is farther if its own depth is, and if the signed CoC radius of its own depth
+/// or of its blur (StackSample::moved_inverse_z) differs by at least a pixel. It must lie within the sum of
+/// both blurs' CoC radii plus a pixel. If samples have ids, only the id with the largest sum of 1 / squared
+/// distance counts.
 ///
 /// The depths and the id are those of the nearest of the farther surfaces. The colour is a mean, weighted by
 /// 1 / squared distance, of the surfaces that are neither farther nor nearer than that one. Empty space
 /// counts as farther than all surfaces and is not blurred. A translucent pixel is treated like an opaque one
-/// if there is only empty space behind it in every direction (`fills`). The result does not depend on the
-/// number of threads. `aberration_px`: how much farther spherical aberration moves light than the CoC radius.
+/// if there is only empty space behind it in every direction (`fills`).
+class BehindSearch {
+  public:
+    /// Both arguments must outlive the search. `aberration_px`: how much farther spherical aberration moves
+    /// light than the CoC radius.
+    BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
+    /// The estimates behind the stored pixels of row `y` of the picture. Several threads may call it.
+    void row(int y, std::vector<Behind>& out) const;
+
+  private:
+    class Impl;
+    std::shared_ptr<const Impl> impl_;
+};
+
+/// The estimates behind all stored pixels, row by row.
 [[nodiscard]] std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeometry& geometry,
                                               double aberration_px = 0);
 

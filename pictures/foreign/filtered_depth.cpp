@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/threads.h"
 #include "pictures/foreign/foreign_depths.h"
 
 namespace postlens {
@@ -80,9 +81,29 @@ class Mender {
         }
     }
 
+    /// What was found along some rows or columns: edges of one pixel, ramps, and the pixels of both.
+    struct Edges {
+        std::size_t jumps = 0, ramps = 0;
+        std::vector<MixedDepth> mixed;
+    };
+
     void find_ramps() {
-        for (std::size_t y = 0; y < height_; ++y) look_along(y * width_, 1, width_);
-        for (std::size_t x = 0; x < width_; ++x) look_along(x, width_, height_);
+        const auto look = [this](std::size_t lines, const auto& along) {
+            constexpr std::size_t lines_of_task = 16;
+            std::vector<Edges> found((lines + lines_of_task - 1) / lines_of_task);
+            parallel_for(found.size(), [&](std::size_t task) {
+                for (std::size_t i = task * lines_of_task; i < std::min(lines, (task + 1) * lines_of_task);
+                     ++i)
+                    along(i, found[task]);
+            });
+            for (const Edges& edges : found) {
+                jumps_ += edges.jumps;
+                ramps_ += edges.ramps;
+                for (const MixedDepth& m : edges.mixed) keep(m);
+            }
+        };
+        look(height_, [this](std::size_t y, Edges& out) { look_along(y * width_, 1, width_, out); });
+        look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
     /// True if the depths a and b of two neighbouring pixels are nearly equal, as on either side of a depth
@@ -92,7 +113,7 @@ class Mender {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
 
-    void look_along(std::size_t first, std::size_t stride, std::size_t count) {
+    void look_along(std::size_t first, std::size_t stride, std::size_t count, Edges& out) const {
         const auto at = [&](std::size_t i) { return depth_[first + i * stride]; };
         for (std::size_t begin = 1; begin + 2 < count; ++begin) {
             for (std::size_t length = 0; length <= longest_ramp && begin + length + 2 < count; ++length) {
@@ -105,7 +126,7 @@ class Mender {
                 if (!(step > least_step * nearer) || !is_plateau(step, at(begin - 1), a)) continue;
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
-                ++(length > 0 ? ramps_ : jumps_);
+                ++(length > 0 ? out.ramps : out.jumps);
                 // The pixels `begin` and `end` may be slightly mixed, too. So the depths of both sides are
                 // extrapolated from the pixels beyond these two.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
@@ -115,7 +136,7 @@ class Mender {
                 };
                 const bool empty = at(begin) < at(end) ? is_empty(end + 1) : is_empty(begin - 1);
                 for (std::size_t i = begin; i <= end; ++i)
-                    note(first + i * stride, at(i), before, after, empty);
+                    note(first + i * stride, at(i), before, after, empty, out);
                 break;
             }
         }
@@ -139,7 +160,7 @@ class Mender {
         return true;
     }
 
-    void note(std::size_t pixel, float v, float a, float b, bool far_is_empty) {
+    void note(std::size_t pixel, float v, float a, float b, bool far_is_empty, Edges& out) const {
         const auto size = [](float x) { return is_nothing(x) ? ForeignDepths::nothing_z : std::abs(x); };
         MixedDepth m{pixel, a, b, 0, far_is_empty};
         if (size(m.near) > size(m.far)) std::swap(m.near, m.far);
@@ -147,7 +168,11 @@ class Mender {
         m.near_share = std::clamp((v - m.far) / (m.near - m.far), 0.0F, 1.0F);
         constexpr float hardly = 5e-4F;
         if (m.near_share > 1 - hardly || (m.near_share < hardly && alpha_[pixel] >= opaque)) return;
-        const auto [it, is_new] = found_.try_emplace(pixel, m);
+        out.mixed.push_back(m);
+    }
+
+    void keep(const MixedDepth& m) {
+        const auto [it, is_new] = found_.try_emplace(m.pixel, m);
         // A row or column that runs along an edge meets only mixed depths. So of the two results, along the
         // row and along the column, the one with the larger difference of depth is kept.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "core/error.h"
 #include "core/memory.h"
@@ -16,6 +18,32 @@ std::uint32_t surface_id(float value, bool whole) {
     return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
 }
 
+namespace {
+
+struct Composited {
+    std::array<float, 3> rgb{};
+    float alpha = 0;
+};
+
+Composited composited(std::span<const StackSample> stack) {
+    double left = 1, held_out = 0;
+    std::array<double, 3> rgb{};
+    for (const StackSample& s : stack) {
+        if (s.holdout) {
+            held_out += left * static_cast<double>(s.alpha);
+        } else {
+            rgb[0] += left * static_cast<double>(s.r);
+            rgb[1] += left * static_cast<double>(s.g);
+            rgb[2] += left * static_cast<double>(s.b);
+        }
+        left *= 1 - static_cast<double>(s.alpha);
+    }
+    return {{static_cast<float>(rgb[0]), static_cast<float>(rgb[1]), static_cast<float>(rgb[2])},
+            static_cast<float>(std::max(0.0, 1 - left - held_out))};
+}
+
+}  // namespace
+
 Image ForeignPicture::flattened() const {
     require_memory(static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height) * 4 * sizeof(float),
                    "the picture of the display window");
@@ -25,25 +53,24 @@ Image ForeignPicture::flattened() const {
         const int y = static_cast<int>(row);
         for (int x = 0; x < width; ++x) {
             if (!stores(x, y)) continue;
-            double left = 1, held_out = 0;
-            std::array<double, 3> rgb{};
-            for (const StackSample& s : stack(x, y)) {
-                if (s.holdout) {
-                    held_out += left * static_cast<double>(s.alpha);
-                } else {
-                    rgb[0] += left * static_cast<double>(s.r);
-                    rgb[1] += left * static_cast<double>(s.g);
-                    rgb[2] += left * static_cast<double>(s.b);
-                }
-                left *= 1 - static_cast<double>(s.alpha);
-            }
-            for (std::size_t c = 0; c < 3; ++c) out.pixel(x, y)[c] = static_cast<float>(rgb[c]);
-            alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] =
-                static_cast<float>(std::max(0.0, 1 - left - held_out));
+            const Composited pixel = composited(stack(x, y));
+            std::copy(pixel.rgb.begin(), pixel.rgb.end(), out.pixel(x, y));
+            alpha[row * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)] = pixel.alpha;
         }
     });
     if (std::any_of(alpha.begin(), alpha.end(), [](float a) { return a < 1; })) out.alpha = std::move(alpha);
     return out;
+}
+
+bool ForeignPicture::is_opaque() const {
+    std::atomic<bool> opaque = true;
+    parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+        const int y = static_cast<int>(row);
+        for (int x = 0; x < width && opaque; ++x) {
+            if (!stores(x, y) || composited(stack(x, y)).alpha < 1) opaque = false;
+        }
+    });
+    return opaque;
 }
 
 double ForeignPicture::depth_at(double x, double y) const {

@@ -102,12 +102,13 @@ struct ForeignPicture {
     /// The image of the display window, with the stack of each pixel composited. `alpha` is empty if all
     /// pixels are opaque. Throws Error(out_of_memory).
     [[nodiscard]] Image flattened() const;
+    /// Whether all pixels of the display window are opaque.
+    [[nodiscard]] bool is_opaque() const;
     /// Depth, m, at which the composited alpha of the stack at a raster position reaches one half. Infinity
     /// if alpha stays below one half. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 
-/// Reads the channels that `choice` selects, in bands of rows.
 /// Reads the channels that `choice` selects, in bands of rows.
 /// - Depth: 0, 1e9 units and more, infinity and NaN mean that nothing was hit. So does a flat image without a
 ///   depth channel (warning "assumed"). If all finite depths are negative, their absolute values are used,
