@@ -115,7 +115,7 @@ class BehindSearch::Impl {
 
     [[nodiscard]] Behind guess(int x, int y) const {
         const std::size_t here = index(x, y);
-        if (opaque_[here] == 0) return {};
+        if (opaque_[here] == 0 || !is_near_an_edge(here)) return {};
         std::array<Find, directions.size()> finds{};
         std::size_t count = 0;
         for (std::size_t d = 0; d < directions.size(); ++d) {
@@ -251,6 +251,15 @@ class BehindSearch::Impl {
                 }
             }
         }
+    }
+
+    /// Whether a pixel near enough to be disoccluded is farther than the pixel before it, in any direction.
+    [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
+        const float limit_px = limit_of(last_of(here).blur);
+        bool is_near = false;
+        for (const auto& steps : steps_to_farther_)
+            is_near = is_near || (steps[here] != 0 && static_cast<float>(steps[here]) <= limit_px);
+        return is_near;
     }
 
     /// The first surface in a direction that is farther than the pixel's own surface and near enough to be

@@ -6,7 +6,6 @@
 #include <map>
 #include <tuple>
 
-#include "core/memory.h"
 #include "core/threads.h"
 #include "focus/layers/layer_row_builder.h"
 
@@ -105,16 +104,15 @@ void LayerSplats::store(int y, Row& made) {
     rows_[index] = made;
 }
 
-struct LayerSplats::Segment {
+struct LayerSplats::PlacedRun {
     std::uint32_t part = 0;
-    std::uint32_t tile = 0;  ///< tile_y * tiles in a row + tile_x
-    std::uint32_t row = 0;
-    std::uint32_t begin = 0, count = 0;  ///< range of the row's splats
-    [[nodiscard]] auto place() const { return std::tie(part, tile, row); }
+    std::uint32_t tile = 0;  ///< column of tiles
+    LayerRun run;
+    [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by LayerPart and tile, with a stable sort, and appends the row's segments.
-void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
+// Sorts the splats of a row by LayerPart and tile, with a stable sort, and appends the row's runs.
+void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
     std::vector<std::uint32_t> number;
@@ -130,14 +128,11 @@ void LayerSplats::sort_row(std::size_t index, std::vector<Segment>& segments) {
     std::vector<std::uint32_t> begin(row.parts.size() * tiles + 1);
     for (std::size_t i = 0; i < row.splats.size(); ++i) ++begin[bucket_of(i) + 1];
     for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
-    const std::uint32_t tile_row = static_cast<std::uint32_t>(index) / tile_px;
     for (std::size_t i = 0; i + 1 < begin.size(); ++i) {
         if (begin[i] == begin[i + 1]) continue;
-        segments.push_back({.part = number[i / tiles],
-                            .tile = tile_row * tiles + static_cast<std::uint32_t>(i % tiles),
-                            .row = static_cast<std::uint32_t>(index),
-                            .begin = begin[i],
-                            .count = begin[i + 1] - begin[i]});
+        runs.push_back({number[i / tiles],
+                        static_cast<std::uint32_t>(i % tiles),
+                        {static_cast<std::uint32_t>(index), begin[i], begin[i + 1]}});
     }
     std::vector<LayerSplat> sorted(row.splats.size());
     for (std::size_t i = 0; i < row.splats.size(); ++i) sorted[begin[bucket_of(i)]++] = row.splats[i];
@@ -156,47 +151,43 @@ RasterWindow LayerSplats::reach_of(const LayerSplat& s) const {
 }
 
 void LayerSplats::find_reach(LayerCell& cell) {
-    const std::span<LayerSplat> all =
-        std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
     constexpr int step = LayerSplat::reach_step_px;
     const auto below = [](int px) { return static_cast<std::int16_t>(std::floor(px / double{step})); };
     const auto above = [](int px) { return static_cast<std::int16_t>(std::ceil(px / double{step})); };
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        LayerSplat& s = all[i];
-        const RasterWindow r = reach_of(s);
-        cell.reach = i == 0 ? r : around(cell.reach, r);
-        s.x_first = below(r.x_begin - s.x);
-        s.x_last = above(r.x_end - s.x);
-        s.y_first = below(r.y_begin - s.y);
-        s.y_last = above(r.y_end - s.y);
+    bool first = true;
+    for (const LayerRun& run : runs(cell)) {
+        for (std::uint32_t i = run.begin; i < run.end; ++i) {
+            LayerSplat& s = rows_[run.row].splats[i];
+            const RasterWindow r = reach_of(s);
+            cell.reach = first ? r : around(cell.reach, r);
+            first = false;
+            s.x_first = below(r.x_begin - s.x);
+            s.x_last = above(r.x_end - s.x);
+            s.y_first = below(r.y_begin - s.y);
+            s.y_last = above(r.y_end - s.y);
+        }
     }
 }
 
-// Joins the splats of all rows in a row of tiles, sorted by LayerPart and tile. The memory of each row is
-// freed as soon as its splats are joined, so that there are never two copies of all splats.
+// Finds the runs and the cells of a row of tiles.
 std::vector<LayerCell> LayerSplats::join(std::size_t tile_row) {
     const std::size_t first_row = tile_row * tile_px, last_row = std::min(first_row + tile_px, rows_.size());
-    std::vector<std::vector<Segment>> by_row(last_row - first_row);
+    std::vector<std::vector<PlacedRun>> by_row(last_row - first_row);
     parallel_for(by_row.size(), [&](std::size_t i) { sort_row(first_row + i, by_row[i]); });
-    std::vector<Segment> segments;
-    for (const auto& some : by_row) segments.insert(segments.end(), some.begin(), some.end());
-    std::sort(segments.begin(), segments.end(),
-              [](const Segment& a, const Segment& b) { return a.place() < b.place(); });
-    std::uint32_t count = 0;
-    for (const Segment& s : segments) count += s.count;
-    std::vector<LayerSplat>& to = tile_rows_[tile_row];
-    to.reserve(count);
+    std::vector<PlacedRun> placed;
+    for (const auto& some : by_row) placed.insert(placed.end(), some.begin(), some.end());
+    std::sort(placed.begin(), placed.end(),
+              [](const PlacedRun& a, const PlacedRun& b) { return a.place() < b.place(); });
+    std::vector<LayerRun>& runs = tile_runs_[tile_row];
     std::vector<LayerCell> cells;
-    for (std::size_t i = 0; i < segments.size(); ++i) {
-        const Segment& s = segments[i];
-        const auto at = static_cast<std::uint32_t>(to.size());
-        if (i == 0 || s.part != segments[i - 1].part || s.tile != segments[i - 1].tile)
-            cells.push_back({s.part, static_cast<std::uint32_t>(tile_row), at, at, {}});
-        const auto from = rows_[s.row].splats.begin() + s.begin;
-        to.insert(to.end(), from, from + s.count);
-        cells.back().end += s.count;
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+        const PlacedRun& r = placed[i];
+        const auto at = static_cast<std::uint32_t>(i);
+        if (i == 0 || r.part != placed[i - 1].part || r.tile != placed[i - 1].tile)
+            cells.push_back({r.part, static_cast<std::uint32_t>(tile_row), at, at, {}});
+        runs.push_back(r.run);
+        ++cells.back().end;
     }
-    for (std::size_t i = first_row; i < last_row; ++i) rows_[i] = {};
     for (LayerCell& cell : cells) find_reach(cell);
     return cells;
 }
@@ -220,17 +211,15 @@ void LayerSplats::sort_cells() {
 void LayerSplats::begin_tile_rows() {
     const std::size_t count = (static_cast<std::size_t>(source_.height()) + tile_px - 1) / tile_px;
     joined_ = 0;
-    tile_rows_.clear();
-    tile_rows_.resize(count);
+    tile_runs_.clear();
+    tile_runs_.resize(count);
     tile_cells_.assign(count, {});
 }
 
 void LayerSplats::finish() {
     kernels_.build();
-    std::size_t most = 0;
     for (const Row& row : rows_) {
         parts_.insert(parts_.end(), row.parts.begin(), row.parts.end());
-        most = std::max(most, row.splats.size());
         largest_radius_px_ = std::max(largest_radius_px_, row.largest_radius_px);
         colours_.include(row.colours);
     }
@@ -238,7 +227,6 @@ void LayerSplats::finish() {
     parts_.erase(std::unique(parts_.begin(), parts_.end()), parts_.end());
     if (keep_ != Keep::all) return;
     kernels_.forget_keys();
-    require_memory(2 * tile_px * most * sizeof(LayerSplat), "the records of all layers");
     begin_tile_rows();
     finish_strip();
 }
@@ -268,9 +256,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
 }
 
 void LayerSplats::finish_strip() {
-    join_rows(tile_rows_.size());
+    join_rows(tile_runs_.size());
     sort_cells();
-    std::vector<Row>().swap(rows_);
 }
 
 double LayerSplats::largest_coc_px() const {

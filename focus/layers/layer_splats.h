@@ -73,11 +73,17 @@ struct LayerSplat {
     }
 };
 
+/// Splats of one LayerPart side by side in one row and tile: a range of the row's splats.
+struct LayerRun {
+    std::uint32_t row = 0;
+    std::uint32_t begin = 0, end = 0;
+};
+
 /// The splats (impulse responses) of one LayerPart whose anchors lie in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
-    std::uint32_t begin = 0, end = 0;  ///< range of the tile row's splats
+    std::uint32_t begin = 0, end = 0;  ///< range of the tile row's runs, one per row
     RasterWindow reach;                ///< pixels that the splats reach
 };
 
@@ -127,8 +133,11 @@ class LayerSplats {
     [[nodiscard]] std::span<const LayerPart> parts() const { return parts_; }
     /// Sorted by part, then by tile.
     [[nodiscard]] std::span<const LayerCell> cells() const { return cells_; }
-    [[nodiscard]] std::span<const LayerSplat> splats(const LayerCell& cell) const {
-        return std::span(tile_rows_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
+    [[nodiscard]] std::span<const LayerRun> runs(const LayerCell& cell) const {
+        return std::span(tile_runs_[cell.tile_row]).subspan(cell.begin, cell.end - cell.begin);
+    }
+    [[nodiscard]] std::span<const LayerSplat> splats(const LayerRun& run) const {
+        return std::span(rows_[run.row].splats).subspan(run.begin, run.end - run.begin);
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
@@ -146,15 +155,15 @@ class LayerSplats {
     struct Row {
         std::vector<LayerPart> parts;
         std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
-        std::vector<LayerSplat> splats;
+        std::vector<LayerSplat> splats;   ///< in the end sorted by part, tile and column
         /// Removes all elements, but keeps the capacity.
         void clear();
         double largest_radius_px = 0;
         RadianceRange colours;
     };
-    /// Splats of one row, part and tile.
-    struct Segment;
-    void sort_row(std::size_t index, std::vector<Segment>& segments);
+    /// A run, its part and its tile.
+    struct PlacedRun;
+    void sort_row(std::size_t index, std::vector<PlacedRun>& runs);
     std::vector<LayerCell> join(std::size_t tile_row);
     /// Joins the tile rows [joined_, end).
     void join_rows(std::size_t end);
@@ -179,10 +188,10 @@ class LayerSplats {
     std::vector<Row> rows_;
     std::vector<LayerPart> parts_;
     std::vector<LayerCell> cells_;
-    std::vector<std::vector<LayerSplat>> tile_rows_;  ///< each sorted by part, tile, row and column
-    std::size_t joined_ = 0;                          ///< number of complete elements of tile_rows_
+    std::vector<std::vector<LayerRun>> tile_runs_;  ///< each sorted by part, tile and row
+    std::size_t joined_ = 0;                        ///< number of complete elements of tile_runs_
     std::vector<std::vector<LayerCell>>
-        tile_cells_;  ///< per element of tile_rows_; emptied when the cells have been sorted into cells_
+        tile_cells_;  ///< per element of tile_runs_; emptied when the cells have been sorted into cells_
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     RadianceRange colours_;

@@ -94,20 +94,6 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row, where every tap meets a
-/// value. `count`: number of taps, which the compiler must know to keep them in registers.
-template <std::size_t count, typename Values>
-__attribute__((always_inline)) inline void convolve_middle(const Values* values, const double* taps,
-                                                           int begin, int end, double y, double* row) {
-    std::array<double, count> tap;
-    for (std::size_t i = 0; i < count; ++i) tap[i] = taps[i];
-    for (int at = begin; at < end; ++at, ++values) {
-        Values sum;
-        for (std::size_t i = 0; i < count; ++i) sum.add(values[-static_cast<std::ptrdiff_t>(i)], tap[i]);
-        sum.add_to(row + Values::count * static_cast<std::size_t>(at), y);
-    }
-}
-
 /// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first`: the pixel to
 /// which the first tap takes the first value.
 template <typename Values>
@@ -115,32 +101,13 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
                                                     std::span<const double> taps, int first, double y,
                                                     int begin, int end, double* row) {
     const int last = static_cast<int>(values.size()) - 1, last_tap = static_cast<int>(taps.size()) - 1;
-    const auto some = [&](int from, int to) __attribute__((always_inline)) {
-        for (int at = from; at < to; ++at) {
-            Values sum;
-            const int tap_end = std::min(last_tap, at - first);
-            for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
-                sum.add(values[static_cast<std::size_t>(at - first - tap)],
-                        taps[static_cast<std::size_t>(tap)]);
-            sum.add_to(row + Values::count * static_cast<std::size_t>(at), y);
-        }
-    };
-    begin = std::max(begin, first);
-    end = std::min(end, first + last + last_tap + 1);
-    // Most rows of most kernels have edges of two or three taps.
-    const int middle = std::clamp(first + last_tap, begin, std::max(begin, end));
-    const int middle_end = std::clamp(first + last + 1, middle, std::max(middle, end));
-    const Values* at = values.data() + (middle - first);
-    if (taps.size() == 2) {
-        some(begin, middle);
-        convolve_middle<2>(at, taps.data(), middle, middle_end, y, row);
-        some(middle_end, end);
-    } else if (taps.size() == 3) {
-        some(begin, middle);
-        convolve_middle<3>(at, taps.data(), middle, middle_end, y, row);
-        some(middle_end, end);
-    } else {
-        some(begin, end);
+    const int to = std::min(end, first + last + last_tap + 1);
+    for (int at = std::max(begin, first); at < to; ++at) {
+        Values sum;
+        const int tap_end = std::min(last_tap, at - first);
+        for (int tap = std::max(0, at - first - last); tap <= tap_end; ++tap)
+            sum.add(values[static_cast<std::size_t>(at - first - tap)], taps[static_cast<std::size_t>(tap)]);
+        sum.add_to(row + Values::count * static_cast<std::size_t>(at), y);
     }
 }
 

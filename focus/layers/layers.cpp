@@ -132,7 +132,9 @@ void BlockLayers::add_surface(std::span<const PartCells> parts, std::span<const 
         sums_[i].begin(reach, with_lens && wants_lens(*part.part), splats_.from_anchor_px());
         for (std::size_t k = part.begin; k < part.end; ++k) {
             const LayerCell& cell = splats_.cells()[cells[k]];
-            if (meet(cell.reach, rows_)) sums_[i].add(splats_.splats(cell), splats_.kernels(), channel);
+            if (!meet(cell.reach, rows_)) continue;
+            for (const LayerRun& run : splats_.runs(cell))
+                sums_[i].add(splats_.splats(run), splats_.kernels(), channel);
         }
         sums_[i].finish();
     }
@@ -303,8 +305,10 @@ Image layers_reference(const LayerSplats& splats) {
     for (std::size_t channel = 0; channel < splats.kernels().channels(); ++channel) {
         std::vector<ReferenceSums> sums(splats.parts().size(), ReferenceSums(image.rgb.size() / 3));
         for (const LayerCell& cell : splats.cells()) {
-            for (const LayerSplat& s : splats.splats(cell))
-                add_reference(splats, s, splats.parts()[cell.part], channel, sums[cell.part]);
+            for (const LayerRun& run : splats.runs(cell)) {
+                for (const LayerSplat& s : splats.splats(run))
+                    add_reference(splats, s, splats.parts()[cell.part], channel, sums[cell.part]);
+            }
         }
         for (std::size_t i = 0; i < image.rgb.size() / 3; ++i) {
             std::vector<Fragment> fragments;

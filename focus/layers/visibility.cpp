@@ -110,6 +110,12 @@ OverLens moving_along(std::span<const Laid> laid, double radius_px) {
 
 std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
     constexpr double opaque = 1e-9;
+    if (fragments.size() == 1 && fragments[0].hidden.alpha == 0) {
+        // Most pixels show one surface, and nothing hides it.
+        std::array<double, 3> rgb = fragments[0].seen.rgb;
+        for (double& channel : rgb) channel /= fragments[0].seen.alpha;
+        return rgb;
+    }
     sort_by_depth(fragments);
     thread_local std::vector<Laid> laid;
     laid.clear();

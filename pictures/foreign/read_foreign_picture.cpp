@@ -151,14 +151,17 @@ class Reader {
         std::vector<const float*> matte_row(of_matte.size());
         if (ry) luminance_ = file_.luminance_weights(c.part);
         const auto width = static_cast<std::size_t>(part_->width());
-        require_memory(pixels() * (2 * sizeof(float) + sizeof(std::uint64_t)),
-                       "depths and alphas of the picture");
+        require_memory(pixels() * 2 * sizeof(float), "depths and alphas of the picture");
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        out_.offsets.reserve(pixels() + 1);
-        make_room(pixels());
+        // Room that is made once need not be copied as it grows. A damaged file may claim more pixels than it
+        // has.
+        constexpr std::size_t most_at_once = std::size_t{1} << 22;
+        out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
+        make_room(std::min(pixels(), most_at_once));
         channels.read([&](int, std::span<const float* const> values) {
+            make_room(width);
             for (std::size_t i = 0; i < of_matte.size(); ++i) matte_row[i] = values[of_matte[i]];
             if (!of_matte.empty()) matte->take(depths.size(), width, matte_row);
             for (std::size_t x = 0; x < width; ++x) {
