@@ -43,6 +43,11 @@ struct Workplace {
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
+/// Number of views of a piece after which rays replace the samples of all its surfaces that reflect or
+/// transmit, if they have replaced most of them so far. What is reflected for the others takes longer to draw
+/// than to trace.
+constexpr std::size_t views_of_trial = 8;
+
 class Field {
   public:
     explicit Field(const PatchField& field) : field_(field), marks_(field), bins_(field, marks_) {
@@ -112,6 +117,7 @@ class Field {
         if (set.rays != nullptr) fill_pixels(at, w.rays.sum, {});
         w.rays.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
         w.rays.parents_too = bins_.trees() && !w.draws_trees;
+        w.rays.with_trees = w.rays.with_sure_trees = 0;
         if (set.checked) w.checked.begin(field_, set, at);
         if (w.draws_trees) w.trees.begin(w.patches.paths, at);
         if (marks_.any()) {
@@ -131,6 +137,8 @@ class Field {
             w.views.texel.resize(set.views.size() * TileViews::view);
         }
         for (std::size_t i = 0; i < set.views.size(); ++i) {
+            if (i == views_of_trial && 2 * w.rays.with_sure_trees < w.rays.with_trees)
+                w.rays.parents_too = true;
             at.sample = set.views[i].sample;
             if (i % views_between_looks == 0) throw_if_interrupted();
             draw_view(set, i, lights, at, w);
@@ -268,7 +276,8 @@ class Field {
             }
             w.rays.set_aside(shown, w.sum);
         }
-        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile && !(rays && v.moves());
+        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile && !w.rays.parents_too &&
+                           !(rays && v.moves());
         // Where both recorded instants of the view show the same surface, their colours are blended.
         // Elsewhere only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {

@@ -77,7 +77,12 @@ void RaySamples::set_aside_trees(const ShownView& shown, std::size_t u, const Tr
         for (int x = 0; x < shown.at.width; ++x) {
             const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);
             const std::uint32_t texel = shown.seen[u].texel[k];
-            if (texel == SeenTile::no_texel || mesh.drawn_children(texel) == 0 || trees.sure(k)) continue;
+            if (texel == SeenTile::no_texel || mesh.drawn_children(texel) == 0) continue;
+            ++with_trees;
+            if (trees.sure(k)) {
+                ++with_sure_trees;
+                continue;
+            }
             if (v.uses.size() == 1) {
                 leave_to_rays(shown, x, y, v.weight, recorded);
                 shown.seen[u].texel[k] = SeenTile::no_texel;

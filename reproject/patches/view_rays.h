@@ -65,7 +65,10 @@ class RaySamples {
   public:
     bool whole_tile = false;   ///< all view samples of the tile are rays
     bool parents_too = false;  ///< so are samples of surfaces that reflect or transmit
-    LightSums sum{};           ///< of the traced radiance
+    /// Samples whose reflected and transmitted light set_aside_trees has looked at, and those of them whose
+    /// light the records determine.
+    std::size_t with_trees = 0, with_sure_trees = 0;
+    LightSums sum{};                                    ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
     /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the

@@ -229,6 +229,48 @@ TEST(PatchField, RaysReplaceCrowdedReflections) {
     EXPECT_GT(by_records, 0);
 }
 
+// Where the records determine what less than half of a piece's samples reflect or transmit, rays replace the
+// samples of all surfaces that reflect or transmit from the ninth view on.
+TEST(PatchField, RaysReplaceReflectionsThatAreRarelySure) {
+    const MadeSheets f({.has_w = true}, [](Record& r) {
+        r.id = 5;
+        r.z = 2;
+        r.r = r.g = r.b = 0.5F;
+        r.w = Mat2::isotropic(r.path.bits() == 0 ? 0.5F : 0.3F);
+    });
+    const PatchMesh primary = cut_patches(f.sheets.primary, {6, 0.1}),
+                    deeper = cut_patches(f.sheets.deeper, {6, 0.1});
+    const auto traced = [&](int views, bool bends) {
+        PatchMesh reflected = deeper;
+        for (Patch& p : reflected.patches) p.bent = p.bent || bends;
+        const NoRays rays;
+        PatchField field;
+        field.instants = {{&primary, &reflected}};
+        field.width = width;
+        field.height = height;
+        field.recorded_end = {width, height};
+        PatchView v;
+        v.sample = glm::dvec2(0.3, 0.6);
+        v.uses = {{0, 1, {}}};
+        field.sets.resize(1);
+        field.sets[0].views.assign(static_cast<std::size_t>(views), v);
+        field.sets[0].rays = &rays;
+        std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
+        patch_field(field, pictures);
+        return pictures[0].traced;
+    };
+    const auto few = traced(8, false), more = traced(12, false), of_all = traced(12, true);
+    int reflecting = 0, sure = 0;
+    for (std::size_t p = 0; p < few.size(); ++p) {
+        reflecting += of_all[p] == 1 ? 1 : 0;
+        const bool is_sure = of_all[p] == 1 && few[p] == 0;
+        sure += is_sure ? 1 : 0;
+        EXPECT_FLOAT_EQ(more[p], is_sure ? 4.0F / 12 : few[p]);
+    }
+    EXPECT_GT(sure, 0);
+    EXPECT_LT(2 * sure, reflecting);
+}
+
 /// Highlights that add a light of 2 to every pixel. Lines that are aimed at them stand for a light of 3 if
 /// nothing hides it.
 class MadeLights : public Lights {
