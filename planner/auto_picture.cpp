@@ -250,7 +250,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         if (views.has_rays()) {
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4)))
+            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse)))
                 measured = measure({}, CheckedPixels::Use::deciding);
         }
         if (layers) mix = mixed_tiles(measured);

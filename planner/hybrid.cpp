@@ -110,7 +110,8 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
         const bool is_known = deciding.bias_mse > 2 * std::sqrt(deciding.bias_variance);
         views.leave_to_rays(biased_tiles(deciding, views.grid(),
                                          is_known ? std::max(noise_mse / 8, fine_mse - noise_mse)
-                                                  : std::numeric_limits<double>::infinity()));
+                                                  : std::numeric_limits<double>::infinity(),
+                                         fine_mse));
         stated = stated_error(measured(settings.focus.crop, CheckedPixels::Use::stating));
     }
     HybridResult out = finished(frame, std::move(views), settings.focus.crop);

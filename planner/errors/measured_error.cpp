@@ -257,13 +257,15 @@ MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std
     return out;
 }
 
-std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid, double most_mse) {
+std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid, double most_mse,
+                                       double fine_mse) {
     std::vector<std::uint8_t> out =
         largest_tiles(measured.tiles, grid, most_mse,
                       [](const TileError& tile, double share) { return tile.bias_mse * share; });
     for (std::size_t i = 0; i < out.size(); ++i) {
         const TileError& tile = measured.tiles[i];
-        if (tile.bias_mse > tile.noise_mse && tile.bias_mse > 2 * tile.bias_deviation) out[i] = 1;
+        if (tile.bias_mse > std::max(tile.noise_mse, fine_mse) && tile.bias_mse > 2 * tile.bias_deviation)
+            out[i] = 1;
     }
     return out;
 }

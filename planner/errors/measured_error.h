@@ -89,8 +89,8 @@ template <typename Value>
 /// Returns 1 for tiles in which rays should replace all samples of views, because samples that the records
 /// seem to determine are in error there: the tiles with the largest such errors, until the error of the
 /// remaining tiles is at most `most_mse` in the mean over the image, and those whose error exceeds the noise
-/// of their views and twice its own standard error.
+/// of their views, twice its own standard error and `fine_mse`, which is good enough for any tile.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
-                                                     double most_mse);
+                                                     double most_mse, double fine_mse);
 
 }  // namespace postlens

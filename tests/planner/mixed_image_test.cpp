@@ -193,16 +193,18 @@ TEST(BiasedTiles, AreTheLargestErrorsUntilTheOthersAreSmall) {
         measured.tiles.push_back({.noise_mse = 1e-5, .bias_mse = bias_mse, .bias_deviation = 1e-6});
     using Tiles = std::vector<std::uint8_t>;
     // The mean of all is 3e-6, without the second 1e-6, and without the third as well 0.
-    EXPECT_EQ(biased_tiles(measured, grid, 3.1e-6), (Tiles{0, 0, 0, 0}));
-    EXPECT_EQ(biased_tiles(measured, grid, 1.1e-6), (Tiles{0, 1, 0, 0}));
-    EXPECT_EQ(biased_tiles(measured, grid, 0.1e-6), (Tiles{0, 1, 1, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 3.1e-6, 0), (Tiles{0, 0, 0, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 1.1e-6, 0), (Tiles{0, 1, 0, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 0.1e-6, 0), (Tiles{0, 1, 1, 0}));
     // Nothing is gained by rays where no error was found.
-    EXPECT_EQ(biased_tiles(measured, grid, -1), (Tiles{1, 1, 1, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, -1, 0), (Tiles{1, 1, 1, 0}));
     // A tile whose error exceeds its noise is wrong where it can be seen, however little it adds to the
     // image.
     measured.tiles[0] = {.noise_mse = 1e-7, .bias_mse = 1e-6, .bias_deviation = 4e-7};
     measured.tiles[3] = {.noise_mse = 1e-7, .bias_mse = 1e-6, .bias_deviation = 6e-7};
-    EXPECT_EQ(biased_tiles(measured, grid, 1), (Tiles{1, 0, 0, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 1, 0), (Tiles{1, 0, 0, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 1, 0.9e-6), (Tiles{1, 0, 0, 0}));
+    EXPECT_EQ(biased_tiles(measured, grid, 1, 1.1e-6), (Tiles{0, 0, 0, 0}));
 }
 
 }  // namespace
