@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/new_memory.h"
+
 namespace postlens {
 
 /// An RGB image: row-major, top row first, three floats per pixel, Rec.709 primaries, linear and not clamped;
@@ -31,8 +33,9 @@ struct Image {
     std::string made_by;  ///< how the image was made; written to its file if not empty
 
     Image() = default;
-    Image(int w, int h)
-        : width(w), height(h), rgb(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3, 0.0F) {}
+    Image(int w, int h) : width(w), height(h) {
+        resize_by_all(rgb, static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 3);
+    }
     [[nodiscard]] float* pixel(int x, int y) {
         return rgb.data() +
                (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)) *

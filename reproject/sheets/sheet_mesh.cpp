@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "core/memory.h"
+#include "core/new_memory.h"
 #include "core/threads.h"
 #include "reproject/sheets/sheet_builder.h"
 #include "reproject/sheets/sheet_keys.h"
@@ -43,7 +44,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     const auto each = [&](auto SheetMesh::*list, std::size_t Before::*first, std::size_t per_entry,
                           const auto& changed) {
         auto& to = out.*list;
-        to.resize(before[tasks].*first * per_entry);
+        resize_by_all(to, before[tasks].*first * per_entry);
         parallel_for(tasks, [&](std::size_t t) {
             auto& from = made(t).*list;
             std::transform(from.begin(), from.end(),
