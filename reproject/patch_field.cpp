@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "core/new_memory.h"
 #include "core/progress.h"
 #include "core/threads.h"
 #include "reproject/patches/border_reach.h"
@@ -394,7 +395,7 @@ void patch_field(const PatchField& field, std::span<PatchPicture> out) {
         PatchPicture& picture = out[set.picture];
         if (set.lights != nullptr) picture.light_square.resize(picture.unknown.size());
         if (set.rays != nullptr) picture.traced.resize(picture.unknown.size());
-        if (set.checked) picture.checks.resize(picture.unknown.size());
+        if (set.checked) resize_by_all(picture.checks, picture.unknown.size());
         if (!field.class_marks.empty()) picture.touched.resize(picture.unknown.size());
     }
     Field(field).draw(out);

@@ -26,5 +26,12 @@ TEST(NewMemory, IsRoomForSoManyElements) {
     EXPECT_GE(list.capacity(), count);
 }
 
+TEST(NewMemory, KeepsTheElementsThatAListHas) {
+    std::vector<int> list{7};
+    resize_by_all(list, std::size_t{1} << 22);
+    EXPECT_EQ(list[0], 7);
+    EXPECT_EQ(list.back(), 0);
+}
+
 }  // namespace
 }  // namespace postlens::test::new_memory_test

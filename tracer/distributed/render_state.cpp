@@ -16,6 +16,7 @@
 #include "core/error.h"
 #include "core/files/output_file.h"
 #include "core/memory.h"
+#include "core/new_memory.h"
 #include "pictures/exposure.h"
 #include "pictures/exr/exr_attributes.h"
 #include "pictures/exr/flat_exr.h"
@@ -135,7 +136,7 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
     : width(w), height(h), halves(count), blocks(blocks_apart), exposure_stops(stops) {
     const std::size_t pixels = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-        sums[i].assign(3 * pixels * static_cast<std::size_t>(blocks), 0);
+        resize_by_all(sums[i], 3 * pixels * static_cast<std::size_t>(blocks));
         if (with_open) open[i].assign(3 * pixels, 0);
         samples[i].assign(pixels, 0);
     }
