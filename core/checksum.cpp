@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-// The library's functions become part of this file, which needs no other library to link with.
+// Compiles the functions of xxHash into this file, so that programs need not link the xxHash library.
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 

@@ -8,7 +8,8 @@
 
 namespace postlens {
 
-/// XXH3 (64 bit, seed 0) of bytes that come in pieces. How they are divided does not change it.
+/// XXH3 hash (64 bit, seed 0) of bytes that are added in pieces. It does not depend on how the bytes are
+/// divided.
 class Checksum {
   public:
     Checksum();
@@ -19,7 +20,7 @@ class Checksum {
     Checksum& operator=(Checksum&&) noexcept;
 
     void add(const void* bytes, std::size_t count);
-    /// Of everything added so far.
+    /// Hash of all bytes added so far.
     [[nodiscard]] std::uint64_t value() const;
 
   private:
@@ -27,7 +28,7 @@ class Checksum {
     std::unique_ptr<State> state_;
 };
 
-/// As Checksum, of bytes that are all at hand.
+/// The hash that Checksum computes, of bytes that are all in memory.
 [[nodiscard]] std::uint64_t checksum_of(const void* bytes, std::size_t count);
 
 /// 16 hexadecimal digits, the form in which text files and attributes store a checksum.

@@ -4,8 +4,8 @@
 // address cache (TLB) are frequent.
 //
 // Blocks still come from malloc. Memory may therefore be freed by code that was compiled without these
-// functions. The request remains valid for the addresses after a block is freed: later small blocks there
-// have large pages too.
+// functions. The kernel keeps the request for these addresses after a block is freed, so later small blocks
+// there have large pages, too.
 //
 // This file is not part of the library, because a library must not decide how a program allocates memory.
 // core/CMakeLists.txt adds it to programs.

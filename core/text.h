@@ -18,11 +18,12 @@ namespace postlens {
 /// Converts the letters A to Z to lower case.
 [[nodiscard]] std::string lower_case(std::string text);
 
-/// The reason in a library's message, which may have several lines: one line, "no reason given" if it is
-/// empty.
+/// Returns a library's error message, which may have several lines, as one line. Returns "no reason given"
+/// for an empty message.
 [[nodiscard]] std::string reason_of(std::string message);
 
-/// A message in one line: control characters, which files and options bring into it, become question marks.
+/// Returns a message as one line: control characters, which may come from files and options, become question
+/// marks.
 [[nodiscard]] std::string printable(std::string text);
 
 /// Formats a number with two significant digits and without exponent: 0.12, 3.4, 56, 789. Numbers below 0.001

@@ -12,7 +12,7 @@
 namespace postlens {
 
 void require_threads(int number) {
-    constexpr std::size_t stack_bytes = 4U << 20U;  // of a thread of TBB
+    constexpr std::size_t stack_bytes = 4U << 20U;  // of a TBB thread
     std::atomic<bool> may_end{false};
     const auto wait = [](void* end) -> void* {
         static_cast<const std::atomic<bool>*>(end)->wait(false);
@@ -46,7 +46,7 @@ std::string thread_error_text(const std::system_error& error) {
 }
 
 int library_threads() {
-    // More are hardly busy, and a limit of memory or processes may forbid to start them.
+    // More threads would have little work, and a limit on memory or processes may prevent them from starting.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

@@ -6,14 +6,14 @@
 
 namespace postlens {
 
-/// Throws Error(out_of_memory) unless `number` threads can exist beside those that exist. They are started
-/// and ended, because TBB aborts the process, or waits forever, if it cannot start a thread later.
+/// Throws Error(out_of_memory) unless the system allows `number` more threads. Tests this by starting and
+/// ending them: if TBB could not start a thread later, it would abort the process or wait forever.
 void require_threads(int number);
 
-/// The message of an error in starting a thread.
+/// Text of the error message if a thread cannot be started.
 [[nodiscard]] std::string thread_error_text(const std::system_error& error);
 
-/// Number of threads that a library for files may keep beside those of the jobs.
+/// Number of threads that the OpenEXR library may keep in addition to the threads of jobs.
 [[nodiscard]] int library_threads();
 
 }  // namespace postlens

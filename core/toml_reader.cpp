@@ -55,9 +55,9 @@ std::string range_text(const NumberRange& range) {
     return range.may_be_infinite ? text + " or inf" : text;
 }
 
-/// Refuses keys of very many parts, such as a.a.a.a. The parser makes a table for each part and goes through
-/// them recursively, which would exceed the stack. It limits only arrays and tables within each other. Quoted
-/// text and comments are skipped.
+/// Refuses keys with very many parts, such as a.a.a.a. The parser makes a table for each part and visits the
+/// tables recursively, which could overflow the stack: its own limit covers only nested arrays and inline
+/// tables. Dots in quoted text and comments are not counted.
 void check_depth_of_keys(std::string_view text, const std::string& file) {
     constexpr int most_parts = 256;
     const auto past = [&](std::size_t at) {

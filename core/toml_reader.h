@@ -61,7 +61,7 @@ class TomlTable {
     /// Exactly `count` numbers.
     [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key, std::size_t count,
                                                              const NumberRange& range = {}) const;
-    /// Any number of numbers; no elements if the key is absent.
+    /// An array of any number of numbers. Returns an empty list if the key is absent.
     [[nodiscard]] std::vector<double> number_list(std::string_view key, const NumberRange& range = {}) const;
     [[nodiscard]] bool is_array(std::string_view key) const;
     /// Three numbers. A single number means three equal numbers.
