@@ -13,7 +13,8 @@ bool is_at(const Record& record, int x, int y) {
     return record.x == static_cast<float>(x) && record.y == static_cast<float>(y);
 }
 
-/// Row y of the wider pixels, in columns [x_begin, x_end). `fine` has the row of pixels above it.
+/// Makes row y of the wider pixels, columns [x_begin, x_end). `fine` must contain row y * by of the original
+/// pixels.
 RecordBand wider_row(const RecordBand& fine, int y, int by, int x_begin, int x_end) {
     RecordBand out{.x_begin = x_begin, .x_end = x_end, .y_begin = y, .y_end = y + 1};
     for (int x = x_begin; x < x_end; ++x) {

@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Number of records at the pixel corners of the frame's own instant, of all layers. Counted in some of the
-/// rows.
+/// Estimates the number of records, of all layers, that lie at pixel corners at the frame's own instant.
+/// Counts them in at most 32 rows, spread over the file.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. It has the
-/// samples of all layers at every by-th pixel corner in both directions, of the frame's own instant; no
-/// subdivision, and no key instants. Rows and columns that do not fill a wider pixel are left out at the
-/// right, at the bottom, and in the overscan. `file` must be read at an exposure of 0 stops. Throws
+/// samples of the frame's own instant, of all layers, at every by-th pixel corner in both directions. It has
+/// no subdivided pixels and no key instants. Rows and columns that do not fill a wider pixel are left out at
+/// the right, at the bottom, and in the overscan. `file` must be read at an exposure of 0 stops. Throws
 /// Error(wrong_arguments) if no pixel is left, and the errors of reader and writer.
 void write_coarser_file(const SampleFileReader& file, int by, const std::filesystem::path& path);
 

@@ -49,11 +49,12 @@ struct Leaf {
     std::array<std::uint32_t, 4> corner{};  ///< indices into PointSamples::samples
     float size = 1;
 };
-/// The quadtree leaves of the pixels [x_begin, x_end - 1) x [y_begin, y_end) of `band`, pixel by pixel, and
-/// the point samples at their corners. `points` are those of rows y_begin to y_end inclusive, which `band`
-/// must contain, in the order of find_point_samples but without weights. Pixel k has the leaves
-/// [leaf_offsets[k], leaf_offsets[k + 1]). k counts the whole width of the band, although pixels of its last
-/// column have no leaves. Throws Error(invalid_input) if a corner of a quadtree is missing.
+/// The quadtree leaves of the pixel rows [y_begin, y_end) of `band`, pixel by pixel, and the point samples at
+/// their corners. Pixel (x, y) has the leaves [leaf_offsets[k], leaf_offsets[k + 1]) with k = (y - y_begin) *
+/// band.width() + x - band.x_begin. The last column of the band contains only corners and no leaves, but is
+/// counted in k. `points` contains the samples of rows y_begin to y_end inclusive, in the order of
+/// find_point_samples but without weights. `band` must contain these rows. Throws Error(invalid_input) if a
+/// corner of a quadtree is missing.
 struct PixelLeaves {
     PointSamples points;
     std::vector<Leaf> leaves;

@@ -19,8 +19,8 @@ struct RecordsRead {
 };
 
 /// Passes the rows [y_begin, y_end) of pixel corners in `band` to the callbacks, and computes the quadtree
-/// leaves for them. If the file has a row below, the band must contain it; if not, the last row has corners
-/// but no pixels. Throws the errors of find_leaves and of the callbacks.
+/// leaves for them. If the file has row y_end, `band` must contain it; if not, row y_end - 1 contains only
+/// corners and no pixels. Throws the errors of find_leaves and of the callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

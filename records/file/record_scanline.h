@@ -28,9 +28,9 @@ class ScanlineBytes {
     /// `records`; their positions must lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record from the table of counts: width + 1 entries, the first
-    /// 0. Returns false if the counts decrease, or if the last is not the number of records given to
-    /// `prepare`.
+    /// Computes the index of each pixel's first record from the table of counts. `offsets` has width + 1
+    /// entries, the first of which becomes 0. Returns false if the counts decrease, or if the last is not the
+    /// number of records given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records in file order, using the offsets from `unpack_offsets`. W and layer get default
     /// values if the file has no such channel. Returns false if a position is not a multiple of 1/1024 px in

@@ -23,7 +23,8 @@ struct DeepChunk {
 /// One instant: the positions of its chunks in the file, and the summaries of its scanlines.
 struct Instant {
     double time_s = 0;
-    std::size_t number = 0;  ///< in the file; exceeds the index here if earlier instants were removed
+    std::size_t number =
+        0;  ///< in the file; more than the index in `instants` if earlier instants were removed
     std::vector<std::uint64_t> record_chunks, scanline_chunks;
     std::vector<ScanlineFacts> facts;
     std::vector<std::uint8_t> lost;  ///< per row: 1 if the row is damaged and replaced

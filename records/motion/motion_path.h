@@ -38,7 +38,7 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns a list of instants in order: open, all keys between open and close, and close.
+    /// Returns, in order, the opening, the instants of all keys between opening and closing, and the closing.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:

@@ -19,8 +19,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that shines on something that moves. `place` is its position or direction without
-/// the keys.
+/// A light that moves, or that shines on something that moves. `place` is its position or direction before
+/// `keys` move it.
 struct LightMotion {
     bool directional = false;  ///< true: `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position, m, or direction
@@ -32,7 +32,7 @@ struct LightMotion {
 struct SceneMotion {
     std::map<std::uint32_t, ObjectMotion> objects;  ///< only objects with keys
     std::vector<TransformKey> camera;               ///< empty: does not move
-    std::vector<LightMotion> lights;                ///< all, where objects move; else those that move
+    std::vector<LightMotion> lights;                ///< all lights if objects move; else only moving lights
     [[nodiscard]] bool empty() const { return objects.empty() && camera.empty() && lights.empty(); }
     [[nodiscard]] bool operator==(const SceneMotion&) const = default;
 };
