@@ -184,13 +184,14 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Light through the zone rho of the lens arrives at the distance |R rho + S rho^3|.
-    // Aperture::farthest is a little larger, as it holds for outlines with a tolerance.
+    // Light through the lens zone of radius rho lands at the distance |R rho + S rho^3| from the point's
+    // image, where R is `radius_px` and S is `spherical_px`. The rim is that of half_extent, because
+    // Aperture::farthest includes a tolerance and is slightly larger.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Inside the rim, the distance has a maximum where R + 3 S rho^2 is 0.
+    // Inside the rim, this distance has a local maximum where its derivative R + 3 S rho^2 is 0.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Focal length for which F and n are stated where neither is known: 50 mm, or that of an image as large as
-/// the object (F = s/2) if this is shorter, because no lens focuses nearer than F.
+/// Focal length that is assumed if neither F nor n is known: 50 mm, or s/2 if that is shorter, because no
+/// lens focuses nearer than F. With F = s/2, the image is as large as the object.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;

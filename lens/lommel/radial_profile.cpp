@@ -45,7 +45,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Half and three halves of the width over which fringes are averaged, in steps of the row.
+    // Half of the width over which fringes are averaged, and three halves of it, in steps of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

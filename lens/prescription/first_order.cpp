@@ -106,7 +106,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // A ray from the axial object point has y = -z nu at the first vertex. For an object at infinity, nu = 0.
+    // A ray from the axial object point has the height y = -z nu at the first vertex, where nu is the
+    // refractive index times the slope. For an object at infinity, nu = 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

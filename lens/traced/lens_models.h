@@ -70,8 +70,8 @@ struct LensModelRange {
 };
 
 /// Returns `count` depths from a to b (infinity allowed) in equal steps of 1/z'. Also returns `count`
-/// tangents, from 0 to the tangent whose chief ray lands `field_mm` from the centre of the film. Throws
-/// Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands at that distance.
+/// tangents of field angles, from 0 to that of the chief ray that lands `field_mm` from the centre of the
+/// film. Throws Error(wrong_arguments) if not 0 < a < b, or if no chief ray lands at that distance.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -93,8 +93,8 @@ class LensModels {
     /// Largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// Displacement on the film per displacement on the pupil of the thick lens, mm per mm, is `at_infinity`
-    /// + `per_depth` / z'.
+    /// In the thick lens, a displacement of a ray on the pupil displaces its landing point on the film. The
+    /// ratio of both, mm per mm, is thick_at_infinity() + thick_per_depth_m() / z'.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

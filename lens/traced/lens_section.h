@@ -21,7 +21,7 @@ struct LensSection {
     std::vector<RayLine> rays;                    ///< rays that pass, from in front of the lens to the film
     double film_z_mm = 0;
     double front_z_mm = 0;  ///< where rays begin
-    double height_mm = 0;   ///< greatest distance from the axis of all of these
+    double height_mm = 0;   ///< largest distance of these curves from the axis
 };
 
 /// Traces `rays` rays across the pupil, in the plane of the drawing, from an object point at depth_m for each

@@ -57,9 +57,9 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. Of the two roots, the one that stays finite as
-    // c approaches 0 is used. [welford1986, 4.3] Both of its forms are the same number, and each of them
-    // cancels where the other does not: the ray along the axis of a ball meets its second surface with b = -1
-    // and f = 0.
+    // c approaches 0 is used [welford1986, 4.3]. It can be computed as f / (b + root) or as (b - root) / a.
+    // Each form loses precision by cancellation where the other does not. For example, a ray along the axis
+    // of a ball meets the ball's second surface with b = -1 and f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;

@@ -194,9 +194,9 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // Object and image have the distances x and x' from the focal points, with x x' = n' efl^2. The lens
-    // moves between both, so that x + x' stays. Their product is greatest where they are equal; an object
-    // that is nearer than this allows is sharp nowhere.
+    // Object and image have the distances x and x' from the focal points, with x x' = n' efl^2. If the lens
+    // moves between fixed object and film, the sum x + x' stays constant, and the product is largest for x =
+    // x'. If the object is so near that even this product is below n' efl^2, no lens position makes it sharp.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, one per step size. Each is as long as the longest table of
-/// radial energy needs.
+/// Tables of the Bessel functions J_0 and J_1, one per step size. Each is long enough for the longest table
+/// of radial energy.
 class BesselGrids {
   public:
     void want(double u, double v_end) {

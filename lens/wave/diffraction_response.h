@@ -16,8 +16,8 @@ struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< geometric image, px from the anchor
     /// At most this share of the energy lies beyond the edge of the grid; > 0, < 1. The share decreases only
-    /// with the inverse radius: it is 0.01 at a distance of 10 lambda V/D from the disc's edge, and 0.001 at
-    /// 100 lambda V/D.
+    /// as 1 / radius: it is 0.01 at a distance of 10 lambda V/D from the disc's edge, and 0.001 at 100 lambda
+    /// V/D.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
     /// true: the energy beyond the grid is added to the pixels in proportion to their energy, so that the sum
