@@ -37,7 +37,7 @@ struct Impulse {
 /// Throws Error(wrong_arguments) with a message that begins with the option's name, `option`.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text);
 
-/// The file that an impulse in this form reads; empty if it reads none.
+/// The file that an impulse response reads, given as the argument of `--impulse`; empty if it reads none.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
 /// Throws Error(wrong_arguments) for a modifier that is out of range, or that does not apply to this kind of

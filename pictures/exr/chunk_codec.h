@@ -37,7 +37,7 @@ class ChunkCodec {
     /// smaller, returns `raw` itself: OpenEXR recognises an uncompressed chunk by its size.
     [[nodiscard]] ByteView compress(ChunkCompression compression, ByteView raw, Bytes& packed);
 
-    /// Expands `packed` into `raw`, which must become exactly full. Returns false if `packed` is damaged.
+    /// Expands `packed` into `raw`. Returns false if `packed` is damaged or does not fill `raw` exactly.
     [[nodiscard]] bool decompress(ChunkCompression compression, ByteView packed, std::span<std::uint8_t> raw);
 
   private:
@@ -52,7 +52,7 @@ class ChunkCodec {
     Bytes apart_, scratch_;
 };
 
-/// Expands a zlib stream into `raw`, which must become exactly full. Returns false if the stream is damaged.
+/// Expands a zlib stream into `raw`. Returns false if the stream is damaged or does not fill `raw` exactly.
 [[nodiscard]] bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw);
 
 }  // namespace postlens

@@ -23,9 +23,9 @@ inline constexpr std::uint32_t exr_magic = 20000630;
 /// channels in chunks of 256 rows.
 inline constexpr std::uint64_t largest_chunk_bytes = 256U << 20U;
 
-/// Checks the headers of an OpenEXR 2 file. Throws Error(invalid_input) if a header is truncated, has a value
-/// for which fills_its_size is false, or would make the library allocate more than largest_chunk_bytes at
-/// once. Accepts files of other formats unchecked.
+/// Checks the headers of an OpenEXR 2 file. Throws Error(invalid_input) if a header is truncated, has an
+/// attribute whose value does not fill its stated size (fills_its_size), or would make the library allocate
+/// more than largest_chunk_bytes at once. Accepts files of other formats unchecked.
 void check_exr_headers(const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -89,7 +89,7 @@ struct ExrHeaders {
 
 enum class AttributeSizes {
     any,     ///< no check
-    filled,  ///< throws for a value for which fills_its_size is false
+    filled,  ///< throws if a value does not fill its stated size (fills_its_size)
 };
 
 /// Reads the headers of the first `most_parts` parts. `end` is valid only if the file has no further parts.

@@ -4,8 +4,8 @@
 namespace postlens {
 
 /// Starts the threads that the OpenEXR library shares among all files, unless they run already, and returns
-/// their number. By default, the library uses the calling thread only. A process that is forked afterwards,
-/// without exec, must not read files with them.
+/// their number. By default, the library uses the calling thread only. A process that is forked afterwards
+/// (without exec) must not use these threads to read files.
 int exr_library_threads();
 
 }  // namespace postlens

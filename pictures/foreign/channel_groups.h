@@ -57,20 +57,20 @@ struct GroupMatch {
     bool surmised = false;  ///< the names do not prove that the channel belongs to the colours
 };
 
-/// Whether words of names say that channels are components of normals, positions or motions.
+/// Whether the words of a name show that its channel is a component of a normal, a position or a motion.
 [[nodiscard]] bool names_vectors(const std::vector<std::string>& words);
 
-/// The channel as a candidate for a depth, by its name. Empty if the name is not that of a depth.
+/// Returns the channel as a candidate for the depth, if its name is that of a depth; otherwise empty.
 [[nodiscard]] std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size_t part,
                                                             const std::string& name);
 
 /// Selects the channel that belongs to the colours of the group `own` (view and layer). The channel must have
-/// the same view, and its layer must equal that of the colours or contain all words of that layer. Among
-/// several such channels, the choice prefers the fewest missing words, then the part of the colours, then the
-/// lowest rank. If there is no such channel, but only one candidate with this view or without a view, that
-/// one is selected and marked `surmised`, unless it belongs to other colours. `pictures` are the groups of
-/// all colours in the file. Otherwise the result is empty: a channel of another view or layer is never
-/// selected.
+/// the same view, and its layer must have no words that the colours' layer lacks. Of several such channels,
+/// the one whose layer lacks the fewest words is selected, then one in the part of the colours, then the one
+/// with the lowest rank. It is marked `surmised` if its own layer is a different one with colours. If there
+/// is no such channel, candidates that belong to other colours or to another view are excluded. If the
+/// remaining ones have the same part and layer, the one with the lowest rank is selected and marked
+/// `surmised`. Otherwise the result is empty. `pictures`: groups of all colours in the file.
 [[nodiscard]] std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates,
                                                     const ChannelGroup& own,
                                                     std::span<const ChannelGroup> pictures);

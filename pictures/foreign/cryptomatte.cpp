@@ -120,7 +120,7 @@ std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
     return "";
 }
 
-/// What stands in a manifest between a name and its id, and between an id and the next name.
+/// Text in a manifest between a name and its id, and between an id and the next name.
 constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
@@ -137,8 +137,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Names and ids of a manifest in which nothing is escaped. The ids show where names end. Empty if the
-/// manifest is not of this form.
+/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where an
+/// id follows it. Empty if the manifest does not have this form.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -152,7 +152,7 @@ std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     }
 }
 
-/// Whether the id of every name is its hash.
+/// Whether every name in a manifest has the hash of the name as its id.
 bool has_its_ids(const nlohmann::json& manifest) {
     if (!manifest.is_object()) return false;
     const auto items = manifest.items();
@@ -161,8 +161,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as JSON. Cycles escapes nothing, so a name with a quotation mark or a backslash is
-/// either not JSON, or means another name there than its id. Other text stays as it is.
+/// Returns a manifest as JSON. Cycles does not escape quotation marks and backslashes in names. Its manifest
+/// is then not JSON, or it is JSON for another name, whose hash differs from the id. Such names are escaped
+/// here. Other text stays unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();
@@ -175,8 +176,8 @@ std::string as_json(std::string manifest) {
 /// Largest manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Text of the file in which a manifest stands, beside the image. Empty if it cannot be read. Cryptomatte
-/// allows no other folder.
+/// Text of a manifest that is stored in its own file. The file must be in the folder of the image, because
+/// Cryptomatte allows no other folder. Empty if the file cannot be read.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";

@@ -27,10 +27,10 @@ Rates rates_of(const DeepSample& s) {
             static_cast<double>(s.b) * gain / length, depth / length};
 }
 
-/// A depth at which a volume begins or ends, or at which a surface stands.
+/// A depth at which a volume begins or ends, or at which a surface lies.
 struct Event {
     float z;
-    enum class Kind : std::uint8_t { ends, begins, surface } kind;  ///< in the order in which they count
+    enum class Kind : std::uint8_t { ends, begins, surface } kind;  ///< events at equal depth have this order
     std::size_t volume = 0;
 };
 
@@ -60,8 +60,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // A volume in which nothing else begins or stands stays as it is. Surfaces precede the slices in `out`,
-    // and so stand before a slice of their own depth.
+    // If no surface lies in a volume and no other volume begins in it, the samples stay unchanged. `out`
+    // begins with the surfaces, so a surface precedes a slice that begins at its depth.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

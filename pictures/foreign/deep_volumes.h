@@ -14,9 +14,9 @@ struct DeepSample {
     std::uint32_t id = 0;
 };
 
-/// Splits volumes where surfaces stand and where others begin or end, and merges those that then fill the
-/// same interval. Within a volume the density is constant. Where volumes overlap, their densities and
-/// emissions add up:
+/// Splits volumes at the depths of surfaces, and where other volumes begin or end. Merges the parts that then
+/// fill the same interval. Within a volume the density is constant. Where volumes overlap, their densities
+/// and emissions add up:
 ///     density s = -log(1 - A) / length,  emission e = C / A s,
 ///     together over a length d: A = 1 - exp(-d sum s), C = A sum e / sum s,
 /// where A is alpha and C colour, as in "Interpreting OpenEXR Deep Pixels". The result does not depend on the

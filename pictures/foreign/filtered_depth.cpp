@@ -107,8 +107,8 @@ class Mender {
     }
 
     /// True if the depths a and b of two neighbouring pixels are nearly equal, as on either side of a depth
-    /// edge. Equal values always are. This includes pixels that hit nothing, whatever value the file has for
-    /// them.
+    /// edge. Equal values always count as nearly equal, also where nothing was hit, whatever value the file
+    /// has there.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }

@@ -30,8 +30,8 @@ struct ForeignCamera {
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// True if neither the file nor the user states the film's distance, so that it equals a focal length
-    /// that the user states.
+    /// True if neither the file nor the user states the film distance. It then equals the focal length that
+    /// the user states, or the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
     /// One text for each value that is assumed, because neither the file nor the user states it.

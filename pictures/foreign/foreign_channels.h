@@ -49,12 +49,12 @@ struct ForeignChoice {
 
 /// Finds the channels of an image.
 ///
-/// Colours are searched in the layers that `choice.layer` allows. It names a part, a view, or a layer by the
-/// text in front of the dot; otherwise, it allows layers whose names contain all of its words. An empty text
-/// allows all layers. The first of these is selected: R, G, B; LAYER.Combined.R, .G, .B (Blender); the same
-/// with rgba, beauty or color; any layer with R, G, B; Y, with RY and BY if both exist (else grey); A with Z
-/// alone (black). Among equals, a layer with depth is preferred. Names of colours may be lower case or whole
-/// words.
+/// Colours are searched in the layers that `choice.layer` allows. It may be the name of a part, a view, or a
+/// layer (the text in front of the dot). Any other text allows layers whose names contain all of its words;
+/// an empty text allows all layers. The first of the following that exists is selected: R, G, B;
+/// LAYER.Combined.R, .G, .B (Blender); the same with rgba, beauty or color; any layer with R, G, B; Y, with
+/// RY and BY if both exist (else grey); A with Z alone (black). If several layers are equal in this order,
+/// one with depth is preferred. Names of colours may be in lower case or whole words ("red").
 ///
 /// All other channels must belong to the colours (match_group). In flat images they may be in any part; in
 /// deep images, in the part of the colours. Alpha is A or alpha. Depth is Z, or V, Y or R of a pass named

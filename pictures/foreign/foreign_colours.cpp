@@ -35,8 +35,8 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
 /// Priority of a layer whose channels hold data, not colours.
 constexpr int data_rank = 4;
 
-/// Whether the names of the layer or of its part say that its channels are data. The name of the only part
-/// says nothing about its channels.
+/// Whether the name of the layer or of its part shows that its channels hold data, not colours. If the file
+/// has only one part, the part's name is ignored.
 bool holds_data(const ForeignFile& file, std::size_t part, const std::string& layer) {
     const bool only = std::count_if(file.parts().begin(), file.parts().end(),
                                     [](const ForeignPart& p) { return p.use == PartUse::picture; }) == 1;
@@ -73,8 +73,8 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// What a channel belongs to: a view (such as the left eye's) and a layer (as words). Deep samples only
-/// belong to those of the same part.
+/// Identifies the colours to which a channel belongs: by part (only if it is deep), by view (such as that of
+/// the left eye), and by layer (as words).
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
@@ -113,8 +113,8 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
             // matter whether a part's `view` attribute or a channel's name states the view.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            // Of the layers that fit a name, the one with the fewest words is meant: ViewLayer is the
-            // beginning of ViewLayer.001, too.
+            // If several layers match the requested name, the one with the fewest words is preferred:
+            // ViewLayer also matches the longer name ViewLayer.001.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

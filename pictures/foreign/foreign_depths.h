@@ -22,11 +22,13 @@ class ForeignDepths {
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Whether a distance is that of anything; not so 0, NaN and from `nothing_z` on.
+    /// Whether a distance is that of a surface. 0, NaN, and distances from `nothing_z` on mean that nothing
+    /// was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Inverse of a distance; 0 where nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Inverse depth of a value at the pixel (x, y) of the file, without its sign.
+    /// Converts a value at the pixel (x, y) of the file to the inverse of the distance's absolute value.
+    /// Records the distance (note).
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);
@@ -59,8 +61,8 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
-    /// Warns if all depths are between 0 and 1, or if normalized ones are not. Few scenes are that small, but
-    /// other encodings of depth have this range.
+    /// Warns if all distances are at most 1: few scenes are that small, but other encodings of depth have
+    /// this range. Also warns if values that should be normalized exceed 1.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;

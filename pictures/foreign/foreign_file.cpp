@@ -103,8 +103,9 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
     return chunk_pixels * pixel_bytes;
 }
 
-/// Number of threads for which the library shall allocate buffers for a file with chunks of this size; 0 for
-/// the calling thread alone. For n threads, it keeps 2 n chunks of each part, three times over.
+/// Number of threads with which the OpenEXR library may read a file whose chunks have at most this size; 0:
+/// only the calling thread. The number is limited because of the buffers: for n threads, the library
+/// allocates three buffers for each of 2 n chunks of every part.
 int threads_of_file(std::uint64_t greatest_chunk) {
     // A band of rows (ForeignFile::read_flat) has four chunks of ZIP, the most common compression.
     constexpr int most = 2;

@@ -37,7 +37,7 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// The number whose bits ForeignFile has read from a channel of integers.
+/// Returns, as a number, the integer whose bits ForeignFile has stored in a float (in channels of integers).
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }

@@ -36,7 +36,7 @@ inline constexpr double opaque_transmittance = 1e-3;
 /// distinguish both hashes and whole numbers. Zero of either sign and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces. A Cryptomatte states this, or a depth that is a mean of two depths.
+/// A pixel that shows several surfaces: its Cryptomatte states this, or its depth is a mean of two depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of its stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares

@@ -22,8 +22,8 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns one value of the channel for each pixel of `onto`, row by row. Where the part stores no pixel, the
-/// value is `otherwise`. `converts`: whether the channel's values are integers to convert. Throws
-/// Error(out_of_memory).
+/// value is `otherwise`. `converts`: whether the channel's values are integers, which are then converted to
+/// floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -55,7 +55,7 @@ class JoinedChannels {
         ChannelUse use = ChannelUse::number;
         std::vector<float> plane;  ///< empty for a channel of the part that is read
         std::size_t row = 0;       ///< index of the channel within the rows of that part
-        bool converted = false;    ///< whether the values of these rows are integers to convert
+        bool converted = false;    ///< whether these rows contain integers, to be converted to floats
     };
     const ForeignFile& file_;
     std::size_t part_;

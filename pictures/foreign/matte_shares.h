@@ -21,15 +21,16 @@ class MatteShares {
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte)
         : file_(file), onto_(onto), matte_(matte) {}
 
-    /// Returns the channels that a reader of the colours' part, `part`, must read together with its own and
-    /// hand to `take`, row by row from top to bottom; that saves a second decompression. Empty if the first
-    /// rank is in another part, because the shares of a pixel are wanted in the order of ranks.
+    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller must read
+    /// these channels together with the colours and pass them to `take`, row by row from top to bottom. This
+    /// saves a second decompression. Empty if the first rank is in another part, because the shares of a
+    /// pixel are needed in the order of ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
     /// Takes the values of `count` pixels, the first of which has index `pixel`. `values` has a row for each
     /// of the channels, which begins with the values of that pixel.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values);
-    /// Reads the parts that were not taken. Gives each sample of `picture` the id that covers most of its
-    /// pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
+    /// Reads the parts that were not passed to `take`. Gives each sample of `picture` the id that covers most
+    /// of its pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
     void finish(ForeignPicture& picture);
 
   private:
@@ -42,7 +43,7 @@ class MatteShares {
     const ForeignFile& file_;
     const ForeignPart& onto_;
     const Cryptomatte& matte_;
-    std::optional<std::size_t> taken_;  ///< the part whose values came by `take`
+    std::optional<std::size_t> taken_;  ///< the part whose values are passed to `take`
     std::vector<Entry> entries_;
 };
 

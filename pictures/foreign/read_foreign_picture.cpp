@@ -155,8 +155,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Room that is made once need not be copied as it grows. A damaged file may claim more pixels than it
-        // has.
+        // Memory that is reserved at once need not be copied when the lists grow. The reserved memory is
+        // limited, because a damaged file may claim more pixels than it has.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));
@@ -205,7 +205,7 @@ class Reader {
         ChannelList wanted;
         const auto r = wanted.add(c.r), g = wanted.add(c.g), b = wanted.add(c.b), a = wanted.add(c.a),
                    z = wanted.add(c.z), z_back = wanted.add(c.z_back), id = wanted.add(c.id);
-        std::vector<bool> whole;  // of each channel, whether its values are integers
+        std::vector<bool> whole;  // per channel, whether its values are integers
         for (const std::string& name : wanted.names())
             whole.push_back(file_.kind(c.part, name) == ChannelKind::whole);
         std::vector<DeepSample> pixel;
@@ -221,8 +221,9 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // Where all depths are negative, volumes reach from -Z to -ZBack. A ZBack of "nothing"
-                    // states no length, which would make the front of a volume transparent.
+                    // If all depths are negative, volumes reach from -Z to -ZBack. If ZBack means that
+                    // nothing was hit, the volume has no known length and becomes a surface: with an infinite
+                    // length, its front would be transparent.
                     const float front = depths_.distance(value(z, 0)),
                                 back = depths_.distance(value(z_back, 0));
                     depths_.note(front, x, y, value(z, 0));

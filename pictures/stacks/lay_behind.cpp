@@ -49,8 +49,8 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
-/// Whether a stack has a sample of the surface that `s` shows: at the same depth, and of the same object as
-/// far as objects are known.
+/// Whether a stack has a sample of the same surface as `s`: at the same depth and, if both samples have ids,
+/// with the same id.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
     const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
     const auto first = std::partition_point(stack.begin(), stack.end(),
@@ -61,7 +61,7 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// The names of both pictures' Cryptomattes. A name of the front precedes the same name of the back.
+/// Joins the manifests of both images' Cryptomattes. If both contain a name, the id in `front` is kept.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

@@ -78,8 +78,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses, of the nearest samples of a stack, those that cover a share of the pixel. Dividing a sample adds
-/// one to the stack. Reuses its buffers from pixel to pixel.
+/// Chooses samples at the nearest depth of a stack, until they cover a share of the pixel. If the last of
+/// them covers more than is left of the share, it is divided into two samples. Buffers are reused for all
+/// pixels.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -90,20 +91,22 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // A mask that divided this stack before has the same part again.
+        // If this mask has divided the stack before, the same samples are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Different masks are those of different objects as far as the pixel has room for both.
+        // Different masks cover different objects. A mask therefore takes samples without a mask first, and
+        // samples of other masks only for the rest of its share.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses those of the nearest samples that `wanted` admits, until they cover `share` of the pixel.
-    /// Returns what is left of the share. All samples at the depth of the nearest one are parts of it.
+    /// Chooses samples for which `wanted` returns true, until they cover `share` of the pixel. Returns what
+    /// is left of the share. Considers only samples at the depth of the nearest one, which are parts of one
+    /// surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;

@@ -33,7 +33,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Whether it is empty space, which has neither colour nor alpha around the pixel and gets none in it.
+    /// Whether the surface is empty space: the pixels around show it without colour and alpha, so it gets
+    /// neither in this pixel.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
