@@ -9,8 +9,7 @@
 
 namespace postlens {
 
-/// Takes the place of the ray tracer, but traces nothing. It serves where only the choice of the samples that
-/// rays replace matters.
+/// Replaces the ray tracer, but traces nothing. Used to find out which samples rays would replace.
 class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

@@ -24,7 +24,7 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
-    bool gathered = false;  ///< whether `patches` has those of the piece
+    bool gathered = false;  ///< whether `patches` contains those of the current piece
     /// Whether rays take less time than the reflected and transmitted patches of the piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
@@ -44,9 +44,9 @@ struct Workplace {
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
-/// Number of views of a piece after which rays replace the samples of all its surfaces that reflect or
-/// transmit, if they have replaced most of them so far. What is reflected for the others takes longer to draw
-/// than to trace.
+/// After this number of views of a piece, rays replace all samples of surfaces that reflect or transmit, if
+/// rays had to replace most of these samples so far. Drawing the reflections for the few other samples would
+/// take longer than tracing them.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -99,8 +99,8 @@ class Field {
         }
     }
 
-    /// Gathers the patches that a set with these rays (or null) draws in a piece, unless that was done for an
-    /// earlier set.
+    /// Gathers the patches that a set of views draws in a piece, unless an earlier set has gathered them.
+    /// `rays`: those of the set, or null.
     void gather(std::size_t tile, const TileRect& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;

@@ -138,8 +138,9 @@ class Lights {
     /// the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A line of sight along which a highlight reaches a pixel, unless something hides it. The mean over such
-    /// lines of `scale` times the radiance of their highlights is the light of all highlights in the pixel.
+    /// A line of sight along which a highlight reaches a pixel, unless something hides it. The light of all
+    /// highlights in the pixel is the mean, over such lines, of `scale` times the radiance of the line's
+    /// highlight.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -160,8 +161,9 @@ struct PixelCheck {
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    /// The highlights in the pixel: the light that was added to the image, and the sum of their light along
-    /// `aimed` rays that are aimed at them. Scene-linear.
+    /// Light of the highlights in the pixel, scene-linear. `highlights`: the light that was added to the
+    /// image. `aimed_sum`: the sum of the light that `aimed` rays found, which were sent towards the
+    /// highlights.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;

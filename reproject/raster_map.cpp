@@ -60,8 +60,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // The homogeneous point and its derivatives by x and y. An orthographic point contains z' instead of
-    // 1/z', so a change of 1/z' by d changes z' by -z'^2 d.
+    // The homogeneous point and its derivatives with respect to x and y. For an orthographic camera, the
+    // point contains z' instead of 1/z', and a change of 1/z' by d changes z' by -z'^2 d.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

@@ -23,7 +23,7 @@ struct RasterPoint {
 struct RasterTangent {
     RasterPoint at;          ///< image of the point
     RasterPoint by_x, by_y;  ///< derivatives along the surface, per px to the right and down
-    glm::dvec2 by_depth{0};  ///< derivative of the image by inverse depth, px m
+    glm::dvec2 by_depth{0};  ///< derivative of the image with respect to inverse depth, px m
     double bend_px = 0;      ///< approximate second-order error at distance `reach`, px
 };
 
@@ -54,7 +54,8 @@ class RasterMap {
 };
 
 /// The shift of a shading-tree node's image for one lens point: `(1/s I - W) lens_px + offset_px`, where s is
-/// the focus distance and W the node's 2x2 matrix of inverse depth. For surfaces seen directly, W = I / z'.
+/// the focus distance and W the node's matrix (2x2, generalises 1/z'). For surfaces seen directly, W = I /
+/// z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

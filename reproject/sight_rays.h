@@ -58,8 +58,8 @@ class SightRays {
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// As `trace`, but writes only the radiance that `less` excludes, of the nodes that `of` identifies for
-    /// each line.
+    /// As `trace`, but writes only radiance that `less` excludes from `trace`, and only of nodes that `of`
+    /// identifies (one element per line).
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -71,9 +71,9 @@ class SightRays {
     /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
     /// from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Number of reflected and transmitted patches (planar parts of surfaces) that take a view as long as a
-    /// ray. Where views would draw more of them per pixel, rays take their place. The same for all rays
-    /// of a PatchField.
+    /// Number of reflected and transmitted patches (planar parts of surfaces) that take as long to draw in a
+    /// view as one ray takes to trace. If views would draw more of them per pixel, rays are traced instead.
+    /// Must be equal for all rays of a PatchField.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -124,7 +124,8 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // `along`: where the view sees a cell, whose depth is that of `s`.
+        // Marks the pixels in which the view may see a surface of the depth of `s` beyond the border.
+        // `along`: position of the border cell along the side, as the view sees it.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
             // The range is extended by one pixel at both ends, since the surface may continue obliquely to

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Rays per pixel. Most pixels see either all light of a highlight or none, and few rays show which. Where
-/// these rays differ, more are traced. The rays that decide this do not count, since the mean of those that
-/// happen to agree is wrong.
+/// Rays per pixel. Most pixels see either all light of a highlight or none, so few rays suffice. A first
+/// round of few rays finds the pixels in which rays differ; these pixels get many rays. The first round is
+/// not used for the result, because the mean of rays that agree only by chance would be wrong.
 constexpr int few_rays = 4, many_rays = 28;
 /// Two rays differ if their light differs by more than this factor.
 constexpr double differing = 1e-3;
@@ -63,7 +63,7 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // Independent lines in each pixel, set, range of views and round.
+        // The seed makes the lines of each pixel, set, range of views and round independent.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
         seed = mix64(seed ^ static_cast<std::uint64_t>(round));

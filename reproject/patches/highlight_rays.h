@@ -12,9 +12,9 @@
 namespace postlens {
 
 /// Checks the highlights in the pixels of a tile. A view's ray rarely hits a small light, so its residual
-/// says nothing about highlights. Lines through the lens points at which the recorded highlights reach a
-/// pixel (Lights::aim) show whether they do: a surface that is not recorded may hide them, or a mirror may
-/// not show them where W predicts.
+/// says nothing about highlights. Therefore rays are aimed at the recorded highlights, through the lens
+/// points from which their light should reach the pixel (Lights::aim). They show whether it does: a surface
+/// that is not recorded may hide a highlight, or a mirror may not show it where W predicts.
 class CheckedHighlights {
   public:
     /// Sets the members of `checks` that describe highlights, per pixel of the tile. `light`: the result of

@@ -30,7 +30,7 @@ struct Run {
     float by_x = 0, by_y = 0;
     float width = 0, height = 0;  ///< size of the patch
     float overlap = 0;
-    float z = 0, z_x = 0, z_y = 0;  ///< inverse depth at the patch's corner, and its slopes by x and y
+    float z = 0, z_x = 0, z_y = 0;  ///< inverse depth at the patch's corner, and its slopes along x and y
     const std::uint32_t* roots = nullptr;
     std::int32_t stride = 0;
     const std::uint32_t* nodes = nullptr;
@@ -68,8 +68,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // These functions are inlined into functions that are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit for
-/// each sample that lies in the patch and is nearer than `there`, the inverse depth drawn so far.
+/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a mask: bit n
+/// is set if sample begin + n lies in the patch and is nearer than there[n], the inverse depth drawn so far.
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -100,7 +100,7 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Bits of the samples whose wanted parent is `id` (WantedPixels::in).
+/// Returns a mask of the samples that need a node whose parent is the object `id` (WantedPixels::in).
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;

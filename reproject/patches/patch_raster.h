@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel`, for nodes seen by reflection or transmission. It is set if a patch with nonlinear W,
-    /// an inaccurate reprojection (Patch::bent), drew the node.
+    /// Bit of `texel`, for nodes seen by reflection or transmission. It is set if the node was drawn by a
+    /// patch with nonlinear W (Patch::bent), which is reprojected inaccurately.
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// SIMD kernels read 16 values at a time, and may therefore read beyond the end of the last row.

@@ -311,7 +311,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes by x and y.
+/// Inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes along x and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);

@@ -42,8 +42,8 @@ struct PatchLens {
                                const glm::dvec2& reach)>
         motion;
 
-    /// Smaller semi-axis, px, of the CoC ellipse of a shading-tree node whose 2x2 matrix of inverse depth is
-    /// `w`.
+    /// Smaller semi-axis, px, of the CoC ellipse of a shading-tree node whose matrix W (2x2, generalises
+    /// 1/z') is `w`.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
@@ -69,7 +69,7 @@ struct Patch {
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
-    glm::dvec3 inverse_z{0};  ///< in the view: value at the patch's corner, slopes by x and y
+    glm::dvec3 inverse_z{0};  ///< in the view: value at the patch's corner, slopes along x and y
 };
 
 struct PatchMesh {

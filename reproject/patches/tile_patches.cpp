@@ -97,8 +97,7 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
     }
     parallel_for(bins.size(), [&](std::size_t t) {
         const Bin before = std::move(bins[t]);
-        std::vector<std::pair<std::uint64_t, std::uint32_t>>
-            order;  // the index in the bin ascends with the patch
+        std::vector<std::pair<std::uint64_t, std::uint32_t>> order;  // key, index in the bin
         order.reserve(before.patches.size());
         for (std::uint32_t i = 0; i < before.patches.size(); ++i)
             order.emplace_back(order_key(mesh, mesh.patches[before.patches[i]]), i);

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest fraction of the views that need a reflected or transmitted node and have it, at which their mean
-/// radiance replaces the node in the other views. With a smaller fraction, the radiance seen from the pinhole
+/// Fraction of the views that need a reflected or transmitted node. If at least this fraction has the node,
+/// their mean radiance replaces it in the other views. If fewer have it, the radiance seen from the pinhole
 /// is blended in.
 constexpr double enough_known = 0.25;
 

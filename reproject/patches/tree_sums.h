@@ -96,8 +96,8 @@ class TreeSums {
     /// the nearest ancestor of the node that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// The sums of pixel k, which are cleared at the first use of the chain in a tile. A used chain has used
-    /// parents, because its nodes are added after theirs.
+    /// The sums of pixel k, which are cleared at the first use of the chain in a tile. The parents of a used
+    /// chain are used as well, because nodes are added after their parents.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -51,8 +51,8 @@ struct ShownView {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
 
-    /// Two instants show the same surface if the ids are equal and 1/z' differs by at most this relative
-    /// amount.
+    /// Two instants show the same surface in a pixel if the ids are equal and the inverse depths differ by at
+    /// most this relative amount.
     static constexpr float same_depth = 0.02F;
 };
 
@@ -64,20 +64,20 @@ inline constexpr std::size_t lines_together = 4096;
 class RaySamples {
   public:
     bool whole_tile = false;   ///< all view samples of the tile are rays
-    bool parents_too = false;  ///< so are samples of surfaces that reflect or transmit
-    /// Samples whose reflected and transmitted light set_aside_trees has looked at, and those of them whose
-    /// light the records determine.
+    bool parents_too = false;  ///< the samples of surfaces that reflect or transmit are rays
+    /// Number of samples whose reflected and transmitted light set_aside_trees has tested, and number of
+    /// those whose light the records determine.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};                                    ///< of the traced radiance
     std::array<std::uint8_t, SeenTile::pixels> uses{};  ///< per pixel, bits of the view's uses that are rays
 
     /// If the records do not determine the directly visible surface of a view's sample, a ray replaces the
-    /// sample. With `parents_too`, rays also replace the samples of surfaces that reflect or transmit; and so
-    /// they do where something moves, because a recorded reflection moves otherwise than its mirror.
-    /// `recorded` receives the sums of all other samples.
+    /// sample. With `parents_too`, or if something moves, rays also replace the samples of surfaces that
+    /// reflect or transmit: a reflection moves differently from its mirror. `recorded` receives the sums of
+    /// all other samples.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// If the records do not determine the reflected or transmitted light of a view's sample, a ray replaces
-    /// the sample. `u`: number of the view's recorded instant.
+    /// the sample. `u`: index of the view's use (recorded instant).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
     /// Traces the rays and adds them to `sum`.
@@ -117,8 +117,9 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// Per checked pixel of the view, and per line: radiance of the records times the share of the sample
-    /// that they have, and this share. The rest of the sample is a ray.
+    /// `noted_` has an element per checked pixel of the view, `recorded_` one per line: the share of the
+    /// sample that comes from records (w), and their radiance times this share. The rest of the sample is a
+    /// ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

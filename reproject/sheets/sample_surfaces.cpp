@@ -141,7 +141,8 @@ float departure(const Mat2& a, const Mat2& b) {
 }
 
 /// Adds the radiance and the marks of each shading-tree node to TreeSurface::below and marks_below of all its
-/// ancestors. Updates TreeSurface::strays of the ancestors with the node's difference in the matrix W.
+/// ancestors. Raises TreeSurface::strays of each ancestor to the difference between the node's matrix W and
+/// the ancestor's, if that is larger.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {

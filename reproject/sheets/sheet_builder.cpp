@@ -74,8 +74,8 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Two nodes at one corner are two surfaces, however little their depths differ. The pieces of a leaf
-    // follow each other.
+    // Two nodes at one corner are two surfaces, however little their depths differ. The pieces of a leaf are
+    // consecutive in `pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];

@@ -160,7 +160,7 @@ struct HighlightRule {
     /// nothing is a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// One element per sheet.
+/// Sums up `bright` for each sheet of the mesh. Returns one element per sheet.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets of an instant are built. A selected sheet is bit-identical to the one built without a
