@@ -28,7 +28,8 @@ namespace postlens {
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the records of rows [y_begin, y_end) of `band`. Each row of the file is added once, in order.
+    /// Adds the records of rows [y_begin, y_end) of `band`. The caller must add each row of the file exactly
+    /// once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Misplaced radiance per pixel, row by row. Empty if no node is misplaced.
     [[nodiscard]] std::vector<float> picture() const {

@@ -117,8 +117,9 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
 }
 
 /// Standard error of a picture of `views` views, per pixel: the root mean square of the three channels. It is
-/// measured by independent sets of half as many views. All pixels of one depth share the lens points, so that
-/// two sets of few views may agree by chance. Few views are therefore measured by more sets.
+/// estimated from independent sets, each of half as many views. Pixels of one depth share their lens points,
+/// so two sets of few views may agree by chance in all of these pixels. Therefore, if there are few views,
+/// more sets are used.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     constexpr int least_views = 64;  // of all sets together

@@ -14,7 +14,7 @@ struct FocusPasses {
     bool coc = false;    ///< CoC: signed CoC diameter of the surface that the pinhole sees, px
     bool sides = false;  ///< focus.before, focus.in, focus.behind: shares of the pixel, adding up to alpha
     bool cryptomatte = false;  ///< the picture's Cryptomatte through the lens; coverages add up to alpha
-    bool error = false;        ///< error: standard error of the mean over the views; of `lightfield` alone
+    bool error = false;        ///< error: standard error of the mean over the views; only with `lightfield`
     /// True if a channel is measured by views.
     [[nodiscard]] bool by_views() const { return sides || cryptomatte || error; }
     [[nodiscard]] bool any() const { return coc || by_views(); }

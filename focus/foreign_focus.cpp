@@ -72,7 +72,7 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
     return out;
 }
 
-/// What the estimates behind some pixels have in common.
+/// Summary of the estimates behind some pixels.
 struct Guessed {
     std::size_t known = 0;        ///< pixels with an estimate
     bool is_see_through = false;  ///< empty space is visible behind one of them

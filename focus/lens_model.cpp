@@ -74,7 +74,7 @@ class LensModel final : public ResponseModel {
 
   private:
     // The linear map from lens to raster is gain R (I/s - W). R is the aperture radius, s the focus distance,
-    // and W the node's 2x2 matrix of inverse depth. The function returns the mean of W's diagonal.
+    // and W the node's matrix (2x2, generalises 1/z'). The function returns the mean of W's diagonal.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -41,7 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Whether empty space is behind a pixel. As it is not blurred, the views see it at this pixel.
+/// For each pixel, whether empty space is behind it. Empty space is not blurred, so the views see it in this
+/// pixel.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -64,9 +65,10 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Whether a sample of this alpha is opaque in a view. The thresholds of a facet are a scrambled van der
-/// Corput sequence over the views, in an order of its own. Facets are therefore opaque independently of each
-/// other, and the transmittance of two of them is the product of both.
+/// Whether the sample of a facet is opaque in a view: whether its alpha exceeds the facet's threshold in this
+/// view. Over the views, the thresholds are a van der Corput sequence, scrambled with the facet's own seed.
+/// Facets are therefore opaque independently of each other, so the transmittance of two facets is the product
+/// of their transmittances.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
@@ -128,8 +130,8 @@ class Band {
     }
 
   private:
-    /// Order of the quadrilaterals, nearest first. Of two at equal depth, that with fewer samples in front of
-    /// it in its pixel is in front: parts of one sample keep their order also where their blur differs.
+    /// Depth order of the quadrilaterals. Of two at equal depth, the one with fewer samples in front of it in
+    /// its own pixel is in front. So parts of one sample keep their order even if their blur differs.
     struct Depth {
         float inverse_z = -1;  ///< negative: farther than all
         std::uint32_t layer = ~std::uint32_t{0};
@@ -141,7 +143,7 @@ class Band {
     };
     struct Sum {
         std::array<float, 4> rgba{};
-        float unseen = 0;    ///< number of views that end at what the picture does not show
+        float unseen = 0;    ///< number of views that look past everything the image shows
         float held_out = 0;  ///< sum of the alphas of holdouts
     };
     struct Hit {
@@ -202,8 +204,8 @@ class Band {
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // Both quadrilaterals beside a side compute its line from the same corner, so that they get the
-            // same number and leave no crack.
+            // The two quadrilaterals that share a side compute the side's line from the same corner. They
+            // therefore get the same number, and leave no crack.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -239,7 +241,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // A view that meets only samples that are transparent in it looks past them at what is not shown.
+        // If all samples that a view meets in a pixel are transparent in this view, the view looks past
+        // everything that the image shows.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

@@ -36,14 +36,15 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// Premultiplied. `alpha` has a value for every pixel, which may exceed 1, as the samples that are opaque
-    /// in a view are drawn at random.
+    /// Premultiplied colours. `alpha` has a value for every pixel. It may exceed 1, because chance decides
+    /// which samples are opaque in a view.
     Image image;
-    /// Per pixel of the window, the fraction of its views that end at what the picture does not show: beyond
-    /// its border, or behind its last sample. Empty space behind a pixel counts as shown.
+    /// Per pixel of the window, the fraction of the views that look past everything the image shows: beyond
+    /// its border, or behind the last sample of a stack. Empty space behind a pixel counts as shown.
     std::vector<float> unseen;
-    /// Per pixel of the window, the sum of the alphas that make up the image, those of holdouts included. Its
-    /// expected value is 1 less that of `unseen`. At least 1 for a pixel with empty space behind it.
+    /// Per pixel of the window, the sum of the alphas of all visible samples, including holdouts, as a mean
+    /// over the views. Its expected value is 1 minus that of `unseen`. At least 1 for a pixel with empty
+    /// space behind it.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -67,8 +68,9 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides colours and alpha by StackField::covered, so that what the picture shows also stands for what it
-/// does not show, and limits alpha to 1. Pixels of which no view shows anything keep their values.
+/// Divides colours and alpha by StackField::covered, and limits alpha to 1. The views of a pixel that see
+/// something thus also represent those that look past the image. If no view of a pixel sees anything, the
+/// pixel keeps its values.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

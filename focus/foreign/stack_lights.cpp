@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 /// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
-/// composited. A pixel may have a thousand of them, and what is behind must not lose more than 1e-4.
+/// composited. A pixel may have a thousand of them, and the light behind them must not lose more than 1e-4.
 constexpr double least_alpha = 1e-7;
 /// Shares of a pixel below this are considered rounding errors.
 constexpr double least_share = 1e-6;
@@ -34,7 +34,8 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // What a sample of the same surface hides is seen from no lens point, because both move together.
+    // Light behind another sample of the same surface is seen from no lens point, because both samples move
+    // together over the lens.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
     // Computes `covered`, the share of the light that no lens point sees, because its occluder moves with it
     // over the lens. Behind a translucent occluder, this share follows from `independence`, as in

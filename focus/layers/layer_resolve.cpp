@@ -29,8 +29,8 @@ SurfaceLight light_of(const LayerTerm* term) {
 }
 
 /// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, weighted by `mask`,
-/// the share of the surface that shows the path. Over the lens, the radiance is distributed like the
-/// surface's own coverage.
+/// the share of the surface that shows the path. The lens points that see this radiance are assumed to be
+/// distributed like those that see the surface.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {

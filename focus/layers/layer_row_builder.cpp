@@ -8,8 +8,8 @@ namespace postlens {
 namespace {
 
 /// CoC radii, px, from which samples are placed only in steps of a quarter pixel or of a whole pixel, if a
-/// pixel has several samples. The samples then merge into few splats. An edge blurred by a uniform response
-/// changes by (step / radius)^2 / 8 < 1e-3 of its height (see phases_of).
+/// pixel has several samples. The samples then merge into few splats. The profile of an edge blurred by a
+/// uniform response changes by (step / radius)^2 / 8 < 1e-3 of the edge's contrast (see phases_of).
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// CoC radii, px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;

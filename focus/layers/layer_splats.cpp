@@ -238,8 +238,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows of the file that are not read again only contribute the splats that were kept because they reach
-    // far.
+    // Rows of the file that are not read again contribute only their splats that reach far, which were kept
+    // when the rows were read before.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

@@ -16,7 +16,7 @@ typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias)
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
 
-/// The numbers of one splat that are added to a pixel, each times the kernel.
+/// The values of one splat that are multiplied by the kernel and added to a pixel.
 struct PlainValues {
     static constexpr std::size_t count = 6;
     FourDoubles light{};
@@ -37,9 +37,9 @@ struct PlainValues {
     }
 };
 
-/// As PlainValues, with the sums from which lens_at() finds the lens moments: the light times the lens point
-/// per px, and this times the splat's position. Vectors of eight would be split by way of the stack on
-/// processors without AVX-512, which takes twice as long.
+/// As PlainValues, and the values from which lens_at() computes the lens moments: the light times
+/// lens_per_px, and this product times the splat's position. Vectors of eight doubles would take twice as
+/// long on processors without AVX-512, because the compiler would split them through the stack.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
@@ -82,7 +82,7 @@ struct LayerPass {
 /// Largest number of splats that are added together.
 constexpr std::size_t longest_run = 64;
 
-/// Number of splats at the beginning of `splats` that reach the block, have anchors side by side and one
+/// Number of splats at the beginning of `splats` that reach the block, have adjacent anchors and share one
 /// kernel.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const RasterWindow& rows) {
@@ -95,7 +95,7 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
 }
 
 /// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first`: the pixel to
-/// which the first tap takes the first value.
+/// which the product of the first value and the first tap is added.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
@@ -124,7 +124,7 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 }
 
 /// Adds a run of splats to one row of the block. `x`, `y`: the first anchor, counted from the corner of the
-/// block. `sums`, `changes`: the row's.
+/// block. `sums`, `changes`: those of the row.
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,

@@ -11,12 +11,12 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth, each multiplied by the kernel. A splat costs as much as the length of
-/// its kernel's outline, because the uniform interior of a kernel row is stored as differences between
-/// neighbouring pixels (as in PointScatter). Splats side by side that share a kernel, as most of an image of
-/// another program do, are added together, row by row, which takes a third of the time. Rows without an
-/// interior are added directly, because the lens moments of small kernels are large, and the rounding errors
-/// of their differences would reach all pixels to the right.
+/// Sums of colour, weight and depth, each multiplied by the kernel. The cost of a splat is proportional to
+/// the length of its kernel's outline, because the uniform interior of a kernel row is stored as differences
+/// between neighbouring pixels (as in PointScatter). Adjacent splats that share a kernel (most splats of
+/// another program's image) are added together, row by row, in a third of the time. Rows without an interior
+/// are added directly, because the lens moments of small kernels are large, and the rounding errors of their
+/// differences would reach all pixels to the right.
 class LayerSums {
   public:
     /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
@@ -47,9 +47,9 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels per row of the buffers: rows_ plus one, for the last difference
     std::size_t stride_ = 6;  ///< values per pixel
-    /// Per pixel: red, green, blue, weight. With lens moments follow these four values times lens_per_px, and
-    /// those products times the anchor's x and then y, counted from the corner of rows_. The last two values
-    /// are depth and covered weight.
+    /// Per pixel: red, green, blue, weight. With lens moments, twelve more values follow: these four times
+    /// lens_per_px, those products times the anchor's x, and times its y, counted from the corner of rows_.
+    /// The last two values are depth and covered weight.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -10,9 +10,9 @@ namespace postlens {
 /// Height of the blocks in which images are computed, px. The first block begins at the window's first row.
 inline constexpr int layers_block_px = 64;
 
-/// Computes the image of the splats' image window and resizes `image`. Runs in parallel; the result is
-/// bit-identical for any number of threads. With `wanted`, blocks outside of this part of the image are
-/// skipped.
+/// Computes the pixels of the window splats.picture() and resizes `image` to it. Runs in parallel; the result
+/// is bit-identical for any number of threads. If `wanted` is given, blocks outside this part of the image
+/// are skipped.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
 /// Computes the image of layers() directly from the definition: every impulse response is evaluated at every

@@ -94,8 +94,8 @@ struct Arrived {
 };
 
 /// Coverage by those surfaces in front that move over the lens together with a surface of this signed CoC
-/// radius. Radii differ the more, the nearer a surface is. All surfaces in front of the first independent one
-/// are therefore independent too.
+/// radius. The nearer a surface is, the more its radius differs. So if one surface moves independently, all
+/// surfaces in front of it do, too.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -136,9 +136,10 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // Coverage above the limit is removed with its light. Coverage that is missing takes an equal share
-        // of the light that was held back. Light and alpha are attenuated separately, so scaling the light
-        // that arrived could make a pixel arbitrarily bright where almost no alpha arrived.
+        // Coverage above the upper limit is removed together with its light. If coverage is missing, equal
+        // fractions of the attenuated alpha and of the attenuated light are added back. Scaling the light
+        // that arrived would not do: light and alpha are attenuated separately, so a pixel could become
+        // arbitrarily bright where almost no alpha arrived.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)

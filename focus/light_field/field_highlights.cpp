@@ -19,9 +19,10 @@ constexpr double spread_from_px = 2;
 /// Smaller semi-axis of the CoC, px, below which a pixel receives the light of a highlight through the whole
 /// lens.
 constexpr double seen_by_all_px = 0.5;
-/// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Smaller ones are
-/// spread by their impulse response even if they are hardly blurred: below sharp_px2, because the views show
-/// their edges with noise; below small_px2, because few views hit them. Larger ones would need many sources.
+/// Area of the highlights of a sheet (one surface within a square of the raster), px^2. Even if hardly
+/// blurred, they are spread by their impulse response if the area is below sharp_px2, because the views would
+/// show their edges with noise, and, if they are reflected and partly hidden, below small_px2, because few
+/// views would hit them. Larger areas would need many sources.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edges of the squares in which the highlights of one surface are merged, px. merged_px is used if the blur
 /// is at least spread_from_px, merged_sharp_px otherwise.
@@ -34,7 +35,7 @@ constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// so that each highlight has at least least_moments sources.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
-/// Radiance of white. All that a highlight has above it is spread.
+/// Radiance of white. Radiance above this value is spread as a highlight.
 constexpr float white = 1;
 /// Smallest radiance above white, in any channel, of a highlight that does not move. Views show dimmer light
 /// with hardly more noise than a white surface.
@@ -46,10 +47,10 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns by how much the middle of a highlight's light lies beside the middle of its impulse response, px.
-/// `slope`: Highlight::slope. A plane surface shows the lens point u (lens radii) an area proportional to
-/// 1 - radius_px_m * dot(slope, u), so the mean lens point of its light is -radius_px_m * slope / 4 for a
-/// disc. If its plane meets the lens, the lens points behind the plane see nothing.
+/// Returns the displacement, px, of the middle of a highlight's light from the middle of its impulse
+/// response. `slope`: Highlight::slope. Seen from lens point u (lens radii), a plane surface has an area
+/// proportional to 1 - radius_px_m * dot(slope, u), so the mean lens point of its light is -radius_px_m *
+/// slope / 4 for a disc. If its plane meets the lens, the lens points behind the plane see nothing.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
@@ -88,11 +89,12 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Spreading ignores what hides a reflected highlight in its mirror. So a sharp one that is partly
-        // hidden is spread only if few views would hit it.
+        // Spreading ignores surfaces that hide a reflected highlight in its mirror. So a sharp reflected
+        // highlight that is partly hidden is spread only if few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // Views distinguish the visible part of a hardly blurred surface. A pixel sees only a part of a
-        // surface wider than its blur, but all highlights of a group share one shadow of a nearer surface.
+        // If a surface is hardly blurred, the views already show its visible part. If it is wider than its
+        // blur, a pixel sees only a part of it, but all highlights of a group would share one shadow of a
+        // nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -207,8 +209,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMe
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A kernel is that of a point. If it is about as small as a pixel, a highlight that motion has brought
-    // across the border of pixels is divided there, because a point would be in one of them.
+    // A kernel is the response of a point, which lies in a single pixel. If the kernel is about as small as a
+    // pixel, a moving highlight that lies across a border of pixels is therefore divided at the border.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {

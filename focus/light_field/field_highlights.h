@@ -39,9 +39,9 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Lights::aim: lines from random points of the recorded highlights that reach the pixel, through the
-    /// lens points at which each of them is seen there. For a sharp light in motion: random lines of the
-    /// pixel while the light is near.
+    /// Lights::aim. Each line joins a random point of a recorded highlight that reaches the pixel with a lens
+    /// point from which the pixel sees it. For a sharp moving highlight, the lines are random lines of the
+    /// pixel at instants at which the highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Numbers of the sources that reach a rectangle within a row of tiles.
@@ -88,10 +88,10 @@ class FieldHighlights {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    /// Part of the light of a source that reaches a pixel of the image if nothing hides it.
+    /// Fraction of a source's light that reaches a pixel of the image if nothing hides the source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
-    /// Whether a sharp source in motion is so near the pixel that the light may reach it by an error of its
-    /// records.
+    /// Whether a sharp moving source is so near the pixel that its light may reach the pixel, allowing for
+    /// errors of the records.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
@@ -111,8 +111,8 @@ class FieldHighlights {
         std::uint32_t source = 0;
     };
     static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
-    static constexpr int passing_px = 1;            ///< how far from its kernel a source in motion is near
-    std::vector<std::vector<Reach>> rows_;          ///< per row of tiles, the sources that reach it
+    static constexpr int passing_px = 1;    ///< distance from its kernel up to which a moving source is near
+    std::vector<std::vector<Reach>> rows_;  ///< per row of tiles, the sources that reach it
 };
 
 }  // namespace postlens

@@ -14,7 +14,7 @@ namespace {
 
 /// Attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// Lines to a sharp light that moves, for each line to another one: many of them miss it.
+/// If a sharp moving light is near, this many times as many lines are aimed, because many of them miss it.
 constexpr int passing_lines = 16;
 
 /// A sharp light that passes a pixel: its light, and the parts of the exposure during which it is near.
@@ -126,8 +126,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Sources are chosen in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // What the records miss of a light in motion is beside them. So these lines go anywhere in the
-            // pixel.
+            // Those parts of a moving light that the records miss lie beside the recorded parts. So these
+            // lines pass through random positions in the pixel.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;

@@ -37,10 +37,10 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 }
 
 /// Whether part of the lens sees a surface from its other side, or not at all, so that the records lack light
-/// that the lens sees. A plane whose 1/z' has a slope of 1 / (lens radius in px m) has no area for a point of
-/// the lens's rim. Rays through the pinhole measure the slope at random points of `lights`, the highlights of
-/// object `id` that are seen directly. At least half of them must be steep, because a round surface is steep
-/// at its outline only.
+/// that the lens sees. If the slope of a plane's 1/z' is 1 / (lens radius in px m), the plane is seen edge-on
+/// from a point of the lens's rim. Rays through the pinhole measure the slope at random points of `lights`,
+/// the highlights of object `id` that are seen directly. At least half of them must be steep, because a round
+/// surface is steep at its outline only.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

@@ -23,8 +23,9 @@ namespace {
 constexpr int edge_rays = 16;
 /// A pixel is divided into n x n squares. The rays of one square that hit the light form one highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured: a share of all sheets' cells, and at least a number. If more
-/// pixels contain an edge, as in a texture that is brighter than the limit here and there, none are measured.
+/// Largest number of pixels that are measured: a share of the cells of all sheets, but at least
+/// least_measured. If more pixels contain an edge, as in a texture that is brighter than the limit here and
+/// there, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Area of the highlights of a pixel, px^2, from which they fill it.
@@ -42,9 +43,10 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns the pixels that an edge of the bright part crosses or may cross, in order, as far as rays
-    /// through the pinhole measure them better than the records do. The records of the pixel and its
-    /// neighbours must be farther apart than the rays. The rays do not reach what nearer surfaces hide.
+    /// Returns, in order, the pixels that an edge of the bright part crosses or may cross. Leaves out pixels
+    /// in which rays through the pinhole do not measure the edge better than the records: those where the
+    /// records of the pixel or a neighbour are closer together than the rays, and those where a nearer
+    /// surface hides a part.
     [[nodiscard]] std::vector<Pixel> edge(const LightElsewhere& less) const;
     /// Returns the highlights of a pixel as rays see them.
     [[nodiscard]] std::vector<Highlight> measured(const Pixel& pixel, const SightRays& rays,

@@ -79,8 +79,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Adds the patch's recorded area to each cell. If the sum exceeds the cell's area, the surface
-            // overlaps itself.
+            // Adds to each cell the number of the patch's recorded pixels in it. If all patches together have
+            // more pixels there than the cell, the surface overlaps itself.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -95,9 +95,10 @@ struct KernelKey {
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
     /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps (ellipse_bits -
-    /// times) leading bits of its largest number, or `times` bits fewer than it has. Its other numbers have
-    /// the same step, and its phase has half that step. A map keeps (map_bits - times) bits, and the width of
-    /// its cell is doubled `times` times. times = 0 changes nothing.
+    /// times) leading bits of its largest number. If this number has fewer than ellipse_bits bits, it loses
+    /// `times` bits. Its other numbers have the same step, and its phase has half that step. A map keeps
+    /// (map_bits - times) bits, and the width of its cell is doubled `times` times. times = 0 changes
+    /// nothing.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
@@ -174,7 +175,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// The table chooses a bucket by the lowest bits, which in PackedHash depend on the phases alone.
+    /// The table selects a bucket by the lowest bits of a hash. In PackedHash, these depend only on the
+    /// phases.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

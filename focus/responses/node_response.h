@@ -64,8 +64,8 @@ class NodeResponses {
     /// Transmittance of the lens for this response. Both the light and the weights that normalise the image
     /// are multiplied by it. 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Share of the lens through which the pixel (x, y) of the image `window` sees. The weights that arrive
-    /// at the pixel add up to it. The normalised pixel is multiplied by it.
+    /// Share of the lens that transmits light to the pixel (x, y) of the image `window`. The weights that
+    /// arrive at the pixel add up to this share, and the normalised pixel is multiplied by it.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

@@ -16,8 +16,8 @@ constexpr double one_disc_from_px = 2;
 
 /// Number of subpixel positions per px for kernels of this radius. A sample between these positions is
 /// distributed over its neighbours, which preserves the centroid and adds a variance of at most 1/4 of a
-/// squared step. A blurred edge changes by about (step / radius)^2 / 8 of its height, which is 1e-4 or less
-/// from 2 px on.
+/// squared step. The profile of a blurred edge changes by about (step / radius)^2 / 8 of the edge's contrast,
+/// which is about 1e-4 or less from 2 px on.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;

@@ -75,7 +75,7 @@ class ApertureModel final : public ResponseModel {
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
             // The linear map from lens to raster is gain R (I/s - W). R is the aperture radius, s the focus
-            // distance, and W the node's 2x2 matrix of inverse depth.
+            // distance, and W the node's matrix (2x2, generalises 1/z').
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -89,8 +89,9 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds what a source row would add whose values are all 1. Where all pixels in the kernel's reach are equal,
-/// filtering by a kernel row is a multiplication by the sum of its weights, so no convolution is needed.
+/// Adds the result of filtering a source row in which all values are 1. Where all pixels in the kernel's
+/// reach are equal, filtering by a kernel row is a multiplication by the sum of its weights, so no
+/// convolution is needed.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;

@@ -15,8 +15,8 @@
 namespace postlens {
 namespace {
 
-// Size of a block, px. The rows to which a run adds, twice its CoC radius with 16 B per pixel, fit into the
-// L2 cache. Taller blocks share more filtered rows, wider blocks share more running sums, and smaller blocks
+// Size of a block, px. The rows to which a run adds (twice its CoC radius, 16 B per pixel) fit into the L2
+// cache. Taller blocks share more filtered rows, wider blocks share more running sums, and smaller blocks
 // keep more threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;

@@ -108,8 +108,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the kept items of a row (those that reach far), in order. A row that is not read again only
-    /// contributes these items.
+    /// Returns the kept items of a row (those that reach far), in order. If the row is not read again, it
+    /// contributes only these items.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }

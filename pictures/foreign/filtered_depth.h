@@ -28,8 +28,8 @@ struct FilteredDepths {
 ///
 /// Depths multiplied by coverage are detected at edge pixels (0 < alpha < 1) next to opaque pixels. An edge
 /// pixel is evidence if its depth divided by its alpha is within 5 % of a neighbour's depth, but its
-/// undivided depth is not. If there are at least 4 such pixels, and four times as many as contrary ones, the
-/// depths of all edge pixels are divided by alpha.
+/// undivided depth is not. If there are at least 4 such pixels, and four times as many as pixels with the
+/// opposite evidence, the depths of all edge pixels are divided by alpha.
 ///
 /// Means of two depths are detected along rows and columns. Unfiltered depths jump at an edge. Filtered ones
 /// change monotonically over up to 4 pixels, from one depth to another that differs by 10 % or more. If there
