@@ -12,11 +12,11 @@
 
 namespace postlens::layout {
 
-/// Kind of a part. For the parts of the frame's own instant, the value is the part's number in the file.
+/// Kind of a part. For the parts of the frame's own instant, the value is the part's index in the file.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Number in the file of a part of `instant`. The picture comes first; records and scanlines of each instant
+/// Index in the file of a part of `instant`. The picture comes first; records and scanlines of each instant
 /// follow.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
