@@ -81,7 +81,8 @@ class Mender {
         }
     }
 
-    /// What was found along some rows or columns: edges of one pixel, ramps, and the pixels of both.
+    /// The depth edges along some rows or columns: number of jumps (from one pixel to the next), number of
+    /// ramps (over several pixels), and the mixed pixels of both.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;

@@ -64,7 +64,7 @@ struct ForeignFile::Impl {
         while (files[i].first_part > part) --i;
         return files[i];
     }
-    /// Number of the part within its own file.
+    /// Index of the part within its own file.
     [[nodiscard]] int number(std::size_t part) const { return static_cast<int>(part - of(part).first_part); }
     [[nodiscard]] const Imf::Header& header(std::size_t part) const {
         return of(part).file->header(number(part));
