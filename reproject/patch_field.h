@@ -64,21 +64,21 @@ struct PatchViews {
     /// Adds highlights to a square piece of the image, depending on the surfaces that every view sees in it.
     /// Several threads call it at the same time. Null if there are no highlights.
     const class Lights* lights = nullptr;
-    /// Traces a ray for each view sample (one view's sample in one pixel) that the records do not determine.
-    /// If null, these samples keep their recorded colours.
+    /// Traces a ray for each view sample (one view's sample in one pixel) whose colour the records do not
+    /// determine. If null, these samples keep their recorded colours.
     const SightRays* rays = nullptr;
     /// Only with rays: returns whether rays replace all samples of the piece (square of the image) that
     /// contains the pixel (x, y). If empty, no piece is replaced as a whole.
     std::function<bool(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Only with rays: appends the numbers of the views whose samples in the pixel (x, y) are compared with a
+    /// Only with rays: appends the indices of the views whose samples in the pixel (x, y) are compared with a
     /// ray. The results are stored in PatchPicture::checks; the image does not change. If empty, no samples
     /// are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     /// Only with `checked`: whether rays are aimed at the highlights of the pixel (x, y). Returns the
     /// probability with which the pixel was chosen, or 0 if it was not. If empty, none is chosen.
     std::function<double(int x, int y)> aimed;
-    /// Number of the image that this set of views draws. Sets of one image must draw different square pieces
+    /// Index of the image that this set of views draws. Sets of one image must draw different square pieces
     /// of it.
     std::size_t picture = 0;
 };
@@ -146,7 +146,7 @@ class Lights {
         NodeIdentity highlight;
         double scale = 0;
     };
-    /// Returns numbers of the sources of light that may reach a rectangle of the image, px.
+    /// Returns the indices of the light sources whose light may reach a rectangle of the image, px.
     [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
     /// Appends up to `count` random lines to the pixel (x, y) of the image, from those of `sources` that
     /// reach it. `seed` determines the lines.

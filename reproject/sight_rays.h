@@ -1,4 +1,4 @@
-// Interface to a ray tracer. Rays replace those samples of views that the records do not determine.
+// Interface to a ray tracer. Rays replace those samples of views whose colours the records do not determine.
 #pragma once
 
 #include <array>

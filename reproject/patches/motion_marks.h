@@ -28,7 +28,7 @@ class MotionMarks {
         return marks_[instant][sheet];
     }
     /// Whether one of the directly visible patches has a wanted mark (PatchField::wanted_marks). `patches`:
-    /// numbers of the patches.
+    /// indices of the patches.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
     /// Marks the pixels in which the records of an instant show a moving object. The views show a different
     /// colour there. `mesh`: the instant's directly visible patches in the tile.

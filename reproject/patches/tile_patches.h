@@ -13,14 +13,14 @@
 
 namespace postlens {
 
-/// The patches of a tile, in drawing order.
+/// The patches (planar parts of surfaces) of a tile, in drawing order.
 struct TilePatches {
     PatchMesh mesh;
     std::vector<PatchReach> reach;
     std::vector<std::uint32_t> motion_class;
 };
 
-/// The patches [begin, end) of one path, the sequence of reflections and transmissions from the eye.
+/// The patches [begin, end), which share one path (sequence of reflections and transmissions from the eye).
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -62,8 +62,8 @@ class PatchBins {
     /// a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TileRect& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
-    /// The chains and paths are those of the whole tile, although they may have no patches in the rectangle.
-    /// Views that lack a path then count as unknown.
+    /// The chains and paths are those of the whole tile, also if they have no patches in the rectangle. A
+    /// view that needs a node of such a path then counts as unknown.
     void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
 
   private:

@@ -34,7 +34,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // As in add_seen_light: a branch would often be mispredicted.
+            // As in add_seen_light, every pixel is written, but only doubtful ones are counted: a branch
+            // would often be mispredicted.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

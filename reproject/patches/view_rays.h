@@ -1,5 +1,5 @@
-// The samples of views that are traced as rays. Rays replace samples that the records do not determine, and
-// check others.
+// The samples of views that are traced as rays. Rays replace samples whose colours the records do not
+// determine, and check others.
 #pragma once
 
 #include <algorithm>
@@ -104,7 +104,7 @@ class CheckedSamples {
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
     /// Stores the radiance of the records for those samples of a view that are checked, unless rays replace
-    /// them. Called for each use of the view in turn. `number`: number of the view in its set. `trees`: null
+    /// them. Called for each use of the view in turn. `number`: index of the view in its set. `trees`: null
     /// if no reflected or transmitted node is drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);

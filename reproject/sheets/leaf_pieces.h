@@ -21,7 +21,7 @@ struct SheetSquare {
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A leaf that shows one surface, or a quarter of a leaf.
+/// A quadtree leaf (undivided cell) that shows one surface, or a quarter of a leaf.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves

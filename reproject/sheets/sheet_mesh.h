@@ -39,7 +39,7 @@ struct CellPlane {
 struct Texel {
     float r = 0, g = 0, b = 0;  ///< scene-linear radiance of this node, without its children
     std::uint32_t info = 0;     ///< as `info_of` packs it
-    /// Packs the sheet's number and flags into `info`. `unsure`: unsure_bit, unsure_below_bit, both, or 0.
+    /// Packs the sheet's index and flags into `info`. `unsure`: unsure_bit, unsure_below_bit, both, or 0.
     [[nodiscard]] static constexpr std::uint32_t info_of(std::uint32_t sheet, std::uint8_t children,
                                                          std::uint32_t unsure = 0) {
         return sheet << sheet_shift | unsure | children;
@@ -57,7 +57,7 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A quadtree node is one of `none`, `maybe`, a leaf (number of its texel, plus the bit `leaf`), or the index
+/// A quadtree node is one of `none`, `maybe`, a leaf (index of its texel, plus the bit `leaf`), or the index
 /// of its first child. The children follow each other: up-left, up-right, down-left, down-right. `maybe`
 /// means that the surface's edge crosses the leaf and this corner shows a farther surface, so the surface may
 /// or may not cover this quarter.
@@ -164,7 +164,7 @@ struct HighlightRule {
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets of an instant are built. A selected sheet is bit-identical to the one built without a
-/// selection; only its number differs.
+/// selection; only its index differs.
 struct SheetChoice {
     /// Returns whether the row of squares that begins at raster row y is read. If empty, all rows are read.
     std::function<bool(int y)> rows;
