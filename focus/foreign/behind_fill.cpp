@@ -330,7 +330,7 @@ class BehindSearch::Impl {
     int width_, height_;
     bool has_ids_;
     std::vector<float> last_px_,
-        blur_px_;  ///< Radii of every pixel; `blur_px_` is empty if no depth is moved
+        blur_px_;  ///< Radii of every pixel; `blur_px_` is empty if it equals `last_px_`
     std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
     std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;

@@ -47,9 +47,9 @@ struct FieldFocusSettings {
     /// Memory limit for the surfaces, bytes. If all surfaces together need more, they are read again for each
     /// image, in strips that need a quarter of the limit. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays for samples of views that the records do not determine. With rays, only highlights whose
-    /// radiance is the same for all rays are spread by their impulse responses, and no pixel is left out or
-    /// unknown. Null: no rays.
+    /// Traces rays for samples of views whose colours the records do not determine. With rays, only
+    /// highlights whose radiance is the same for all rays are spread by their impulse responses, and no pixel
+    /// is left out or unknown. Null: no rays.
     const SightRays* rays = nullptr;
 };
 
@@ -70,7 +70,7 @@ struct FieldFocus {
 struct FieldViews {
     int count = default_lens_views;
     int set = 0;    ///< sets have independent lens points and errors (lens_views.h)
-    int first = 0;  ///< number of the first view; more than 0 continues a set
+    int first = 0;  ///< index of the first view; more than 0 continues a set
     /// Returns whether a square piece of the image is drawn. If empty, all pieces are drawn. Pieces that are
     /// not drawn are filled from their surroundings.
     std::function<bool(int x, int y, int width, int height)> wanted;
@@ -79,7 +79,7 @@ struct FieldViews {
     std::function<bool(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Number of the image to which this set of views belongs, among the images drawn together. Sets of one
+    /// Index of the image to which this set of views belongs, among the images drawn together. Sets of one
     /// image must draw different pieces of it.
     std::size_t picture = 0;
 };

@@ -44,7 +44,7 @@ class FieldHighlights {
     /// pixel at instants at which the highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Numbers of the sources that reach a rectangle within a row of tiles.
+    /// Indices of the sources that reach a rectangle within a row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:

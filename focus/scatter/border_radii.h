@@ -19,7 +19,7 @@ struct BorderRadii {
     /// Updates the radii with that of a sample in pixel row y of the source. Several threads may add
     /// different rows at the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Updates the radii with one at all corners of the pixel (x, y).
+    /// Updates the radii at all corners of the pixel (x, y) with the given radius.
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 

@@ -16,7 +16,7 @@ typedef double FourDoubles __attribute__((vector_size(32), aligned(8), may_alias
 struct PointPass {
     const Splat* splats = nullptr;
     std::size_t count = 0;
-    int y = 0;  ///< number of the source row
+    int y = 0;  ///< raster row of the splats
     const KernelTable* kernels = nullptr;
     std::size_t channel = 0;
     RasterWindow rows;

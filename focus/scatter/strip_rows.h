@@ -59,7 +59,7 @@ class StripRows {
         }
     }
     /// Limits the memory of the kept items. While it exceeds the limit, the smallest reach of a kept item is
-    /// doubled, and items that reach less far are dropped. Call it when some rows are complete.
+    /// doubled, and items that reach less far are dropped. Call it each time that further rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -121,7 +121,7 @@ class StripRows {
     struct Row {
         int first = 0, last = 0;  ///< pixel rows that are reached by the items that are not kept
         std::vector<Far> far;
-        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that reach it first, or last
+        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that begin, or end, in it
         [[nodiscard]] bool known() const { return !begins.empty(); }
         void include(int begin, int end) {
             first = std::min(first, begin);
