@@ -204,8 +204,8 @@ class Spread {
                       scatter);
     }
 
-    /// Alpha is coverage, which a lens that blocks light does not reduce. Where it blocks all light, the
-    /// picture is black and opaque.
+    /// Alpha is coverage, so it must not become smaller where the lens blocks light. Where the lens blocks
+    /// all light, the image is black and opaque.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {

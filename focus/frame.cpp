@@ -13,8 +13,8 @@ namespace {
 /// and enough_records records (of about 60 bytes each).
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Rows per band that is kept in memory. Loops over all rows run in parallel within a band and wait for their
-/// threads after each band.
+/// Rows of each band that is kept in memory. Loops over all rows run in parallel within a band and wait for
+/// their threads after each band.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {

@@ -62,10 +62,11 @@ struct Crop {
 /// (8 bit), .tif or .jpg. The last three use the sRGB transfer curve and clamp to 0..1; they have no alpha,
 /// so premultiplied colours appear over black. The file appears completely or not at all.
 ///
-/// The exposure is stored as `postlens.exposure_stops`: in .exr as an attribute, if it is not 0; in other
-/// formats, whose values include it, as text, if it is known. With a `crop`, only that part is written. An
-/// .exr then has the crop as data window and the whole image as display window; its attribute `postlens.crop`
-/// makes `read_image` return only the crop.
+/// The exposure is stored as `postlens.exposure_stops`. In .exr it is an attribute, which is omitted if the
+/// exposure is 0. In other formats, whose values are multiplied by the exposure, it is a text, which is
+/// omitted if the exposure is unknown. With a `crop`, only that part is written. An .exr then has the crop as
+/// data window and the whole image as display window; its attribute `postlens.crop` makes `read_image` return
+/// only the crop.
 ///
 /// If `made_by` is not empty, it is stored as `postlens.made_by`: in .exr as an attribute, in other formats
 /// as text.
@@ -101,11 +102,11 @@ enum class PictureValues {
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first three channels of the first part of any file that OpenImageIO can read; of one or two
-/// channels, the first becomes grey. Integer formats and formats tagged sRGB are converted to scene-linear.
-/// The result covers the display window: pixels outside it are dropped, and pixels that the file does not
-/// store are black. If the file is a crop (see write_image), the result is only the crop. Throws
-/// Error(invalid_input).
+/// Reads the first three channels of the first part of any file that OpenImageIO can read. If the part has
+/// only one or two channels, the first is read as grey. Integer formats and formats tagged sRGB are converted
+/// to scene-linear. The result covers the display window: pixels outside it are dropped, and pixels that the
+/// file does not store are black. If the file is a crop (see write_image), the result is only the crop.
+/// Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

@@ -83,8 +83,8 @@ class SampleFileReader {
     /// size that a small damaged file can claim.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Colours are read as radiance times 2^exposure_stops. Absent: the exposure in the header, at which 1 is
-    /// white.
+    /// Colours are read as radiance times 2^exposure_stops. If absent, the exposure in the header is used,
+    /// with which the value 1 is white.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();

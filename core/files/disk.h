@@ -8,7 +8,7 @@
 namespace postlens {
 
 /// Free space, bytes, of the file system on which `target` is or will be created. If `target` is a link, its
-/// destination counts. The largest number if the system does not state the free space.
+/// destination counts. Returns the largest number if the system does not state the free space.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
 /// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes`

@@ -77,8 +77,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
 }
 
 // Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The hash of
-// the kernel's key selects the slot of the cache. Kernel numbers depend on the timing of threads, so using
-// them instead would change the result.
+// the kernel's key selects the slot of the cache. The numbers of kernels are not used for this, because they
+// depend on the timing of threads, and so would the result.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -117,8 +117,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         {node.r, node.g, node.b}});
     }
     // Sums the radiance of subtrees. Nodes of the shading tree are sorted by path, and a child has a greater
-    // path number than its parent. Going backwards, each node's sum is complete before it is added to the
-    // parent.
+    // path number than its parent. So in backward order, each node's sum is complete before it is added to
+    // its parent.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {

@@ -176,7 +176,7 @@ class KernelTable {
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
     /// The table selects a bucket by the lowest bits of a hash. In PackedHash, these depend only on the
-    /// phases.
+    /// phases, so MixedHash mixes them with the upper bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

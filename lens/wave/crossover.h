@@ -7,9 +7,10 @@
 
 namespace postlens {
 
-/// Diameters of Airy disc and CoC on a film at distance V, for third stops. Also the f-numbers n at which the
-/// Airy disc equals the CoC, and at which it equals the pixel pitch. The Airy disc is measured to its first
-/// zero, 2 * 1.2197 lambda V / D, and grows with n. The CoC is V D |1/s - 1/z| and becomes smaller with n.
+/// Diameters of Airy disc and CoC on a film at distance V, for f-numbers in steps of a third of a stop. Also
+/// the f-numbers n at which the Airy disc equals the CoC, and at which it equals the pixel pitch. The Airy
+/// disc is measured to its first zero, 2 * 1.2197 lambda V / D, and grows with n. The CoC is V D |1/s - 1/z|
+/// and becomes smaller with n.
 struct Crossover {
     struct Stop {
         double f_number = 0, airy_mm = 0, coc_mm = 0;

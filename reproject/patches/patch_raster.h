@@ -113,14 +113,15 @@ struct WantedPixels {
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Finds the pixels of `part` in which a node of `in` has a separately drawn child node for the bounces
-/// `bounce` (child_bit), and writes them to `wanted`. The texels of `in` belong to `in_mesh`. `part` must
-/// contain all pixels that have such child nodes. The pixels found are cleared in `out`. All other pixels in
-/// the rows of `part` get an infinite inverse depth, so that nothing is drawn there.
+/// Finds the pixels of `part` in which a node of `in` (the nodes that the view sees on the parent path) has a
+/// separately drawn child node for the bounce `bounce` (child_bit), and writes them to `wanted`. The texels
+/// of `in` belong to `in_mesh`. `part` must contain all pixels that have such child nodes. The pixels found
+/// are cleared in `out`. All other pixels in the rows of `part` get an infinite inverse depth, so that
+/// nothing is drawn there.
 ///
-/// Where `in` needs a node but misses it, the view may still see that node's child. For these pixels `around`
-/// returns the id of the missing node's nearest ancestor that the view sees. Without `around`, these pixels
-/// are left out.
+/// Where a parent node is needed, but missing in `in`, the view may still see its child. For these pixels
+/// `around` returns the id of the missing node's nearest ancestor that the view sees. Without `around`, these
+/// pixels are left out.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);

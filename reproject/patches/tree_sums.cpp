@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Fraction of the views that need a reflected or transmitted node. If at least this fraction has the node,
-/// their mean radiance replaces it in the other views. If fewer have it, the radiance seen from the pinhole
-/// is blended in.
+/// If at least this fraction of the views that need a reflected or transmitted node have it, their mean
+/// radiance replaces the node in the other views. If fewer have it, the radiance seen from the pinhole is
+/// blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
