@@ -29,8 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted value of Crossing::most_mse. The error itself is 30 to 500 times smaller where plates
-/// cross (measured), so that this is 45 dB or more over the pixels that the group touches.
+/// Largest accepted value of Crossing::most_mse. Where plates cross, the measured error is 30 to 500 times
+/// smaller than this bound. The limit therefore means a PSNR of 45 dB or more over the pixels that the group
+/// touches.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -67,7 +68,7 @@ class MotionBlur {
     }
 
   private:
-    // Whether the shutter shows the frame's own instant, which is recorded as it is, and no other.
+    // Whether the exposure is the frame's own instant alone, so that the recorded image needs no change.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
     }
@@ -159,15 +160,15 @@ class MotionBlur {
         }
     }
 
-    // Whether the border of the records cuts an object off at the frame's instant, which is the only one that
-    // convolve uses.
+    // Whether the border of the records cuts off an object at the frame's instant. convolve uses only this
+    // instant; lightfield also uses the other recorded instants.
     [[nodiscard]] bool lightfield_sees_more(std::uint32_t id) const {
         return file_.instants() > 1 &&
                is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Whether other recorded instants may show other light than the frame's own, which is the only one that
-    // convolve uses.
+    // Whether the light at other recorded instants may differ from that at the frame's instant. convolve uses
+    // only the frame's instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();

@@ -26,7 +26,7 @@ struct MotionBlurSettings {
     ShutterCurve curve = ShutterCurve::box();
     MotionMethod method = MotionMethod::automatic;
     std::optional<int> views;       ///< number of views of lightfield
-    std::vector<ObjectPath> paths;  ///< each replaces the file's motion for its ids
+    std::vector<ObjectPath> paths;  ///< each replaces the file's motion of the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
     /// The part of the image to compute; all other pixels are undefined. The computed pixels are
     /// bit-identical to those without a crop, and the shares in the result refer to them. Only lightfield

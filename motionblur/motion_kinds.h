@@ -43,8 +43,8 @@ struct IdMotion {
     /// Largest difference between the displacements of a corner of the box and of the box's centre; may be
     /// infinite.
     double deviation_px = 0;
-    /// Largest difference between the displacements of a corner of the box and of the box's centre, after the
-    /// latter has been scaled to the corner's inverse depth (parallax).
+    /// The same difference after the centre's displacement has been scaled to the corner's inverse depth
+    /// (parallax).
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean of its records, 1/m

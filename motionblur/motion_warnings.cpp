@@ -17,7 +17,7 @@ namespace {
 
 using glm::dvec3;
 
-// The frame's own instant, and nine evenly spaced ones of the exposure.
+// The frame's own instant, and nine evenly spaced instants of the exposure.
 constexpr int shadow_instants = 10;
 constexpr int shadow_step_px = 4;
 
@@ -49,7 +49,8 @@ void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree
     }
 }
 
-/// Counts the pixels of the frame in the rows [y_begin, y_end) of a band, every `step`th along each axis.
+/// Counts the pixels for which `concerned` is true, among every `step`th pixel along each axis in the rows
+/// [y_begin, y_end) of a band.
 template <typename Concerned>
 std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int y_begin, int y_end, int step,
                            const Concerned& concerned) {
@@ -140,7 +141,7 @@ dvec3 direction_to(const MovingLight& light, const MovingSphere& object, std::si
     return way * object.rotation[i];  // the transpose of the rotation times `way`
 }
 
-/// Whether an object turns to a light, or passes by it, so far that its shading changes visibly.
+/// Whether an object's shading changes visibly, because it turns or moves relative to a light.
 bool is_relit(const MovingSphere& object, const std::vector<MovingLight>& lights) {
     constexpr double least_degrees = 15;
     for (const MovingLight& light : lights) {
@@ -171,7 +172,7 @@ class ShadowTest {
     [[nodiscard]] bool possible() const { return !spheres_.empty() && !lights_.empty(); }
     /// Whether there are lights and something that moves.
     [[nodiscard]] bool lit_objects_move() const { return lit_objects_move_; }
-    /// Sorted ids of the objects that turn to a light or pass by it.
+    /// Sorted ids of the objects whose shading changes because they turn or move relative to a light.
     [[nodiscard]] const std::vector<std::uint32_t>& relit() const { return relit_; }
     [[nodiscard]] bool operator()(const Record& r) const {
         if (r.id == 0 || std::isinf(r.z)) return false;
@@ -202,8 +203,8 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Whether an object that the border of the recorded area cuts off at a recorded instant has its cut side
-/// within the frame at another instant. `map`: moves its records to that instant.
+/// Whether the border of the recorded area cuts off an object at a recorded instant, and the cut side of the
+/// object lies within the frame at another instant. `map` moves the object's records to that other instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -332,7 +333,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // What neither the frame's instant nor one around t shows is out of sight then.
+        // An object that is recorded neither at the frame's instant nor at the instants around t is out of
+        // sight at t.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),

@@ -18,9 +18,9 @@ namespace postlens {
 /// - "shadow": pixels whose path to a light may be crossed by an object that moves in the world. The objects'
 ///   bounding spheres are tested at the frame's instant and nine of the exposure, in every fourth pixel
 ///   along each axis;
-/// - "light": pixels that show an object while lights move, or an object that turns or passes by a light so
-///   that the direction to the light, seen from it, changes by more than 15 degrees; their shading is that of
-///   one instant.
+/// - "light": pixels whose shading is that of one instant although it should change. Either lights move, or
+///   the pixel shows an object from which the direction to a light changes by more than 15 degrees, because
+///   the object turns or passes by the light.
 ///
 /// Usage: if `possible`, add all rows of the frame; then get the warnings.
 class UnseenMotion {
@@ -51,8 +51,8 @@ void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vect
 
 /// Whether the border of the recorded area cuts off an object so that a part of it is missing in the frame
 /// while the shutter is open. `instants`: extents of the objects at the first recorded instants of the file,
-/// which are the ones to use. At every instant, one of the two around it suffices if it shows the whole
-/// object.
+/// which are the ones to use. At every instant of the exposure, one of the two recorded instants around it
+/// suffices if it shows the whole object.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

@@ -29,8 +29,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The four corners of a pixel are stored with the pixel itself and with its right, lower and lower right
-// neighbours.
+// The records at the four corners of a pixel are stored with the pixel itself and with its right, lower and
+// lower right neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

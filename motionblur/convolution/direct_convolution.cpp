@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Number of columns whose sums are in registers at the same time: eight vectors, half of the sixteen that
-/// AVX2 has.
+/// Number of columns whose sums are in registers at the same time. They fill eight vector registers, half of
+/// the sixteen of AVX2.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
@@ -330,10 +330,10 @@ double direct_cost_s(const ConvolutionTask& task) {
     // The number of additions is proportional to the share of the full result that is wanted.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The costs were measured with `one_object/direct` in convolution_bench. Paths of 8 px yield the cost of
-    // copying the object's raster. The increase to paths of 60 and 240 px at 45 degrees yields the cost of a
-    // cell, and paths along a row yield that of running sums. A value of a large array costs more, because
-    // the system first has to provide memory.
+    // The costs were measured with `one_object/direct` in convolution_bench. The time for paths of 8 px gives
+    // the cost of copying the object's raster. Its increase to paths of 60 and 240 px at 45 degrees gives the
+    // cost of a cell. Paths along a row give the cost of running sums. A value of a large array costs more,
+    // because the system first has to provide memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

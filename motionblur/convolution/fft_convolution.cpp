@@ -27,8 +27,8 @@ struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Smallest size of a transform that computes the cells [x0, x1) of the result without wrap-around. Of the
-/// source, [a, b) contributes; convolved with the path, it covers [a + p0, b + p1 - 1).
+/// Smallest size of a transform that computes the cells [x0, x1) of the result without wrap-around. Only the
+/// cells [a, b) of the source contribute. Convolved with the path, they cover [a + p0, b + p1 - 1).
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -56,8 +56,8 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time of a transform per step, s, measured with `one_object/fft` in convolution_bench for 300 and more
-    // cells.
+    // Time per step of a transform, s. It was measured with `one_object/fft` in convolution_bench for 300 and
+    // more cells.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -87,8 +87,8 @@ struct Free {
     void operator()(void* p) const { fftwf_free(p); }
 };
 
-/// Allocates an array with the alignment that FFTW's plans need, which is that of the arrays for which they
-/// were made.
+/// Allocates an array with FFTW's alignment. A plan of FFTW may only be applied to arrays that are aligned
+/// like those for which the plan was made.
 template <typename T>
 std::unique_ptr<T[], Free> allocate(std::size_t count) {
     auto* p = static_cast<T*>(fftwf_malloc(count * sizeof(T)));

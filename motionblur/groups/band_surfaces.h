@@ -40,7 +40,8 @@ class RecordBands {
     /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// All bands. A band that is not in memory has rows and columns, but no records and offsets.
+    /// All bands of the recorded rows. A band that is not in memory has its range of rows and columns, but
+    /// neither records nor offsets.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:

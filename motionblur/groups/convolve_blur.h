@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// The error where two groups cross. A pixel is composited as if the nearer group covered it independently of
-/// what the farther one shows there, which is wrong where both change during the exposure.
+/// The error where two groups cross. Each pixel is composited as if the coverage by the nearer group were
+/// independent of the light of the farther group. That is wrong where both change during the exposure.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
     /// Upper bound of the mean squared error over the pixels that the group touches, for light of up to 1.

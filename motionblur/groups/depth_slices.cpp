@@ -14,8 +14,8 @@ namespace {
 using glm::dvec2;
 
 /// Largest distance, px, between the ends of the paths of neighbouring depth slices. A surface between two
-/// slices is drawn as the mean of both. This mean has an error of up to one half over this length at the end
-/// of the surface's streak. With 4 px the PSNR is as high as with 1 px: 50.7 dB for the ball of
+/// slices is drawn as the mean of both. At the end of the surface's streak, over up to this length, the mean
+/// has an error of up to one half. With 4 px the PSNR is as high as with 1 px: 50.7 dB for the ball of
 /// samples/scenes/motion, whose paths are 122 to 139 px long. With 17 px it is 50.1 dB.
 constexpr double step_px = 4;
 

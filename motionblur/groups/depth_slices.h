@@ -15,8 +15,9 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
 /// Measures the error of treating a group as one opaque surface. Parts at different depths move differently,
-/// so areas between them are uncovered, and parts come to overlap. The result is the largest such area, as a
-/// fraction of the group's recorded area. Depth edges whose sides separate by less than 0.5 px do not count.
+/// so they uncover areas between them or come to overlap. The result is the largest area of this kind, as a
+/// fraction of the area in which the group was recorded. Depth edges whose sides separate by less than 0.5 px
+/// do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -67,7 +68,7 @@ class DepthSlices {
     /// Factor by which the path of the whole group is multiplied to obtain the path of slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// The window of every slice: the cells that contain the group at the recorded instant.
+    /// The window that all slices share: the cells that contain the group at the recorded instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:

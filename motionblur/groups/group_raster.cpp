@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-constexpr double axis_px = 0.02;      ///< a path that leaves an axis by at most this is parallel to it, px
+constexpr double axis_px = 0.02;      ///< a path this close to an axis counts as parallel to it, px
 constexpr double long_path_px = 64;   ///< from this length, px, a path along an axis only needs cells of 1 px
 constexpr double short_path_px = 24;  ///< below this, cells of 1/4 px are affordable and needed
 constexpr double most_cells = 1 << 24;

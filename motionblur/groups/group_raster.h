@@ -1,4 +1,5 @@
-// Draws the raster of a moving group of objects (i1 in [potmesil1983]), and converts its cells to pixels.
+// Draws the unblurred raster of a moving group of objects (i1 in [potmesil1983]), and converts the raster's
+// cells to pixels.
 #pragma once
 
 #include <optional>

@@ -1,5 +1,5 @@
-// Groups of objects that share a path. Either the centres of the objects move alike on the raster, or their
-// points at equal depths do.
+// Groups of objects that share a path: either the centres of the objects move alike on the raster, or points
+// of the objects at equal depths move alike.
 #pragma once
 
 #include <vector>

@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Places segments one after another, beginning at the first point. Doubling and bisection find the largest
-/// length for which a cubic follows the points of a segment. `joined`: each segment begins where the previous
-/// one ends. Stops at `most` segments, even if they do not reach the last point.
+/// Places segments one after another, beginning at the first point. Doubling and bisection find the longest
+/// segment whose points one cubic follows. `joined`: each segment begins where the previous one ends. Stops
+/// at `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -214,8 +214,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Lower limit of the number of segments: the number of cubics that the points need at twice the tolerance
-    // if the cubics need not join. Hardly any path can be fitted with fewer segments.
+    // Lower limit of the number of segments: the number of cubics that follow the points within twice the
+    // tolerance, if the cubics need not join end to end. Hardly any path can be fitted with fewer segments.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

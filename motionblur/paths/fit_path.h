@@ -17,10 +17,10 @@ struct PathFit {
 /// have separate handles, so a bounce needs only one knot. If no spline has fewer knots than the polyline of
 /// the points, the polyline is returned. The path never has more knots than there are points.
 ///
-/// First, segments are placed one after another, each as long as a least-squares cubic follows the points. If
-/// there are at most `most_refined_segments` segments, bisection then tries fewer knots, whose positions,
-/// handles and times are optimised with Ceres (`refine_path`). The result is deterministic. The time is at
-/// most a few seconds for 100'000 points.
+/// First, segments are placed one after another. Each is as long as a least-squares cubic can follow its
+/// points. If there are at most `most_refined_segments` segments, bisection then tries fewer knots, whose
+/// positions, handles and times are optimised with Ceres (`refine_path`). The result is deterministic. The
+/// time is at most a few seconds for 100'000 points.
 ///
 /// Throws Error(wrong_arguments) "--fit-paths: ..." unless 0 < tolerance_px < infinity. Also throws it for
 /// points that are not finite, for times that do not increase, and if the number of points is 0 or above

@@ -165,7 +165,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // The rounds end if the tolerance is reached, if it is out of reach, or if the error no longer
+        // The rounds end if the error is within the tolerance, is far above the tolerance, or no longer
         // decreases.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {

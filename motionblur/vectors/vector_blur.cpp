@@ -14,7 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of static pixels in an image for which they are used as the background of moving pixels.
+/// Static pixels are used as the background of moving pixels only if they are at least this share of the
+/// image.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {

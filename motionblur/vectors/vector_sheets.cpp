@@ -59,8 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. It stands for every square of the raster in
-    /// which the file stores no pixel.
+    /// Adds the cells of one black square of edge x edge px. All squares of the raster in which the file
+    /// stores no pixel share these cells.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -178,8 +178,8 @@ class SheetMaker {
         }
     }
 
-    /// Velocity of a corner of a pixel: the mean over those of the four pixels around it that belong to the
-    /// same surface as this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
+    /// Velocity of a corner of a pixel. It is the mean over those of the four pixels around the corner that
+    /// belong to the same surface as this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -213,7 +213,7 @@ class SheetMaker {
                    cells = static_cast<std::uint32_t>(mesh_.fine.size()),
                    texels = static_cast<std::uint32_t>(mesh_.texels.size());
         for (Sheet s : square.sheets) {
-            if (!square.cells.empty()) s.first_cell += cells;  // otherwise the black cells that all share
+            if (!square.cells.empty()) s.first_cell += cells;  // else the shared black cells
             mesh_.sheets.push_back(s);
         }
         for (const std::uint32_t c : square.cells)

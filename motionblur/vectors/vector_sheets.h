@@ -11,12 +11,12 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
 /// Converts an image with motion vectors to sheets (connected surfaces within squares of the raster). A pixel
 /// is the mean over its square, so every pixel becomes a cell with one colour and one depth. The views'
-/// sample positions are distributed over the pixel. Static pixels therefore keep their bits, and moving edges
-/// between pixels have the right coverage.
+/// sample positions are distributed over the pixel. Static pixels therefore keep their exact values, and
+/// moving edges between pixels have the right coverage.
 ///
-/// At a pixel corner, those of the four pixels that belong to one surface share the mean of their vectors, so
-/// that a surface that rotates or grows has no cracks. Different surfaces separate. Pixels of the display
-/// window that the file does not store are black, static and infinitely far.
+/// At a pixel corner, the pixels that belong to one surface share the mean of their vectors, so that no
+/// cracks open in a surface that rotates or grows. Different surfaces separate. Pixels of the display window
+/// that the file does not store are black, static and infinitely far.
 ///
 /// A cell's W contains its velocity v, px per frame to the right and down, as (-v.x 0; -v.y 0). The view from
 /// the lens point (t, 0) (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws
