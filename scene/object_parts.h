@@ -18,46 +18,46 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Edges are the same if their ends have equal positions; the lowest index of
-/// each position counts. An edge with more than two triangles is listed once for each pair of successive
-/// triangles.
+/// Returns the edges of the mesh. Edges are the same if their ends have equal positions. Of several indices
+/// with the same position, the lowest is stored. An edge with more than two triangles is listed once for each
+/// pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle of the mesh belongs, numbered from 0 in the order of the parts'
 /// first triangles. Two triangles belong to one part if they share an edge, or if other triangles connect
-/// them in this way. Empty if the mesh has a single part. `edges`: edges_of() the mesh.
+/// them in this way. Empty if the mesh has a single part. `edges`: the result of edges_of(mesh).
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
-/// The parts of all objects of a scene, each with its own number.
+/// The parts of all objects of a scene, each with its own index.
 class ObjectParts {
   public:
     explicit ObjectParts(const Scene& scene);
     /// Whether an object has several parts.
     [[nodiscard]] bool any() const { return any_; }
-    /// Returns the number of a part. `object`: index into Scene::objects. `triangle`: of its mesh, if it is
-    /// one.
+    /// Returns the index of a part. `object`: index into Scene::objects. `triangle`: index of the triangle,
+    /// if the object is a mesh.
     [[nodiscard]] std::uint32_t part(std::size_t object, std::size_t triangle) const {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns parts_of() the object's mesh. Empty if the object is no mesh.
+    /// Returns parts_of(mesh of the object). Empty if the object is not a mesh.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }
-    /// Returns edges_of() the object's mesh. Empty if the object is no mesh.
+    /// Returns edges_of(mesh of the object). Empty if the object is not a mesh.
     [[nodiscard]] const std::vector<MeshEdge>& edges(std::size_t object) const {
         return meshes_[mesh_[object]].edges;
     }
 
   private:
     bool any_ = false;
-    std::vector<std::uint32_t> first_;  ///< per object: number of its first part
+    std::vector<std::uint32_t> first_;  ///< per object: index of its first part
     std::vector<std::size_t> mesh_;     ///< per object: index into meshes_
     struct OfMesh {
         std::vector<std::uint32_t> parts;
         std::vector<MeshEdge> edges;
     };
-    std::vector<OfMesh> meshes_;  ///< each different mesh; the first is empty, for objects that are none
+    std::vector<OfMesh> meshes_;  ///< the different meshes; the first is empty, for other shapes
 };
 
 }  // namespace postlens

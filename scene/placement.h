@@ -15,10 +15,11 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// A placement that approximates a matrix, and its error: the largest distance between the images of a unit
-/// axis under both transforms, relative to the longest image. The error exceeds rounding only if the matrix
-/// contains shear. The rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring
-/// matrix has a negative scale along x; a singular matrix has a scale of 0.
+/// A placement that approximates a matrix, and its error. Both transforms are applied to the three unit axes.
+/// The error is the largest distance between the two images of an axis, relative to the longest image. The
+/// error exceeds rounding only if the matrix contains shear. The rotation is the orthogonal factor of the
+/// polar decomposition [higham1986]. A mirroring matrix has a negative scale along x; a singular matrix has a
+/// scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;

@@ -10,7 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// number of equal parts of a gap; the error is measured at the 7 instants between the parts
+// number of equal parts into which the gap between two keys is divided; the error is measured at the 7
+// instants between these parts
 constexpr int looks = 8;
 
 struct Sampler {

@@ -16,12 +16,12 @@ struct SampledMotion {
     double error_m = 0;  ///< greatest error of a point at the instants that were tested
 };
 
-/// Returns keys at the ascending `times_s` (at least one) and as many keys between them as are needed: the
-/// interpolated positions of `points` must lie within `tolerance_m` of those by `at`. Each gap is halved
-/// until the error at seven instants in it is small enough, but into at most 2^12 parts of at least 1
-/// microsecond. A gap in which the rotation exceeds 170 degrees is also halved, because two keys do not
-/// determine the direction of such a rotation. Scales of 0 become smallest_key_scale, so that transforms stay
-/// invertible.
+/// Returns keys at the ascending `times_s` (at least one), and further keys between them where they are
+/// needed: the interpolated positions of `points` must lie within `tolerance_m` of the positions that `at`
+/// gives. Each gap is halved until the error at seven instants in it is small enough, but into at most 2^12
+/// parts of at least 1 microsecond. A gap in which the rotation exceeds 170 degrees is also halved, because
+/// two keys do not determine the direction of such a rotation. Scales of 0 become smallest_key_scale, so that
+/// transforms stay invertible.
 [[nodiscard]] SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,
                                            std::span<const double> times_s,
                                            std::span<const glm::dvec3> points, double tolerance_m);

@@ -1,5 +1,5 @@
 // The scene in the form that the tracer uses: lengths in metres, scene-linear colours, and all defaults
-// resolved. read_scene makes it from a file; RayScene prepares it for ray tracing.
+// filled in. read_scene makes it from a file; RayScene prepares it for ray tracing.
 #pragma once
 
 #include <cmath>

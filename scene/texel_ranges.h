@@ -28,7 +28,7 @@ class TexelRanges {
     /// Returns the range of the colours of texels [x_first, x_last] x [y_first, y_last] of `rgb`, which must
     /// be the array of the constructor. Outside the image, texels are repeated (`wrap_x`, `wrap_y`), or those
     /// of the border are used. If the rectangle is longer than 9 texels, the range also includes texels
-    /// around it, up to two fifths of its greater length on each side.
+    /// around it. They reach up to two fifths of its greater length beyond each side.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

@@ -58,8 +58,8 @@ class Texture {
         return colour(place, glm::dvec2(place));
     }
     /// Returns the range of colours in the bounding box of two texture positions. All cells or texels that
-    /// overlap the box are included. If the positions are half an image or more apart, they are assumed to
-    /// lie on either side of a seam of the texture. The range then has only the colours at the two positions.
+    /// overlap the box are included. If the positions are half an image or more apart, a seam of the texture
+    /// is assumed to lie between them. The range then has only the colours at the two positions.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -36,9 +36,9 @@ struct GltfNodeCurves {
 };
 
 /// Reads the curves of all animated nodes, by index of the node. All animations of the document play at the
-/// same time. If two of them animate the same property of a node, the first is used and a note is made. Morph
-/// weights and pointers are omitted with a note. Translations are multiplied by `metres_per_unit`. Throws
-/// Error(invalid_input).
+/// same time. If two of them animate the same property of a node, the first is used and a note is made.
+/// Animations of morph weights and KHR_animation_pointer are ignored, with a note to the user. Translations
+/// are multiplied by `metres_per_unit`. Throws Error(invalid_input).
 [[nodiscard]] std::map<std::size_t, GltfNodeCurves> read_gltf_animations(const GltfDocument& document,
                                                                          GltfAccessors& accessors,
                                                                          double metres_per_unit,

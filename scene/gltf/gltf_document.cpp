@@ -123,8 +123,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // Required extensions of materials change the appearance but not the geometry, so unknown ones cause a
-    // note instead of an error.
+    // Required extensions of materials change the appearance but not the geometry. Unknown extensions of
+    // materials therefore cause a note instead of an error.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {

@@ -93,7 +93,8 @@ class MaterialReader {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // Most of an emissive picture is usually black, so without it the surface does not emit.
+            // Most of an emissive picture is usually black. If the picture cannot be read, the surface
+            // therefore does not emit.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

@@ -15,9 +15,9 @@ struct GltfMaterials {
     std::vector<UvSource> uvs;        ///< for each material, the texture coordinates that its textures use
 };
 
-/// Reads all materials and converts them to Whitted's model (scene/metallic_roughness.h). Textures are read
-/// for colour and emission. Those of metallic, roughness and transmission are replaced by their means.
-/// Everything that is omitted causes a note. Throws Error(invalid_input).
+/// Reads all materials and converts them to Whitted's model (scene/metallic_roughness.h). Textures of colour
+/// and emission are read. Textures of metallic, roughness and transmission are replaced by their means.
+/// Everything that is ignored causes a note to the user. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

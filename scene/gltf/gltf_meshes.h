@@ -27,8 +27,8 @@ struct GltfPart {
 };
 
 /// Returns the primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without
-/// area and morph targets are omitted with a note. `uvs`: for each material of the document, the texture
-/// coordinates that its textures use. Throws Error(invalid_input).
+/// area and morph targets are ignored, with a note to the user. `uvs`: for each material of the document, the
+/// texture coordinates that its textures use. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

@@ -63,8 +63,7 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // Also catches errors other than parse_error: a number beyond the range of double throws
-        // out_of_range.
+        // The parser throws not only parse_error: a number beyond the range of double throws out_of_range.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

@@ -25,8 +25,8 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts a material, whose pictures have these options. Throws Error(invalid_input) if the path of a
-    /// texture leads out of the scene's folder.
+    /// Converts a material. `pictures`: the options of the material's pictures. Throws Error(invalid_input)
+    /// if the path of a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
     /// The default material: white and diffuse.
     [[nodiscard]] static Material plain();

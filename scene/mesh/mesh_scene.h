@@ -5,9 +5,9 @@
 
 namespace postlens {
 
-/// Reads a .obj or .ply. docs/mesh_scenes.md describes the conversion, and the contents that are omitted with
-/// a note. Every object or group of an OBJ becomes an object with its own id. Throws Error(invalid_input)
-/// "FILE: ...".
+/// Reads a .obj or .ply. docs/mesh_scenes.md describes the conversion, and which contents are ignored (with a
+/// note to the user). Every object or group of an OBJ becomes an object with its own id. Throws
+/// Error(invalid_input) "FILE: ...".
 [[nodiscard]] Scene read_mesh_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 
 }  // namespace postlens

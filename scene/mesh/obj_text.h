@@ -13,7 +13,7 @@ namespace postlens {
 /// How a picture of an MTL file lies on a surface: at scale * (u, v) + offset.
 struct PictureOptions {
     glm::dvec2 scale{1}, offset{0};  ///< of -s and -o
-    bool clamp = false;              ///< of -clamp: only its edge lies outside the unit square
+    bool clamp = false;              ///< of -clamp: outside the unit square, the border colours continue
     [[nodiscard]] bool lies_like(const PictureOptions& other) const {
         return scale == other.scale && offset == other.offset;
     }
