@@ -69,15 +69,16 @@ class Renderer {
         }
     }
 
-    /// Returns the number of blocks of a pixel's samples, and the number of groups of samples in a block.
+    /// Returns into how many blocks the samples of a pixel are divided, and into how many groups (of rays
+    /// traced together) each block is divided.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks of a pixel's samples that this run renders. They are all blocks, or some of them if the
-    /// render is divided into parts.
+    /// The blocks of a pixel's samples that this run renders: all blocks, or only some if the render is
+    /// divided into parts.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum

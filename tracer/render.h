@@ -1,4 +1,4 @@
-// `render` makes an image by distributed rays over lens and time. This image is the reference for
+// `render` makes an image by rays that are distributed over lens and time. This image is the reference for
 // post-processed images.
 #pragma once
 

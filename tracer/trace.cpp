@@ -161,8 +161,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion`: to the
-// instants at which this one is used; may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion`: the motion
+// from this instant to the instants at which its records are used; may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -179,8 +179,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns the instants at which views use the key `at_s`: from the recorded instant before it to the one
-// after it.
+// Returns the instants at which views use the key (recorded instant) `at_s`: from the recorded instant before
+// it to the one after it.
 std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
@@ -305,7 +305,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The camera as the header describes it. All rays are traced around it, as `render` does.
+    // The camera as the header describes it. The scene is then translated so that this camera is at the
+    // origin, as in `render`.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -339,7 +340,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // A key needs to suffice up to the keys beside it.
+    // The overscan of a key (recorded instant) must suffice for the time up to the neighbouring keys.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));
@@ -347,7 +348,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Methods that use the frame's own instant alone need it to suffice for the whole shutter.
+    // Some methods use only the frame's own instant. Its overscan must therefore suffice for the whole
+    // shutter.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));

@@ -25,16 +25,16 @@ struct TraceSettings {
     /// `subdivision.levels` then limits only subdivision by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Levels of subdivision that suffice if images are made with rays in the scene, which replace what
-    /// coarse records do not determine (docs/planner.md has the times of other levels).
+    /// Levels of subdivision that suffice if rays into the scene replace the view samples that coarse records
+    /// do not determine (docs/planner.md has the times of other levels).
     static constexpr int ray_levels = 1;
     /// Angle, degrees, by which an object turns relative to the camera or to a light between two recorded
-    /// instants, if `keys` is absent. Halfway between two instants, a ball has turned by 7.5 degrees from
-    /// either. A part of its silhouette that neither shows is then 1 - cos 7.5 degrees, or 0.9 %, of its
-    /// radius wide.
+    /// instants, if `keys` is absent. Halfway between two recorded instants, a ball has turned by 7.5 degrees
+    /// from either. The strip along its silhouette that neither instant shows is then 1 - cos 7.5 degrees, or
+    /// 0.9 %, of its radius wide.
     double degrees_per_key = 15;
-    /// Angle that suffices for images with rays in the scene (motion.toml turns a box by 65
-    /// degrees: 15, 30 and 33 degrees are as accurate).
+    /// Angle that suffices if rays into the scene replace samples of views. In motion.toml, which turns a box
+    /// by 65 degrees, keys at 15, 30 and 33 degrees give equally accurate images.
     static constexpr double ray_degrees_per_key = 30;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file replaces two radii. With `for_f_number`, both become the radius of that lens. Otherwise
@@ -95,8 +95,8 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// of the scene. It appears only when it is complete. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header that a trace with these settings writes, without further recorded instants (keys).
-/// Tests and benchmarks use it too.
+/// Returns the header that a trace with these settings writes, except for recorded instants (keys) other than
+/// the frame's. Tests and benchmarks use it too.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

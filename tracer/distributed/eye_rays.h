@@ -16,8 +16,9 @@ namespace postlens {
 void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
                    std::span<const std::uint32_t> pixels, int first, int count, EyeRays& eye);
 
-/// Colours of the given pixels. Except for rounding, they equal those of `render_picture` with the same
-/// settings; `halves` and `resume` are ignored. They are bit-identical for any number of threads.
+/// Colours of the given pixels. Except for rounding, the colours equal those of `render_picture` with the
+/// same settings. The settings `halves` and `resume` are ignored. The colours are bit-identical for any
+/// number of threads.
 struct RenderedPixels {
     std::vector<std::array<float, 3>> rgb;
     RayCounts rays;

@@ -263,8 +263,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // A point in the plane of the lens lies far outside the image and would have an infinite scale. The depth
-    // is clamped so that the scale is finite.
+    // For a point in the plane of the lens, the scale would be infinite. Such a point lies far outside the
+    // image, so the depth is simply clamped.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -267,7 +267,7 @@ void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     unpack(words, state);
 }
 
-// Returns the first setting of two fingerprints (RenderSetup::fingerprint) that differs, with both values.
+// Returns the first setting in which two fingerprints (RenderSetup::fingerprint) differ, with both values.
 std::string first_difference(const std::string& found, const std::string& expected) {
     const nlohmann::json got = nlohmann::json::parse(found, nullptr, false);
     const nlohmann::ordered_json wanted = nlohmann::ordered_json::parse(expected);

@@ -27,8 +27,8 @@ struct RenderState {
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< of the sums
     std::array<std::vector<double>, 2> sums;
-    /// With `blocks` 1: the sum of the block that a round has begun but not finished. Empty if the blocks
-    /// have a single round.
+    /// If `blocks` is 1: the sum of the unfinished block of samples. Empty if each block is finished in a
+    /// single round.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -62,8 +62,9 @@ struct RenderPart {
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file of the same settings into `state`, whose size and number of halves must be set. Throws
-/// Error(invalid_input) if the file was not written by write_state, is damaged or has other settings.
+/// Reads into `state` a file that was written with the same settings. The caller must have set the size and
+/// the number of halves of `state`. Throws Error(invalid_input) if the file was not written by write_state,
+/// is damaged or has other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

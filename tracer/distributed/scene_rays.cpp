@@ -87,8 +87,8 @@ void SceneRays::aim(std::span<const SightLine> lines, EyeRays& eye) const {
     for (std::size_t first = 0; first < lines.size(); first += group_size) {
         const std::size_t count = std::min(group_size, lines.size() - first);
         for (std::size_t i = 0; i < group_size; ++i) {
-            // The last group of 16 rays is filled with copies of its last line. The rays of these copies are
-            // dropped.
+            // The last group of 16 rays is filled up with copies of its last sight line. The rays of these
+            // copies are dropped.
             const SightLine& line = lines[first + std::min(i, count - 1)];
             samples.x[i] = static_cast<float>(line.x + line.place.x);
             samples.y[i] = static_cast<float>(line.y + line.place.y);

@@ -23,8 +23,9 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Of 4, 32 and 100, tried on six scenes, 32 took about the least time on each. 4 took a tenth longer on
-    /// still_life, 100 a fifth longer on the balls of the Standard Procedural Databases.
+    /// Of the values 4, 32 and 100, which were tried on six scenes, 32 took about the least time on each. The
+    /// value 4 took a tenth longer on still_life, and 100 a fifth longer on the balls of the Standard
+    /// Procedural Databases.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

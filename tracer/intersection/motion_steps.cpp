@@ -79,10 +79,11 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // `excess` is the distance by which the true box exceeds the interpolated box. It is sampled at positions
-    // h apart. Within a step, the excess is smooth except at keyframes, where the motion may have a kink. It
-    // has further kinks where another corner becomes the extreme one, but these do not raise it between
-    // samples. Between two samples, the excess is therefore higher than both by at most h^2/8 times its
-    // second derivative. The derivative is estimated by second differences, and doubled because it varies.
+    // h apart. Within a step, the excess is smooth except at keyframes, where the motion may have a kink. The
+    // excess has further kinks where another corner becomes the extreme one, but these kinks do not raise it
+    // between samples. Between two samples, the excess is therefore higher than both by at most h^2/8 times
+    // its second derivative. The derivative is estimated by second differences, and doubled because it
+    // varies.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

@@ -87,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the ray's time. They occur because the hierarchy of Embree
-// 3.13 is divided in time: if one ray of an occlusion packet is in an interval of time, all rays of the
-// packet are tested there. A ray may also meet a surface once per time interval. This matters if every
-// crossing filters light; `one_by_one` avoids it.
+// Rejects hits on instances that do not exist at the ray's time. Such hits occur because the hierarchy of
+// Embree 3.13 is divided in time: if one ray of an occlusion packet is in an interval of time, all rays of
+// the packet are tested there. For the same reason, a ray may meet a surface once per time interval. This
+// matters if every crossing filters light; `one_by_one` avoids it.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {

@@ -44,7 +44,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Position of the k-th ray relative to a point, across the beam, m.
+    /// Position, m, at which the k-th ray passes a point, relative to this point and perpendicular to the
+    /// beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -57,7 +58,8 @@ struct Beam {
     double radius = 0, spread = 0;  // of the origins, m, and of the directions
 };
 
-/// Radiance below which an image is not looked for: an eighth of white on the sRGB curve, over black.
+/// Images with a radiance below this are not searched for. Over black, this radiance is an eighth of white on
+/// the sRGB curve.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -78,7 +80,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Every mirror is taken to show every object twice, as glass does.
+    // Every mirror is assumed to show every object twice, as glass does.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -128,8 +130,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The map is not linear where mirrors are curved, so an image outside by a tenth of its distance from
-        // the middle counts as inside.
+        // The map is not linear where mirrors are curved. An image therefore also counts as inside if it lies
+        // outside the cell by up to a tenth of its distance from the middle of the cell.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

@@ -1,6 +1,6 @@
-// Images of small bright objects in mirrors and glass, such as light sources seen through a glass ball. They
-// may lie between the corners of pixels, so cells that may contain one are subdivided until a corner must hit
-// it.
+// Images of small bright objects in mirrors and glass, such as light sources seen through a glass ball. Such
+// an image may lie between the corners of pixels. A quadtree cell that may contain one is therefore
+// subdivided until a corner must hit the image.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white. Where a cell may contain the image of one
-/// follows from the four rays that arrive at its corners after the same bounces.
+/// The compact objects of a scene that are brighter than white. The four rays at the corners of a cell, after
+/// the same bounces, show whether the cell may contain the image of such an object.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
@@ -37,8 +37,8 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the largest sizes for a cell of `size_px`. `at`: the rays that arrive at the nodes of its
-    /// corners with the same path, in the order up-left, up-right, down-left, down-right.
+    /// Returns the largest sizes for a cell of `size_px`. `at`: for each corner of the cell, the ray that
+    /// arrives at the node with a given path, in the order up-left, up-right, down-left, down-right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

@@ -88,8 +88,8 @@ class CellSplit {
     /// Returns the layer that begins at `at`, an index into the records of the sample. Sets `at` to the end
     /// of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
-    /// True if the cell may contain a narrow object, which all of its corners can miss. Objects behind the
-    /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    /// True if the cell may contain a narrow object, one that all corners of the cell can miss. Objects
+    /// behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if all corners of the cell show one part of an object, and the outline of another part crosses
     /// the cell in front of it.

@@ -216,8 +216,9 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. All four corners of a pixel may miss something, most often near an
-    // edge. So the centre of a pixel beside a divided one of the same row is compared with its corners.
+    // Returns the pixels that are divided. All four corners of a pixel may miss an object, most often near an
+    // edge. If a pixel in the same row and beside it is divided, the centre of the pixel is therefore
+    // compared with its corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         parallel_for(cells.size(), [&](std::size_t r) {
@@ -314,8 +315,8 @@ class BandSampler {
     }
 
     // Returns the samples at the four corners of the pixel that contains the point, inside or on its edge.
-    // For a point on the lower edge of the band, this is the pixel above, as the corners below are not traced
-    // yet.
+    // For a point on the lower edge of the band, the pixel above is used, because the corners of the pixel
+    // below are not traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),

@@ -32,15 +32,15 @@ struct SampledWindow {
 /// - if the primary ids of its corners differ, or the parts of the object, down to `edge_levels`;
 /// - if the contrast of its corners' colours, or of the texture between them, exceeds `threshold`, down to
 /// `colour_levels`;
-/// - if the outline of a part of a mesh that no corner shows crosses it, in front of the surface that they
-/// show, down to `edge_levels`;
+/// - if the outline of a part of a mesh crosses it, in front of the surface that its corners show, although
+/// no corner shows this part, down to `edge_levels`;
 /// - if its corners are shadowed from different lights, down to `colour_levels`;
-/// - if it is a pixel beside a divided one, and its centre differs from its corners by these criteria;
+/// - if it is a pixel beside a divided pixel, and its centre differs from its corners by these criteria;
 /// - if the narrow objects in `things` require it, down to `levels`.
 /// The criteria of ids, contrast and shadows also apply to every hidden layer. Needs memory for one band
-/// only. The result does not depend on the number of threads, and the records of a row do not depend on the
-/// rows before it, if the row above is in the window, but for means over lobes (lobe_means.h). Returns the
-/// number of rays.
+/// only. The result does not depend on the number of threads. If the row above a row is in the window, the
+/// records of the row do not depend on any other rows above it, except for means over lobes (lobe_means.h).
+/// Returns the number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});

@@ -12,15 +12,15 @@ namespace postlens {
 
 /// Returns the greatest angle, degrees, by which the camera moves around an object while the shutter is open.
 /// It is the total rotation of the direction from the object's centre to the camera, in the frame of the
-/// object. It measures how much of the hidden surface turns into view. It is 0 for a roll about the optical
-/// axis and for a pan. Infinite planes are ignored, and so is an object (such as a room) while the camera is
-/// inside its bounding box.
+/// object. The angle measures how much of the object's hidden surface turns into view. It is 0 for a roll
+/// about the optical axis and for a pan. Infinite planes are ignored, and so is an object (such as a room)
+/// while the camera is inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the greatest angle, degrees, by which the light that falls on a visible surface turns while the
-/// shutter is open: the total rotation of the direction from a point of the surface to a light, in the frame
-/// of the surface's object, if the light or the object moves. The points are those that a coarse grid of rays
-/// sees at `recorded_s`; surfaces that do not respond to lights are ignored.
+/// Returns the greatest angle, degrees, by which the direction of light on a visible surface turns while the
+/// shutter is open. It is the total rotation of the direction from a point of the surface to a light, in the
+/// frame of the surface's object, if the light or the object moves. The points are those that a coarse grid
+/// of rays sees at `recorded_s`; surfaces that do not respond to lights are ignored.
 [[nodiscard]] double light_sweep_degrees(const Scene& scene, const CameraModel& camera, double recorded_s,
                                          const TimeSpan& shutter);
 
@@ -28,8 +28,9 @@ namespace postlens {
 /// open.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearer of the frame's edges. A key for every such
-/// angle of a pan records all that the frame shows between two keys.
+/// Returns the angle, degrees, from the optical axis to the nearer of the frame's edges. If a camera pans and
+/// there is a key (recorded instant) for every such angle, the keys record everything that the frame shows
+/// between them.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 /// A number of keys, and the motion that it is for.
@@ -39,8 +40,8 @@ struct KeyCount {
     const char* what = "";  ///< what turns by `sweep_degrees`
 };
 
-/// Returns the number of keys for the turns of objects and of light, one for every `degrees_per_key`, and for
-/// the camera's pan.
+/// Returns the number of keys (recorded instants) that a scene needs: for the turns of objects and of light,
+/// one for every `degrees_per_key`, and those for the camera's pan.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, double degrees_per_key);

@@ -1,5 +1,5 @@
-// The outlines of meshes on the film. Parts of a mesh may lie between the corners of a cell, such as the tips
-// of leaves: an outline inside the cell then belongs to a part that no corner of the cell has met.
+// The outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between the
+// corners of a quadtree cell. An outline inside the cell reveals such a part.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ class MeshOutlines {
 
     MeshOutlines() = default;
     /// Finds the outlines of the scene's meshes at an instant, at raster positions [x_begin, x_end] x
-    /// [y_begin, y_end], px. `parts`: of the scene.
+    /// [y_begin, y_end], px. `parts` must belong to `scene`.
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 

@@ -52,9 +52,9 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Axes of a box around all points: of two boxes, the one with the smaller surface. One has the directions of
-/// the coordinate axes. The other has a side towards the point farthest from the centre, and one towards the
-/// point farthest from this line, so that it fits flat and long objects of any direction.
+/// Axes of a box around all points: of two boxes, the one with the smaller surface. The sides of the first
+/// box are parallel to the coordinate axes. The second box fits flat and long objects of any direction: one
+/// side points from the centre to the farthest point, and another to the point farthest from this line.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -105,7 +105,7 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// In object space, of each part of the shape. Planes have none.
+/// Returns the axes, in object space, of each part of a shape. Planes have none.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -334,7 +334,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // A piece needs at least three cells, so two thirds of this number are kept at most.
+    // Each piece needs at least three cells, so keep_affordable() keeps at most two thirds of this number.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }

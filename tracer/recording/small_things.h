@@ -40,15 +40,15 @@ class SmallThings {
     /// Contains no narrow objects; used to sample without a scene.
     SmallThings() = default;
     /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
-    /// [y_begin, y_end], px. `parts`: of the scene.
+    /// [y_begin, y_end], px. `parts` must belong to `scene`.
     SmallThings(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                 int x_begin, int x_end, int y_begin, int y_end);
 
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes, whose parts may lie between corners; the arguments are the
-    /// constructor's. They need up to 160 bytes for each pixel of the raster.
+    /// Finds the outlines of meshes, because parts of a mesh may lie between corners. The arguments must be
+    /// those of the constructor. The outlines need up to 160 bytes for each pixel of the raster.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().

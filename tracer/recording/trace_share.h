@@ -21,7 +21,7 @@ struct RowRange {
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
 /// Traces only the rows of a share of `window`, as sample_corners does. Passes all rows of the window to
-/// `take`; the other rows have rays that hit nothing (records/lost_rows.h).
+/// `take`. In the rows of other shares, the rays hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

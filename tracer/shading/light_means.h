@@ -24,8 +24,8 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Radiance without noise, which determines subdivision: the unshadowed radiance times 1 if the light
-    /// source is completely visible, 0 if it is hidden, and 1/2 otherwise.
+    /// Radiance without noise, which determines subdivision. It is the unshadowed radiance times a factor: 1
+    /// if the light source is completely visible, 0 if it is hidden, and 1/2 otherwise.
     glm::dvec3 steady{0};
 };
 

@@ -1,6 +1,6 @@
 // Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W over the lens) from
-// the values at samples around the node. The estimate is used if these values are small, and saves the rays
-// of a measurement.
+// the values at samples around the node. If these values are small, the estimate replaces a measurement and
+// saves its rays.
 #pragma once
 
 #include <array>

@@ -100,8 +100,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray that enters one part of an object and meets the back of another, as among the leaves of a
-        // tree, has left neither.
+        // A ray may enter one part of an object and meet the back of another part, as among the leaves of a
+        // tree. It has then left neither part.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -161,8 +161,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object seen in a mirror or through glass has another depth than the surface of the mirror or
-        // glass, in most cases a greater one. The lens therefore sees it farther behind an edge.
+        // An object seen in a mirror or through glass is in most cases deeper than the surface of the mirror
+        // or glass. The lens therefore sees the object farther behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;

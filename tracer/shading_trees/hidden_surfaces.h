@@ -63,9 +63,10 @@ struct HiddenHit {
 };
 
 /// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. The point where a ray
-/// leaves a part of an object that it has entered is not a surface; every hit of a flat object is. A ray that
-/// leaves the scene behind its last surface has an entry with the key `none`, if this entry satisfies the
-/// same criteria. Adds the number of traced rays to `rays_spent`. Thread-safe and deterministic.
+/// leaves a part of an object that it has entered does not count as a surface; every hit of a flat object
+/// does. If a ray leaves the scene behind its last surface, its end is an entry with the key `none`, provided
+/// that the end satisfies the same criteria. Adds the number of traced rays to `rays_spent`. Thread-safe and
+/// deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -119,9 +119,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
     // The covers are the surfaces in front of the hidden one. Beside an edge of the covers, the inverse depth
-    // is lower. The lens sees past the edge if the edge is nearer than the displacement of the covers at the
-    // rim of the lens, px. If a surface nearer than the covers hides the edge, the larger displacement of
-    // that surface applies. The first test uses an upper bound of all displacements, and rejects most cases.
+    // is lower. The lens sees past the edge if the edge, in px, is nearer to the ray than the displacement of
+    // the covers' image at the rim of the lens. If a surface nearer than the covers hides the edge, the
+    // larger displacement of that surface applies. The first test uses an upper bound of all displacements,
+    // and rejects most cases.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

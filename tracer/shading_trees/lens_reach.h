@@ -31,9 +31,9 @@ class LensReach {
     /// an error of up to the diagonal of a pixel. In addition, the hidden surface is needed up to the far
     /// corners of the last pixel that shows it.
     static constexpr double margin_px = 2.5;
-    /// Least change of a surface's displacement at the rim of the lens per pixel, px/px, that is treated as
-    /// an edge. A single plane reaches this change only if it is so steep (slope z' / (8 R)) that no lens
-    /// point sees behind it.
+    /// A surface has an edge where the shift of its image, seen from the rim of the lens, changes by at least
+    /// this much from pixel to pixel, px/px. A single plane reaches this change only if it is so steep (slope
+    /// z' / (8 R)) that no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, they are
     /// numerous and faint.

@@ -40,12 +40,12 @@ struct LobeHit {
 /// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
 /// The number of rays is determined in two passes. The first pass sends 510 rays times the mean weight of the
-/// group, evenly spaced over its hits, and b times as many, up to one per hit, if a ray may see a radiance b
-/// above white (radiance 1). A feature that all of these rays miss then contributes less than 1/510 of white.
-/// From these rays, the standard deviation s of the radiance is estimated. The second pass sends
-/// (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit. f is the slope of the
-/// sRGB curve at the radiance of the node, with the mean of the first pass. The standard deviation of the
-/// image value is then 1/510, half a step of 8 bits, unless `most_rays` limits it. The
+/// group, evenly spaced over its hits. If a ray may see a radiance b above white (radiance 1), it sends b
+/// times as many. It sends at most one ray per hit. A feature that all of these rays miss then contributes
+/// less than 1/510 of white. From these rays, the standard deviation s of the radiance is estimated. The
+/// second pass sends (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit. f is
+/// the slope of the sRGB curve at the radiance of the node, with the mean of the first pass. The standard
+/// deviation of the image value is then 1/510, half a step of 8 bits, unless `most_rays` limits it. The
 /// result depends only on the batch, and is bit-identical in every run.
 class LobeMeans {
   public:

@@ -35,8 +35,8 @@ class MinMaxPyramid {
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values; infinity if there is none.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns the greatest value within `radius` of `at`, or a greater value within 9/8 of the radius. If
-    /// all values are below `floor`, returns `floor`.
+    /// Returns a value that is at least the greatest value within `radius` of `at`, and at most the greatest
+    /// within 9/8 of the radius. If all values are below `floor`, returns `floor`.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
@@ -55,8 +55,8 @@ class MinMaxPyramid {
     [[nodiscard]] int coarse_level(double radius) const;
     /// Returns the lowest level whose squares are at least `px` wide, or the highest level if there is none.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares of a level that overlap the bounding box of a circle, or the nearest squares if
-    /// none does.
+    /// Returns the squares, on one level of the pyramid, that overlap the bounding box of a circle. If none
+    /// does, returns the nearest squares.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {

@@ -1,6 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray by the tangent p of its
-// direction at the pinhole, and by its lens point q. They determine the matrix W of a node. W describes how
-// the image of the node moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to the
+// tangent p of its direction at the pinhole and to its lens point q. They determine the matrix W of a node. W
+// describes how the image of the node moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Derivatives of a ray's point and unit direction by (p_x, p_y, q_x, q_y). p is the tangent of the eye ray,
-/// q is the lens point in m. Both are measured along the raster's axes (x right, y down).
+/// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y). p is the tangent of
+/// the eye ray, q is the lens point in m. Both are measured along the raster's axes (x right, y down).
 struct RayDifferentials {
     std::array<glm::dvec3, 4> point{};
     std::array<glm::dvec3, 4> direction{};
@@ -27,7 +27,7 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
               const glm::dvec3& normal);
 
 /// Returns the differentials after reflection at a surface with the unit normal `normal`. `shape_operator` is
-/// the derivative of the normal by the position, 1/m.
+/// the derivative of the normal with respect to the position, 1/m.
 [[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 

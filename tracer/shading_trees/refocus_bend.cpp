@@ -26,14 +26,15 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed residual after the first Newton step, as a fraction of that step. After later steps, the residual
 // is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Fraction of settled_px. Rays on one side of the lens are compared with their prediction by the matrix W. If
-// their differences are smaller than this, the rays on the other side are not traced.
+// Limit as a fraction of settled_px. Rays on one side of the lens are compared with their prediction by the
+// matrix W. If their differences from it are below the limit, the rays on the other side are not traced.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray may pass through although they are not part of the node's path.
 constexpr int most_passed = 16;
 
-// A ray from a lens point. Its direction is adjusted until the ray reaches a node.
+// A ray from a lens point. Its direction is adjusted until the ray reaches a given node (hit of a shading
+// tree).
 struct Probe {
     std::uint32_t node = 0;
     dvec2 q{0}, predicted{0}, tangent{0};
@@ -46,8 +47,8 @@ struct Probe {
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. hidden: another object blocks it; lost: it cannot follow the
-    // path.
+    // The ray ended before its last bounce. hidden: another object blocks it. lost: it cannot make the same
+    // sequence of bounces, because it misses a surface or is totally reflected.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -152,8 +153,8 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest tangent of a ray from a lens point. If it is exceeded, the node lies at a fold of the image,
-/// where W is unbounded, or the Newton steps diverge.
+/// Greatest accepted tangent of a ray from a lens point. A larger tangent means that the node lies at a fold
+/// of the image, where W is unbounded, or that the Newton steps diverge.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {

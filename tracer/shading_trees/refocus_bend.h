@@ -1,5 +1,6 @@
-// Measures the error of the matrix W. For a lens point q, the image of a node behind mirrors and glass moves
-// by -W q only to first order. Exact rays from the rim of a lens measure the second-order error.
+// Measures the error of the matrix W. If the lens point moves by q, the image of a node behind mirrors and
+// glass moves by -W q, but only to first order. Exact rays from the rim of a lens measure the second-order
+// error.
 #pragma once
 
 #include <array>
@@ -21,7 +22,8 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A node after at least one bounce, with the target that a ray from another lens point must reach.
+/// A node (hit of a shading tree) after at least one bounce, and the target that a ray from another lens
+/// point must reach.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
@@ -31,7 +33,7 @@ struct BentNode {
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
     glm::dvec2 tangent{0};     ///< of the eye ray, along the raster's axes
-    /// Derivative of the target by the tangent of the eye ray, in the world.
+    /// Derivatives of the target's world position with respect to the tangent of the eye ray.
     std::array<glm::dvec3, 2> by_tangent{};
     Mat2 w;
 };

@@ -237,7 +237,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // If the contribution of a light has a smaller radiance than this, its shadow is not visible.
+            // Radiance. If a light contributes less than this to a node, its shadow there is not visible.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);

@@ -48,8 +48,8 @@ struct RayCounts {
     }
 };
 
-/// The ray that arrives at a node after bounces. Cells are subdivided where such rays may pass a small bright
-/// object.
+/// The ray that arrives at a node after at least one bounce. Cells are subdivided where such rays may pass a
+/// small bright object.
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
@@ -58,8 +58,8 @@ struct Arrival {
 };
 
 /// The texture and the shadows that determine the colour of a record, and the part of the mesh that it shows.
-/// They show edges of textures, shadows and parts, at which cells are subdivided even if the colours at their
-/// corners are equal.
+/// Their differences reveal edges of textures, shadows and parts. At such edges, cells are subdivided even if
+/// the colours at their corners are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, else emission texture; null: none
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
