@@ -25,11 +25,12 @@ constexpr int first_views = 16;
 /// Number of times that views are added because `layers` alone may have less than half the error.
 constexpr int most_comparisons = 2;
 
-/// An interval that is too wide is narrowed with at most this many times the views that first met the target:
-/// with rays, and without them, where only the noise is stated.
+/// If the interval of the error is too wide, more views narrow it: at most this many times the views that
+/// first met the target. The first limit applies with rays; the second without rays, where only the noise is
+/// stated.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
-/// Number of samples of these views.
+/// Number of view samples (views times pixels) over all tiles.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
     for (std::size_t t = 0; t < views.size(); ++t) sum += static_cast<double>(views[t]) * grid.pixels(t);
@@ -38,8 +39,8 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
 
 /// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
 /// mean error is below `wanted_mse`. Tiles where an added view removes most error come first. The precision
-/// of a tile, the reciprocal of its error, is assumed to increase by that of the added views, and the
-/// precision of views to be proportional to their number.
+/// of a tile is the reciprocal of its error. It is assumed to increase by the precision of the added views,
+/// which is assumed to be proportional to their number.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -77,8 +78,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles whose check rays leave the error of the records least certain, until the variance of the
-/// remaining tiles is at most `most_variance`.
+/// Selects the tiles in which the check rays measure the error of the records least accurately, until the
+/// variance due to the remaining tiles is at most `most_variance`.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -88,8 +89,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
 
 /// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
 /// that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The width
-/// is proportional to the standard deviation of the estimate divided by the error, so views are added where
-/// the estimate is uncertain because a tile has much of the error. `most_samples`: of all views.
+/// is proportional to the standard deviation of the estimate divided by the error. Views are therefore added
+/// to tiles whose large share of the error makes the estimate uncertain. `most_samples`: limit for the number
+/// of view samples in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -108,7 +110,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // The next estimate differs from what is expected now, so a reserve saves steps.
+    // The aim is a little below the wanted width. The next estimate will differ from the expected one, and
+    // without this reserve further steps would often be needed.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -147,10 +150,10 @@ double deeper_share(const SampleFileReader& file) {
 }
 
 /// Whether `layers` costs no more than the first views. Its work is proportional to the number of records,
-/// and that of views to the number of their samples. A directly visible record takes about as long as a
-/// sample. A reflected or transmitted one is spread by an ellipse of its own, which takes `deeper_cost` times
-/// as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other. Files of
-/// such scenes have more records than the limit.
+/// and that of views to the number of their samples. A directly visible record takes about as long as a view
+/// sample. A reflected or transmitted record is spread over an ellipse of its own, which takes `deeper_cost`
+/// times as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other.
+/// Files of such scenes have more records than the limit.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -168,8 +171,8 @@ Image layers_image(FocusFrame& frame, FocusSettings settings) {
     return focus_picture(frame, settings).image;
 }
 
-/// Error of the other image, if it were shown alone, less the standard error of this estimate; may be
-/// negative.
+/// Error that the other image (made by `layers`) would have alone, minus the standard error of this estimate.
+/// It may be negative.
 double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     double sum = 0, variance = 0;
     for (const TileError& tile : measured.tiles) {
@@ -180,8 +183,8 @@ double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
 }
 
-/// Radiance in which `other` has the weight `w`. Errors are stated for clamped sRGB values, so these are
-/// mixed. A radiance above white is mixed as it is, and keeps its light.
+/// Mean radiance in which `other` has the weight `w`. Errors are stated for clamped sRGB values, so the mean
+/// is taken of such values. Radiances above white are averaged without encoding, so that no light is lost.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
@@ -262,16 +265,18 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // Neither views nor rays reduce the error of highlights. If that alone, less its standard error,
-            // misses the target, views need only have a quarter of it.
+            // Neither views nor rays reduce the error of highlights. If this error alone, minus its standard
+            // error, is more than twice the target, views only need to reduce their noise to a quarter of
+            // this error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
             if (measured.bias_variance > error.variance / 4 &&
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2)))
                 continue;
-            // Selecting tiles by their estimates makes the intervals too narrow if there are few views. With
-            // twice as many in all tiles with an error first, they contain it as often as they should.
+            // With few views, selecting tiles by their estimated errors makes the intervals too narrow. The
+            // views of all tiles with an error are therefore doubled first. The intervals then contain the
+            // error as often as they should.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

@@ -33,11 +33,11 @@ struct AutoResult {
     std::vector<AutoTile> tiles;
     double mean_views = 0;
     double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
-    /// Share of the samples of views that the records do not determine. Set only if no scene is given.
+    /// Share of the view samples that the records do not determine. Set only if no scene is given.
     double unsure_share = 0;
     /// noise_mse: measured noise of the views. bound_mse: upper bound of the error from this noise and from
-    /// samples of views that the records do not determine (planner/errors/records_bound.h). Both are set only
-    /// if no scene is given; `hybrid.stated` is then empty.
+    /// view samples that the records do not determine (planner/errors/records_bound.h). Both are set only if
+    /// no scene is given; `hybrid.stated` is then empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -48,9 +48,9 @@ struct AutoResult {
 /// Makes a light field image with as many views in each tile as the target error needs. Starts with a few
 /// views per tile. Then repeatedly doubles the number of views in those tiles where this reduces the error
 /// most in relation to its cost. The target is met when the upper end of the 95 % interval of the image's
-/// error is below it. If the interval is then wider than wanted_interval_db, it is narrowed with up to four
-/// times as many views and, in tiles whose check rays leave most uncertain, with rays. Views are also added
-/// if `layers` alone may have less than half the error.
+/// error is below it. If the interval is then wider than wanted_interval_db, up to four times as many views
+/// narrow it. In tiles where the check rays measure the error least accurately, rays also replace all view
+/// samples. Views are also added if `layers` alone may have less than half the error.
 ///
 /// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
 /// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or
@@ -58,8 +58,8 @@ struct AutoResult {
 /// given, unsure samples keep their recorded colours, and their error is not measured.
 ///
 /// With a scene and a closed shutter, `layers` also makes the image, unless the file has so many records that
-/// this takes longer than the first views. The two halves of the views measure its error. It is mixed with
-/// the views, in each tile with the weight that gives the least error.
+/// this takes longer than the first views. The two halves of the views measure the error of this image. The
+/// image by `layers` is mixed with the views, in each tile with the weight that gives the least error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

@@ -18,8 +18,8 @@ namespace postlens {
 namespace {
 
 constexpr int many_views = 256;
-/// A cause explains a pixel's error if, in an image without this cause, the pixel has at most half of the
-/// error, that is a quarter of the squared error.
+/// A cause explains a pixel's error if an image without this cause has at most half of the error in this
+/// pixel, that is at most a quarter of the squared error.
 constexpr double explained = 0.25;
 /// Smallest estimated squared error for which a cause is accepted, as a fraction of the pixel's squared
 /// error. Estimates are accurate to an order of magnitude. The limit for the record density is smaller,
@@ -29,7 +29,8 @@ constexpr int beside_px = 4;
 /// Share of a pixel's light that may be missing from the records. A larger share counts as a cause of the
 /// pixel's error.
 constexpr float tolerated_unknown = 0.02F;
-/// Fraction of the squared error without a known cause, above which the scene is traced again to find causes.
+/// If more than this fraction of the squared error has no known cause, the scene is traced again to find
+/// causes.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -223,8 +224,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of other instants show surfaces that rotated into view, but also changed colours of
-            // surfaces that were already visible. If hardly any light was unknown, the changed colours are
+            // Records of other instants show surfaces that rotated into view. They also show changed colours
+            // of surfaces that were already visible. If hardly any light was unknown, the changed colours are
             // the cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;

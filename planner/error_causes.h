@@ -44,8 +44,8 @@ struct CauseMap {
 ///
 /// 1. Some causes can be removed by making the image again. Finer kernels remove kernel_truncation. A light
 /// field with many views removes visibility, path_and_depth_correlated (with an open shutter), record_density
-/// (of a light field with fewer views), and curvature_of_w (if a depth model other than W was used). If the
-/// error of a pixel decreases to half or less, its cause is the one that was removed.
+/// (of a light field with fewer views), and curvature_of_w (if a depth model other than W was used). If this
+/// reduces the error of a pixel to half or less, the removed cause is the cause of this error.
 ///
 /// 2. If `view.scene` is given and at least a tenth of the error is still unexplained, the scene is traced
 /// again, without limits that may be the cause (error_trials).

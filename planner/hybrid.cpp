@@ -35,8 +35,8 @@ std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vect
     return out;
 }
 
-/// Cost of scattering, in views of the whole image. An image of few views is therefore scattered only if this
-/// replaces most of its pixels.
+/// Cost of scattering an image, as the number of views of the whole image that take as long. If an image has
+/// few views, pixels are therefore scattered only if this replaces most of them.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -90,13 +90,15 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error of an image of 50 dB, which is below one step of 8 bits: more rays would not be seen.
+/// Squared error of an image with a PSNR of 50 dB. It is below one step of 8 bits, so more rays would make no
+/// visible difference.
 constexpr double fine_mse = 1e-5;
 
 /// Makes the image from records and from rays into the scene. If the check rays show an error of the records,
-/// rays replace the tiles with most of it, until it is an eighth of the noise, so that the image is within
-/// 0.5 dB of one by as many rays, or until the image has an error of `fine_mse`. The two halves of the image
-/// are drawn separately, and their difference measures the noise.
+/// rays replace the view samples of the tiles with the largest errors. They do so until the remaining error
+/// is an eighth of the noise (the PSNR is then within 0.5 dB of that of an image by as many rays), or until
+/// the whole error is `fine_mse`. The two halves of the image are drawn separately, and their difference
+/// measures the noise.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

@@ -1,5 +1,5 @@
-// Makes a light field image with a given number of views. Rays replace the samples of views that the records
-// do not determine.
+// Makes a light field image with a given number of views. Rays replace the view samples that the records do
+// not determine.
 #pragma once
 
 #include <memory>
@@ -24,14 +24,15 @@ struct HybridSettings {
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene from which the file was traced. Rays into it replace samples of views that the records do
-    /// not determine. Null: no rays.
+    /// The scene from which the file was traced. Rays into the scene replace the view samples that the
+    /// records do not determine. Null: no rays.
     const Scene* scene = nullptr;
-    /// For measurements with a scene: selects, in each half of the views, the samples that are compared with
-    /// rays (FieldViews::checked). The image's error is then not stated.
+    /// For measurements with a scene: selects, in each half of the views, the view samples that are compared
+    /// with rays (FieldViews::checked). If set, the image's error is not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Used without a scene: limit for the unknown share of a pixel's light and for the radiance that
-    /// nonlinear W reprojects to wrong positions. If a pixel exceeds it, its records are insufficient.
+    /// Used without a scene: limit for the unknown share of a pixel's light, and for the radiance that is
+    /// reprojected to wrong positions because W is nonlinear. If a pixel exceeds the limit, its records are
+    /// insufficient.
     double tolerated = 0.02;
 };
 

@@ -1,4 +1,4 @@
-// The error of an image made of views and rays, and of the same image mixed with another one.
+// The error of an image made of views and rays, and of the same image mixed with another image.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,12 @@ namespace postlens {
 /// Wanted width of the 95 % interval of an image's error, dB.
 inline constexpr double wanted_interval_db = 2;
 
-/// Another image of the same scene has this weight in a tile, and the views have the remaining weight.
+/// How a tile is mixed from the views and from another image of the same scene. The other image has the
+/// weight `weight`, and the views have the remaining weight.
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
-    /// Squared error of the tile, without that of the records.
+    /// Squared error of the tile, without the error of the records.
     [[nodiscard]] double mse(const TileError& measured) const;
 };
 
@@ -34,22 +35,24 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Width of the 95 % interval, dB, and that of an error `mse` whose estimate has this variance.
+    /// Width of the 95 % interval, dB: of this error, and of an error `mse` whose estimate has the given
+    /// variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// The error of the mean of the two halves that were measured. If `mix` has elements, one per tile, the other
-/// image is mixed with this mean. The mixed image has the error (1 - w)^2 noise + w^2 e^2 + bias. e:
-/// difference of the other image from the expectation of the views. w: its weight. This assumes that e and
-/// the bias are not correlated.
+/// Returns the error of the mean of the two halves that were measured. If `mix` has elements (one per tile),
+/// it is the error of this mean mixed with the other image: (1 - w)^2 noise + w^2 e^2 + bias. w: weight of
+/// the other image. e: its difference from the expectation of the views. This assumes that e and the bias are
+/// not correlated.
 ///
 /// The 95 % interval assumes that the error's logarithm is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Selects the weights of the other image, tile by tile. They minimize the error of the mixed image as far as
-/// it can be known: with an interval no wider than wanted_interval_db, or else the lowest upper end of the
-/// interval.
+/// Chooses the weight of the other image in each tile. Several sets of weights are tried, from the least
+/// estimated error to the least uncertain estimate. The first set whose 95 % interval is at most
+/// wanted_interval_db wide is chosen. If there is none, the set whose interval has the lowest upper end is
+/// chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -29,7 +29,7 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells then are pixels of the trace
 constexpr int most_levels = 6;
-/// Fraction of the tiles that must reach the target, in addition to the whole image.
+/// Fraction of the tiles that must reach the target. The whole image must reach it as well.
 constexpr double tiles_met = 0.9;
 /// Mean number of new samples when a cell is divided: its centre and those midpoints of its sides that have
 /// no sample yet.

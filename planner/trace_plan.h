@@ -25,10 +25,10 @@ struct TracePlan {
 /// Chooses the settings of a trace by a preview at a quarter of the width and height. The contrast and blur
 /// of the preview's edges determine the record floor of each level of subdivision. The record floor is the
 /// error that arises because edges are known only to within a quadtree cell (planner/errors/record_floor.h).
-/// It may be at most half of the squared error that `target_db` allows, in the mean of the image and in nine
-/// of ten tiles. The coarsest level that satisfies this is chosen. With `for_rays`, images will be made with
-/// rays in the scene, which replace what the records do not determine: TraceSettings::ray_levels are chosen
-/// for every target.
+/// The record floor may be at most half of the squared error that `target_db` allows, in the mean of the
+/// image and in nine of ten tiles. The coarsest level that satisfies this is chosen. With `for_rays`, rays
+/// into the scene will replace the view samples that the records do not determine. TraceSettings::ray_levels
+/// is then chosen for every target.
 ///
 /// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
 /// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.

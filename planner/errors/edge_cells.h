@@ -46,8 +46,8 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Squared error that arises because the cells' edges are known only at their corners, in sRGB values,
-    /// summed over pixels. The variance of the radiance is multiplied by `variance_share`.
+    /// Squared error, of sRGB values and summed over pixels. It arises because the edges in the cells are
+    /// known only from the cells' corners. The variance of the radiance is multiplied by `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -58,8 +58,8 @@ class SpreadLight {
     double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// The difference of colour between the corners of a cell. Order of corners: up-left, up-right, down-left,
-/// down-right.
+/// Returns how the colour differs between the four corners of a cell. The order of the corners is up-left,
+/// up-right, down-left, down-right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
 /// Expected squared error of a pixel, from the differences between the corners of its cells. For an edge that

@@ -21,8 +21,8 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise of the mean of the images `a` and `b`, and the product of the differences of `other` from
-/// them, as sums over pixels and means over channels.
+/// Squared noise of the mean of the images `a` and `b`, and the product of the two differences `other` - `a`
+/// and `other` - `b`. Both are sums over pixels and means over channels.
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -46,8 +46,8 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Mean residuals (ray minus record) of the views' samples. They have much noise, so they are converted by
-/// the slope of the sRGB curve.
+/// Mean residuals (ray minus record) of the views' samples. They have much noise, so they are multiplied by
+/// the slope of the sRGB curve instead of being encoded with the curve itself.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -61,7 +61,7 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
 }
 
 /// Residuals of the highlights. They have little noise and may exceed the range of the sRGB curve, so they
-/// are differences on the curve.
+/// are differences between encoded values.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -96,8 +96,8 @@ struct Mean {
     }
 };
 
-/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance counts
-/// each value's square, not only the choice of pixels, because the values themselves have noise.
+/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance includes
+/// the square of each value, because the values have noise in addition to the random choice of pixels.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -114,10 +114,10 @@ struct ChosenSum {
 ///
 /// d: half the difference of the halves. v: noise of their mean. e: difference of the other image from the
 /// expectation of the views. d and v are independent and have the same variance n. N = d^2 estimates the
-/// noise, and S = (e - v)^2 - d^2 the other image's difference. With the other image's weight w, the error is
-/// estimated as (1 - w)^2 N + w^2 S, and it is ((1 - w) v + w e)^2. The estimate exceeds the error by
-/// (1 - 2 w) (d^2 - v^2) - 2 w e v, which has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. 4 n^2 is
-/// estimated by 4/3 N^2, because E(N^2) = 3 n^2, and e^2 n by S N + 2/3 N^2, because E(S N) = e^2 n - 2 n^2.
+/// squared noise, and S = (e - v)^2 - d^2 estimates e^2. With the other image's weight w, the error is
+/// estimated as (1 - w)^2 N + w^2 S, and it is ((1 - w) v + w e)^2. The estimate exceeds the error by (1 - 2
+/// w) (d^2 - v^2) - 2 w e v, which has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. 4 n^2 is estimated by
+/// 4/3 N^2, because E(N^2) = 3 n^2, and e^2 n by S N + 2/3 N^2, because E(S N) = e^2 n - 2 n^2.
 TileError part_of_tile(const Differences& of_piece, double pixels) {
     const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
     return {.noise_mse = noise,
@@ -127,8 +127,8 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
 }
 
 /// Mean product of the residuals of two halves. Large residuals may be so rare that no pixel has two of them.
-/// The products are then 0, but their variance is not: it is at least the square of the mean squared
-/// residual.
+/// The products are then 0, but their true variance is not. The variance is therefore at least the square of
+/// the mean squared residual.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {

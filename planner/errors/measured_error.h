@@ -1,4 +1,4 @@
-// What two independent halves of the views, and check rays, say about the errors of an image.
+// Measures the errors of an image by two independent halves of its views and by check rays.
 #pragma once
 
 #include <algorithm>
@@ -17,17 +17,17 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves: a quarter of their squared difference
-    /// Squared difference of another image from the expectation of the views; estimated, may be negative.
+    /// Estimated squared difference between another image and the expectation of the views; may be negative.
     double other_mse = 0;
-    double of_noise = 0;    ///< variance of `noise_mse` minus the actual squared noise
+    double of_noise = 0;    ///< variance of (`noise_mse` minus the actual squared noise)
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
     std::vector<TileError> pieces;  ///< the parts of this tile that have independent noise
     double bias_mse = 0;            ///< error of the records, estimated by check rays; may be negative
     double bias_deviation = 0;      ///< standard error of `bias_mse`
 
-    /// An image is a mean in which the views have the weight 1 - w and the other image has the weight w. Its
-    /// squared error is estimated as (1 - w)^2 noise_mse + w^2 other_mse. The actual squared error of this
-    /// image is random, too. Returns the variance of the estimate minus the actual squared error.
+    /// For an image that is a mean, in which the views have the weight 1 - w and the other image the weight
+    /// w. Its squared error is estimated as (1 - w)^2 noise_mse + w^2 other_mse. The actual squared error is
+    /// random, too. Returns the variance of the difference between the estimate and the actual squared error.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -50,12 +50,13 @@ struct MeasuredError {
 /// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
 ///
 /// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
-/// so the expectation of their product is the squared error of the records. Its variance is at least the
-/// square of the tile's mean squared residual, also if large residuals are so rare that no pixel has two.
-/// Residuals are converted to sRGB values by the slope of the sRGB curve at the image's value.
+/// so the expectation of their product is the squared error of the records. The variance of the product is
+/// taken to be at least the square of the tile's mean squared residual. Otherwise it would be too small where
+/// large residuals are so rare that no pixel has two. Residuals are converted to sRGB values by the slope of
+/// the sRGB curve at the image's value.
 ///
-/// Other image: the noise of `a` and `b` is independent, so the product of the other image's differences from
-/// them has its squared difference from the expectation of the views as its own expectation.
+/// Other image: let o be the other image. The noise of `a` and `b` is independent, so the squared difference
+/// between o and the expectation of the views is the expectation of (o - a)(o - b).
 ///
 /// The variances assume that errors are normally distributed, equal within a square piece of the image
 /// (piece_px), and independent between pieces.
@@ -63,9 +64,9 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Selects the tiles with the largest values, until those of all others add up to at most `most`. `value` of
-/// a tile and its share of the image: what the tile contributes to the image. Only positive ones are
-/// selected. Returns 1 for selected tiles.
+/// Selects the tiles with the largest values, until the values of all other tiles add up to at most `most`.
+/// `value(tile, share)` returns the contribution of a tile that is this share of the image. Only tiles with
+/// positive values are selected. Returns 1 for selected tiles.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -86,10 +87,11 @@ template <typename Value>
     return out;
 }
 
-/// Returns 1 for tiles in which rays should replace all samples of views, because samples that the records
-/// seem to determine are in error there: the tiles with the largest such errors, until the error of the
-/// remaining tiles is at most `most_mse` in the mean over the image, and those whose error exceeds the noise
-/// of their views, twice its own standard error and `fine_mse`, which is good enough for any tile.
+/// Returns 1 for tiles in which rays should replace all view samples, because the records are in error there
+/// (TileError::bias_mse). These are, first, the tiles with the largest errors, until the remaining tiles
+/// contribute at most `most_mse` to the mean over the image. They are also all tiles whose error exceeds the
+/// noise of their views, twice the standard error of the error, and `fine_mse`, which is good enough for any
+/// tile.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

@@ -1,5 +1,5 @@
-// Upper bound of the error that arises if the records do not determine some samples of views and no rays
-// replace them.
+// Upper bound of the error that arises if the records do not determine some view samples and no rays replace
+// these samples.
 #pragma once
 
 #include <cmath>
@@ -31,8 +31,8 @@ struct RecordsBound {
 /// of a pixel err in the same direction.
 ///
 /// The bound is usually much larger than the error. The error can exceed the bound where the image contains
-/// radiance that the pinhole image does not. `image`: scene-linear. `lens.scene` and the number of views are
-/// ignored. Throws the errors of hybrid_picture.
+/// radiance that the pinhole image does not contain. `image`: scene-linear. `lens.scene` and the number of
+/// views are ignored. Throws the errors of hybrid_picture.
 [[nodiscard]] RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image);
 
 }  // namespace postlens

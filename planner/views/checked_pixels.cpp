@@ -34,12 +34,12 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // A half of this many views or more has aimed rays in all pixels.
+    // If a half has this many views or more, rays are aimed at the highlights of all pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // The odd factor visits all places of a block, and no neighbours one after the other.
+    // With this odd factor, all pixels of a block are visited, and consecutive pixels are not neighbours.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

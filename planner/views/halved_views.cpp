@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Number of scrambled sets of lens points, and step of the set's number from one row of pieces to the next.
+/// Number of scrambled sets of lens points, and step of the set's index from one row of pieces to the next.
 /// The square pieces of the image use the sets in turn. Both numbers are prime, so a set repeats along a row,
 /// a column or a diagonal only after as many pieces as there are sets.
 constexpr int scrambles = 61, scrambles_down = 23;

@@ -18,16 +18,17 @@
 namespace postlens {
 
 /// Draws views of an image in steps, with a number of views for each tile. If a scene is given, rays replace
-/// the samples of views that the records do not determine.
+/// the view samples that the records do not determine.
 class HalvedViews {
   public:
-    /// `focus.views` and `focus.method` are ignored. `first_set` is the number of the first set of lens
+    /// `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set of lens
     /// points. Images whose values of `first_set` differ by at least 128 share no set. Throws the errors of
     /// hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` views. If this number is odd, half 0
-    /// has one more view than half 1. The result is bit-identical for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` views. They are divided into two
+    /// halves, whose difference measures the noise. If the number of views is odd, half 0 has one more view
+    /// than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
     /// Redraws the tiles whose entry in `tiles` is not 0. In these tiles, rays replace all samples, including
     /// those of views drawn later. Returns whether a tile was redrawn.
