@@ -1,5 +1,5 @@
-// Finds images of an earlier run of a sweep whose settings are those of images of this run, so that they need
-// not be made again.
+// Finds images that an earlier run of a sweep made with the same settings, so that this run need not make
+// them again.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace postlens {
 /// cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 
-/// Keys of the images of a sweep (SweepRow::settings_key). If two keys are equal, so are their images.
+/// Keys that identify the images of a sweep (SweepRow::settings_key). Images with equal keys are equal.
 class SweepKeys {
   public:
     /// `exposure_stops`: exposure of all images. `at`: raster positions, px, at which the CoC is reported.

@@ -1,4 +1,4 @@
-// Figures that a sweep reports for each image.
+// Values that a sweep measures and reports for each image.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -41,14 +41,14 @@ struct PictureSettings {
 /// Views with a shutter, if their number is not given.
 inline constexpr int default_shutter_views = 128;
 
-/// Refuses a number of depths or views that the method, as it is after `automatic` chose one, does not use.
-/// Throws Error(wrong_arguments).
+/// Refuses a number of depths or views if the method does not use it. `automatic` must already be replaced by
+/// the method that it selects. Throws Error(wrong_arguments).
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
-/// Refuses a spacing of depths, and a depth of what mirrors and glass show, that the method does not use.
-/// Throws Error(wrong_arguments).
+/// Refuses --depth-spacing, and --depth-model (how depth is measured through mirrors and glass), if the
+/// method does not use them. Throws Error(wrong_arguments).
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Refuses the option `name`, --scene or --explain, for a method that traces no rays, without a shutter.
-/// Throws Error(wrong_arguments).
+/// Refuses the option `name` (--scene or --explain) if the method traces no rays. For images without a
+/// shutter. Throws Error(wrong_arguments).
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {

@@ -206,8 +206,8 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. Two images keep all threads busy. For a large frame
-    /// it is one, because an image then needs much memory and has work for all threads.
+    /// Number of images that are made at the same time. It is two, which keeps all threads busy. For a large
+    /// frame it is one, because a single image then has work for all threads and needs much memory.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
@@ -296,8 +296,8 @@ class Sweep {
                                 .image);
     }
 
-    // Records the warning about errors of the matrix W, which moves the image of a node with the lens point.
-    // The conditions are those of the command `focus`.
+    // Records the warning that the matrix W (shift of a reflected or refracted image when the lens point
+    // moves) is inaccurate. The command `focus` warns under the same conditions.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||

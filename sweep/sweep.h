@@ -1,5 +1,5 @@
-// Makes images of one sample file with many lens settings. Also writes a table of figures and a contact
-// sheet.
+// Makes images of one sample file with many lens settings. Also writes a table of measured values and a
+// contact sheet.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-// The table of a sweep, with one row per image. It is written as CSV for other programs and as JSON, from
-// which an interrupted sweep resumes.
+// The table of a sweep, with one row per image. It is written twice: as CSV for other programs, and as JSON,
+// which an interrupted sweep reads to resume.
 #pragma once
 
 #include <filesystem>

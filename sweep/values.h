@@ -21,7 +21,7 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses f-numbers: positive numbers, or `inf` for the pinhole. Ranges are FROM:TO:STEP with a positive STEP
 /// in stops ("1/2" or "0.5") and FROM not above TO. Value i is FROM * 2^(i STEP / 2), which differs from the
 /// rounded numbers engraved on lenses. The last value may exceed TO by a tenth of a stop or half a step,
-/// whichever is less. So 2:11:1 ends at 11.31.
+/// whichever is less. The range 2:11:1 therefore ends at 11.31.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
 /// Parses focus distances s, m: positive numbers, or `inf`. Ranges are FROM:TO:COUNT, rising or falling, with
