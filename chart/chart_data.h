@@ -26,7 +26,7 @@ struct ChartError {
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// against the first reference; the noise is subtracted from relmse only
+    /// errors against the first reference; the noise of the reference is subtracted only from relmse
     double relmse = 0, ssim = 0, flip = 0;
 };
 

@@ -1,5 +1,5 @@
-// The plots of a chart: error against the time of a single image, and error against the cost per image of
-// many images.
+// The plots of a chart: error against the time of a single image, and error against the cost per image if
+// many images share a trace.
 #pragma once
 
 #include <string>

@@ -320,8 +320,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. For the first image the lens of the view is stopped down by a sixth of a
-    // stop; for the second it is not.
+    // Times a sweep of two images. The first image is made with the lens of the view stopped down by a sixth
+    // of a stop, and the second with the lens as it is.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -18,9 +18,9 @@ struct ChartRun {
 /// point, reference.*.exr, pinhole.exr, and for every point pictures/NAME.png and maps/NAME.png. Results of
 /// an earlier run of the same request are kept. A folder with the chart of another request is refused, unless
 /// `restart` is set. The time of a method is measured from opening the sample file to the image in memory.
-/// The time of rays is measured from the scene in memory to the image in memory, that of a trace from the
-/// scene in memory to the file. Throws Error(interrupted), after which the finished points remain on disk,
-/// Error(wrong_arguments), Error(invalid_input), Error(cannot_write), Error(out_of_memory).
+/// The time of rays is measured from the scene in memory to the image in memory. The time of a trace is
+/// measured from the scene in memory to the file. Throws Error(interrupted), after which the finished points
+/// remain on disk, Error(wrong_arguments), Error(invalid_input), Error(cannot_write), Error(out_of_memory).
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 

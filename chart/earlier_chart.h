@@ -16,8 +16,8 @@ namespace postlens {
 /// rounds or the choice of points.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the files of earlier charts whose measurements a run keeps: `chart`, if it exists, and before it,
-/// in a run of the whole chart, those of its shares (parts) in `folder`.
+/// Returns the files of earlier charts whose measurements a run keeps. In a run of the whole chart, they are
+/// first the files of the chart's shares (parts) in `folder`. The last is `chart`, if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
@@ -29,7 +29,8 @@ namespace postlens {
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts traces and points into the order of the plan, and adds those that have not been measured.
+/// Sorts traces and points into the order of the plan, and adds empty entries for those that have not been
+/// measured.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

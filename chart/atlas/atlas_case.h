@@ -41,7 +41,7 @@ struct AtlasMethod {
     DepthSpacing spacing = DepthSpacing::inverse;
     AtlasTrace trace;
 
-    /// least PSNR, dB, after the noise of the reference is subtracted from the error
+    /// least PSNR, dB, against the reference, whose noise is subtracted from the error
     double at_least_db = 0;
     std::optional<double> at_most_db;  ///< greatest PSNR, dB, of a method that is expected to fail
     double energy_within = 0;  ///< greatest |sum of the image / sum of the reference - 1| that is allowed

@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Measured figures of one method's image.
+/// Values measured for the image of one method.
 struct AtlasFigures {
     ChartError error, affected;         ///< the reference's noise is subtracted
     double energy = 1;                  ///< sum of the image / sum of the reference
