@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Refuses a value of a flag, for example --breathing=false. CLI11 would set a flag that is a function
-// whatever its value.
+// Refuses a value of a flag, for example --breathing=false. CLI11 ignores the value of a flag that calls a
+// function, and would set the flag.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -32,8 +32,8 @@ void check_flags(const CLI::App& command, std::span<const std::string> words) {
     }
 }
 
-// Reports an unknown option or subcommand by its name, because CLI11's own message would only be that a
-// subcommand is required.
+// Reports an unknown option or subcommand by its name. CLI11's own message would only say that a subcommand
+// is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     const std::vector<const CLI::App*> subcommands =
         app.get_subcommands([](const CLI::App*) { return true; });
@@ -57,8 +57,8 @@ std::string full_name(const CLI::App& app) {
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();
 }
 
-// Reports the first unknown option with the most similar one that exists, because CLI11's own message lists
-// all unused words from the last to the first.
+// Reports the first unknown option together with the most similar existing option. CLI11's own message would
+// list all unused words from the last to the first.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
         if (!word.starts_with("--")) continue;

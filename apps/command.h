@@ -77,7 +77,7 @@ struct TraceOptions {
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
-    bool for_rays = false;  ///< images will be made with rays, so that TraceSettings::ray_levels suffice
+    bool for_rays = false;  ///< images will be made with rays, for which TraceSettings::ray_levels suffice
     bool plan = false;      ///< choose levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
     bool force = false;  ///< trace even if the file will probably not fit on its disk
@@ -97,8 +97,8 @@ struct RetraceOptions {
     std::optional<double> lumens_per_watt;  ///< absent: the sample file's
 };
 
-/// Throws Error(wrong_arguments) if units of a scene are given without the scene. The records of a sample
-/// file are in metres, so the units would have no effect.
+/// Throws Error(wrong_arguments) if units of a scene are given without the scene. Without a scene the units
+/// would have no effect, because the records of a sample file are in metres.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
@@ -274,7 +274,7 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws
-/// Error(wrong_arguments) if both are absent; `file` names the kind of file in the message.
+/// Error(wrong_arguments) if both are absent. `file` is the word for the kind of file in the error message.
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
@@ -286,7 +286,7 @@ struct ResolvedLens {
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// Reads a lens prescription, and adds each of its notes as a warning `lens`.
+/// Reads a lens prescription, and adds each of its notes to `warnings`, with the code `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
 /// Copies the focal length of a lens prescription to `lens`, and its f-number if `lens` has none. Throws
 /// Error(wrong_arguments) if `lens` already has a focal length.

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Returns the exposure, stops, at which to read a sample file; empty for the file's own. For `auto` it is
-/// the automatic exposure stored in the file. If the file has none, it is auto_exposure_of the pinhole image.
+/// Returns the exposure, stops, at which to read a sample file; empty for the file's own. For `auto`, it is
+/// the automatic exposure stored in the file, or auto_exposure_of the pinhole image if the file stores none.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 

@@ -22,8 +22,8 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and the end of its line. Throws nothing: `check_output` reports what standard output did not
-/// take, and what standard error does not take can be reported nowhere.
+/// Writes a text and a line end. Throws nothing: `check_output` reports a failure of standard output, and a
+/// failure of standard error cannot be reported anywhere.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);
@@ -37,8 +37,9 @@ void check_output() {
         postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
 }
 
-/// If a standard stream is closed, a file that is opened later would get its number, and would receive what
-/// is written to the stream. So its number is taken, by something that cannot be written.
+/// If a standard stream is closed, a file that is opened later would get the stream's descriptor number, and
+/// would receive what is written to the stream. To prevent this, the number is given to a descriptor that
+/// cannot be written.
 void take_closed_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", O_RDONLY);
@@ -83,8 +84,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // Static, because a signal may arrive until the process ends. Only the job of the command, inside of this
-    // one, has work for more threads.
+    // The job is static, because a signal may arrive until the process ends. It has one thread, because only
+    // the job of the command, which runs inside it, has work for more.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error

@@ -36,7 +36,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a finite number, or "inf" if `infinite` is set. This function and the following ones throw
 /// Error(wrong_arguments) with the name of the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// `bounds`, which the caller checks, are named for numbers that no int holds.
+/// Parses an integer. `bounds` only appear in the error message for numbers that do not fit into an int; the
+/// caller must check them.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size, px, such as "960x540".
@@ -67,8 +68,8 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, W and H at least 1.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
-/// Returns `value` if it is above `low`; `including_low` also allows `low` itself. Otherwise throws
-/// Error(wrong_arguments).
+/// Returns `value` if it is above `low`. With `including_low`, `low` itself is also allowed. Any other value
+/// throws Error(wrong_arguments).
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 
 }  // namespace postlens

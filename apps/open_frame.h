@@ -1,4 +1,4 @@
-// An open sample file, which is used for one image or kept open for many.
+// An open sample file, from which one image or many images are made.
 #pragma once
 
 #include <memory>

@@ -32,8 +32,9 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // A sample file without these values was written by an old version, which read lengths in metres unless
-    // asked otherwise, and did not convert the intensities of light sources. That corresponds to 1 lm/W.
+    // A sample file without these values was written by an old version. That version read lengths in metres
+    // unless another unit was given. It did not convert the intensities of light sources, which corresponds
+    // to 1 lm/W.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

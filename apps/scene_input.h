@@ -15,9 +15,9 @@ namespace postlens {
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which a sample file was traced, at the exposure of `file`. Checks and warns as
-/// read_scene_of_command does. Units that are absent are those with which the sample file was traced. Throws
-/// Error(wrong_arguments) if others are given.
+/// Reads the scene from which a sample file was traced, and sets its exposure to that of `file`. Checks and
+/// warns as read_scene_of_command does. A unit that is not given is taken from the sample file. Throws
+/// Error(wrong_arguments) if a given unit differs from that of the sample file.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

@@ -40,8 +40,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Caches the SHA-256 of files with their modification times, because the frames of a film often share a
-/// scene.
+/// Caches the SHA-256 of files together with their modification times. The cache helps because the frames of
+/// a film often have the same scene.
 class Digests {
   public:
     [[nodiscard]] std::optional<std::string> of(const std::string& path) {

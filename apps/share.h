@@ -1,5 +1,5 @@
 // Divides the work of a command into shares for several machines. Selects the share of each machine, and
-// stores a description (mark) in its result by which `merge` recognises it.
+// stores a description (mark) in the result of each share, by which `merge` recognises the share.
 #pragma once
 
 #include <cstdint>

@@ -276,8 +276,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The images are read again, because the comparison needs most of the memory and has freed its
-        // images.
+        // The images are read again. The comparison has freed them, because it needs most of the memory.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

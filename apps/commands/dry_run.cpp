@@ -62,8 +62,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that the command itself would report before its work and that the measured parts do
-    /// not report.
+    /// Throws the errors that the command would report before its work, except for those that the measured
+    /// parts report.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -191,8 +191,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Frames may differ in cost. Their cost with all samples or views is assumed to differ by the
-            // same factor as the measured cost.
+            // Frames may differ in cost. The ratio between the costs of two frames is assumed to be the same
+            // for all samples or views as for the few that are measured.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -206,9 +206,9 @@ class Measured {
         return out;
     }
 
-    /// Costs of the tasks of a sweep. A sweep of a single image is measured first: its total time minus the
-    /// time of the image itself is the fixed cost of a task. Then one or two sweeps of evenly spaced images,
-    /// at least four in total if there are as many, determine the cost of each further image.
+    /// Costs of the tasks of a sweep. A sweep of a single image is measured first. Its total time minus the
+    /// time of the image is the fixed cost of a task. Then one or two sweeps of evenly spaced images, at
+    /// least four in total if there are as many, determine the cost of each further image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {

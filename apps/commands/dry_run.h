@@ -21,8 +21,8 @@ struct DryRun {
     std::optional<std::vector<int>> frames;           ///< shares are frames
     std::function<std::string(int frame)> output_of;  ///< with `frames`: returns the output file of a frame
     int pictures = 0;  ///< for a sweep, the number of its images, which are divided into shares; otherwise 0
-    /// Name of the option, such as --spp, whose value `amount` the seconds depend on linearly. Empty if there
-    /// is none.
+    /// Name of the option, such as --spp, on whose value (`amount`) the seconds depend linearly. Empty if
+    /// there is no such option.
     std::string amount_option;
     int amount = 0;
 };

@@ -51,8 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
     // Apertures are compared by their diameters. The f-number in the sample file refers to the film distance
-    // instead of the focal length, so f-numbers cannot be compared. The hidden surfaces that a lens sees do
-    // not depend on its focus distance. The overscan does, and each method looks at the border itself.
+    // instead of the focal length, so f-numbers cannot be compared. The focus distance is not compared: the
+    // hidden surfaces that a lens sees do not depend on it, and each method checks itself whether the
+    // overscan suffices.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -120,7 +121,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, rays see what a pixel shows between its recorded corners, also through a pinhole.
+    // With a scene, rays also see surfaces between the recorded corners of a pixel. Views are therefore
+    // useful even for a pinhole.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -139,7 +141,7 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // With a scene, rays replace what W misplaces.
+    // With a scene, rays replace the samples that W would reproject to wrong positions.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -152,7 +152,7 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // Of any other input, its reader says what it is.
+    // For any other input, the reader reports what kind of file it is.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -220,7 +220,7 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // Passes are measured by views whatever the method.
+    // The channels of --passes are measured by views (reprojections to lens points), whatever the method.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

@@ -1,5 +1,5 @@
-// The parts that `merge` joins: the result files of shares of a command. These functions read the number of
-// the share from each part and check that all parts belong to the same command.
+// The parts that `merge` joins: the result files of shares of a command. These functions read from each part
+// which share it contains, and check that all parts belong to the same command.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Reads the number of the share from `mark`, the JSON that describes a part (mark_of in share.h). Throws
-/// Error(invalid_input) if postlens has not written this JSON.
+/// Reads the index and the number of shares from `mark`, the JSON that describes a part (mark_of in share.h).
+/// Throws Error(invalid_input) if postlens has not written this JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -30,7 +30,7 @@ void check_same_work(const PartFacts& first, const PartFacts& other);
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the numbers of the shares that have no part. Throws if there are any, unless `partial` is set.
+    /// Returns the indices of the shares that have no part. Throws if there are any, unless `partial` is set.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:

@@ -148,8 +148,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur with traced rays for samples that the records do not determine. Runs `shoot` with a
-/// pinhole lens.
+/// Makes motion blur in which traced rays replace the samples that the records do not determine. Runs `shoot`
+/// with a pinhole lens.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,

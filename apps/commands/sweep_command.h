@@ -11,7 +11,7 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as typed. An absent list is the value in the sample file.
+    /// Lists of values, as typed. If a list is absent, the value in the sample file is used.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file

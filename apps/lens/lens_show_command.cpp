@@ -16,7 +16,8 @@ double degrees(double tangent) {
 }
 
 // Returns the tangent of the field angle for the outermost rays of the drawing. The angle comes from the film
-// width, else from the file, else from a normal lens. It is reduced until light passes through the lens.
+// width, else from the prescription file. If neither is given, it is that of a 50 mm lens on 36 mm film. The
+// angle is reduced until light passes through the lens.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {

@@ -111,8 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Area of the entrance pupil that transmits light of a point on the axis, mm^2. Areas are compared on the
-/// same grid, so that the point on the axis itself has all of it.
+/// Area of the entrance pupil that transmits light of a point on the axis, mm^2. Areas of other points are
+/// compared with it on the same grid of rays, so that the ratio is exactly 1 for the point on the axis.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;

@@ -1,4 +1,4 @@
-// The options of `focus`, `motionblur` and `shoot`, which make pictures of frames.
+// The options of `focus`, `motionblur` and `shoot`, which make images of frames.
 #include <limits>
 
 #include "apps/numbers.h"

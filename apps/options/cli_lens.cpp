@@ -137,7 +137,7 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
     app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
 }
 
-/// What `lens fit` fits to, and the options that this uses.
+/// A task of `lens fit` (the data to which a lens is fitted), and the options that the task uses.
 struct FitTask {
     std::string_view name;
     std::vector<std::string_view> uses;
@@ -151,7 +151,7 @@ const std::array<FitTask, 4> fit_tasks{
      {"--sharp", {"--coc-limit", "--sensor", "--focal-length", "--f-number", "--wavelength"}},
      {"--picture", {"--frame", "--focal-length", "--impulse", "--squeeze", "--cats-eye", "--spherical"}}}};
 
-/// Refuses options of the other tasks, which would have no effect.
+/// Refuses options of other tasks, because they would have no effect.
 void refuse_unused(const CLI::App& app, const FitTask& task) {
     const auto uses = [](const FitTask& t, const std::string& option) {
         return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();

@@ -140,7 +140,7 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
         ->type_name("X,Y,W,H");
 }
 
-// `source`: end of the help texts, which states where an absent value comes from.
+// `source`: the end of each help text. It states where the value comes from if the option is absent.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
     number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,

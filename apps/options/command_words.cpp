@@ -115,7 +115,7 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // All options but these name the same file for every frame (frame_commands.cpp).
+        // All options except these name the same file for every frame (frame_commands.cpp).
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);

@@ -23,8 +23,9 @@ CLI::Option* writes(CLI::Option* option);
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
 /// Returns the files that the marked options of the parsed subcommand name.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value, as that of a shell
-/// variable that is not set. No option has one; an output of that name would be made and not be written.
+/// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value, for example
+/// because a shell variable is not set. No option accepts an empty value. An output with an empty name would
+/// be computed but not written.
 void refuse_empty_values(CLI::App& app);
 /// Returns the options of the parsed subcommand and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& root);

@@ -55,7 +55,7 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Refuses --share if `decides` is true: if the method auto measures errors on the whole image, because it
+/// Refuses --share if `decides` is true. The method auto then measures errors on the whole image, because it
 /// has a target error or a scene.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;

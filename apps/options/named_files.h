@@ -1,4 +1,5 @@
-// The files that a command line names. A file that is written must not also be read, or be written twice.
+// The files that a command line names. A file that is written must not also be read, and must not be written
+// twice.
 #pragma once
 
 #include <optional>

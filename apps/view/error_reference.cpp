@@ -13,8 +13,8 @@ namespace {
 /// Wanted duration of tracing the reference, s.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// The noise variance is averaged over squares of 2 noise_radius_px + 1 px, because two halves of a single
-/// pixel do not determine a reliable deviation.
+/// The noise variance is averaged over squares of 2 noise_radius_px + 1 px, because it cannot be estimated
+/// reliably from the two halves of a single pixel.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 

@@ -9,12 +9,12 @@
 
 namespace postlens {
 
-/// Values of what each pixel shows, row by row: the brightest visible node of a sample file, or the sample
-/// at which the composited alpha of another program's image reaches one half.
+/// Values of the surface that each pixel shows, row by row. In a sample file, it is the brightest visible
+/// node. In another program's image, it is the sample at which the composited alpha reaches one half.
 struct ImageDepths {
     /// Inverse focus distance, 1/m, at which the node is in focus. The image in a curved mirror has two such
-    /// distances; this is the mean of their inverses. Negative if the node is never in focus, up to infinity,
-    /// as for some reflections.
+    /// distances; the value is the mean of their inverses. The value is negative if no focus distance up to
+    /// infinity brings the node into focus, as for some reflections.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object; 0: nothing was hit
 };

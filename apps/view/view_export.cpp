@@ -104,7 +104,8 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // Negative values, behind infinity, are set to 0, because a lens focuses at infinity at most.
+        // Negative values (focus beyond infinity) are set to 0, because a lens can be focused no farther than
+        // infinity.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         // The size of all images in bytes is estimated from one image at the middle focus distance.
@@ -131,7 +132,8 @@ class Exporter {
     }
 
   private:
-    /// The bytes of a JPEG image. Sample files are focused by 64 views, other images by the usual method.
+    /// The bytes of a JPEG image. For sample files, the image is the mean of 64 views (reprojections). Other
+    /// images are focused by the usual method.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

@@ -14,9 +14,9 @@ struct ViewExportOptions {
 
 /// Writes a page with JPEG images for a grid of focus distances and f-numbers, and a depth map on which the
 /// user clicks. The nine focus distances are quantiles of the depths in the frame. The f-numbers are 1, 2 and
-/// 4 times that of the file. First the number of images, then their size is reduced until the page has at
-/// most `most_mb`. Page and result state what was reduced. Throws Error(wrong_arguments) if even the smallest
-/// page is too large.
+/// 4 times that of the file. If the page would exceed `most_mb`, first the number of images and then their
+/// size is reduced. Page and result state what was reduced. Throws Error(wrong_arguments) if even the
+/// smallest page is too large.
 [[nodiscard]] CommandResult export_view(const ViewExportOptions& options);
 
 }  // namespace postlens

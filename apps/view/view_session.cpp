@@ -108,7 +108,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// Those of them with which the causes of an error can be found.
+/// The options among picture_options() with which the causes of an error can be found.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -319,8 +319,8 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// The image of `picture`: that which was made last, or made now. It is made from the file instead of the
-/// kept frame, so that requests for images need not wait meanwhile.
+/// Returns the image of `picture`: the one made last if it has the same words, or else a new one. A new image
+/// is made from the file instead of the kept frame, so that other requests for images need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -60,7 +60,7 @@ class ViewSession {
     /// Returns the ids (32 bits each) of all pixels, then their inverse focus distances (half floats, 1/m);
     /// see ImageDepths.
     [[nodiscard]] ViewReply depths();
-    /// Finds out why the image that `picture` makes with the same parameters differs from rays
+    /// Finds out why the image that `picture` makes with the same parameters differs from one made by rays
     /// (find_error_causes). The body begins as that of `picture`. One byte per pixel follows, its ErrorCause.
     /// The JSON lists "causes", in the order of ErrorCause, with "name", "colour" (sRGB) and "error_share".
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
@@ -87,7 +87,7 @@ class ViewSession {
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
                                                     const std::string& input) const;
-    /// The command for rays through the same lens. Ignores parameters of `focus` and `shoot` alone.
+    /// The command for rays through the same lens. Ignores parameters that only `focus` and `shoot` have.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
     [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,

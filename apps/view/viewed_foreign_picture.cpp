@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples of a pixel that the page is told. Stacks of volumes may have thousands.
+/// Largest number of samples of a pixel that is sent to the page. A pixel of a volume may have thousands.
 constexpr std::size_t most_nodes = 64;
 
 /// Distance, m; null: infinity.
@@ -72,7 +72,7 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Black samples differ by their share of the pixel.
+            // Among black samples, the order follows from their shares of the pixel.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -105,7 +105,7 @@ class ViewedForeignPicture : public ViewedFrame {
                               Framing::keep, {film_distance_mm, picture_.pixel_pitch_mm()});
     }
 
-    /// `sample`: null for what is behind all samples, infinitely far.
+    /// `sample`: null for the background behind all samples, which is infinitely far.
     [[nodiscard]] Json node_of(const StackSample* sample,
                                const std::optional<FocusGeometry>& geometry) const {
         const double inverse_m = sample == nullptr ? 0 : static_cast<double>(sample->inverse_z);

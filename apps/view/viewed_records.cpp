@@ -84,7 +84,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // null means infinity, which is also the best focus for an image behind infinity.
+            // null means infinity. It is also the best focus for an image beyond infinity (negative inverse
+            // distance).
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
@@ -96,7 +97,7 @@ class ViewedRecords : public ViewedFrame {
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // Of this much, two cores make an image in some 50 ms.
+        // From a frame of this size, two cores make an image in about 50 ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;
