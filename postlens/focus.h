@@ -17,17 +17,19 @@ struct FocusSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
     /// "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). Default: "auto".
     /// Without `scene` and `target_db`, "auto" selects the usual method for the contents of the file. With
-    /// either of them, it averages as many reprojections and traces as many rays as the target needs.
+    /// either of them, it averages as many reprojections, and traces as many rays, as the target PSNR needs.
     std::string method = {};
-    /// Number of lens points to which lightfield and hybrid reproject the records (`--views`). Default: 64.
+    /// Number of lens points to which the methods "lightfield" and "hybrid" reproject the records
+    /// (`--views`). Default: 64.
     std::optional<int> views = {};
-    /// Number of impulse responses of scatter and layers, 2 to 4096 (`--depths`). Default: as many as are
-    /// needed for circles of confusion that are accurate to half a pixel.
+    /// Number of impulse responses, one per depth, that the methods "scatter" and "layers" compute, 2 to 4096
+    /// (`--depths`). Default: as many as are needed for circles of confusion that are accurate to half a
+    /// pixel.
     std::optional<int> depths = {};
     /// Target PSNR of "auto", dB, 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
-    /// The scene from which the frame was traced (`--scene`), for "hybrid" and "auto". Rays in it then
-    /// replace samples that the records do not determine, and the error is measured.
+    /// The scene from which the frame was traced (`--scene`), for "hybrid" and "auto". Rays into the scene
+    /// then replace samples that the records do not determine, and the error is measured.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.

@@ -58,7 +58,7 @@ auto guarded(Job* job, const Work& work) -> decltype(work()) {
 class Words {
   public:
     Words(std::initializer_list<std::string> command) : words_(command) {}
-    /// `salvage` and the path of a frame.
+    /// Adds the path of a frame, and `--salvage` if the frame was opened with it.
     void add(const Frame& frame);
     /// Adds the name of a file, without an option. `what` describes the file in the error for an empty path.
     void add_file(const char* what, const std::filesystem::path& path);
@@ -83,7 +83,7 @@ class Words {
         for (const Value& value : values) text += (text.empty() ? "" : ",") + text_of(value);
         add(option, text);
     }
-    /// Further options, as they are.
+    /// Adds further options unchanged.
     void add(const std::vector<std::string>& options);
 
     [[nodiscard]] const std::vector<std::string>& words() const { return words_; }

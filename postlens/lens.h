@@ -1,5 +1,5 @@
 /// @file
-/// The lens: the settings that several functions share, and the figures of a thin lens.
+/// The lens: the settings that several functions share, and quantities computed for a thin lens.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,16 @@
 
 namespace postlens::api {
 
-/// A lens and its focus. A value that is not given is that of the file or of the scene's camera.
+/// A lens and its focus. A value that is not given is taken from the file or from the scene's camera.
 struct LensSettings {
     /// Focal length F, mm, more than 0 (`--focal-length`). It determines the width of the aperture. The field
     /// of view is that of the trace, unless `framing` changes it.
     std::optional<double> focal_length_mm = {};
     /// F-number n, more than 0: the aperture's diameter is F / n (`--f-number`). Infinity: a pinhole.
     std::optional<double> f_number = {};
-    /// Distance from the lens to the plane in focus, m, along the optical axis, more than 0 (`--focus`). If
-    /// the film is at F or V (`framing`, `breathing`, single lenses), more than F. Infinity is allowed.
+    /// Distance from the lens to the plane in focus, m, along the optical axis, more than 0 (`--focus`). It
+    /// must be more than F if the film is at the distance F or V (`framing`, `breathing`, or a function for a
+    /// single lens). Infinity is allowed.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). Cannot be combined with
     /// `focus_distance_m`.

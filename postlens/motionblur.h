@@ -23,8 +23,8 @@ struct MotionBlurSettings {
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Number of instants of lightfield (`--views`). Default: one per two pixels of the longest motion, 128
-    /// to 512.
+    /// Number of instants that the method "lightfield" averages (`--views`). Default: one per two pixels of
+    /// the longest motion, 128 to 512.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.

@@ -10,9 +10,9 @@
 
 namespace postlens::api {
 
-/// Settings of `sweep`. It makes a picture for every combination of values of the first five members. An
-/// empty member has the value of the file. From picture to picture, the focus distance changes fastest, then
-/// the f-number, the focal length, the shutter and the impulse response.
+/// Settings of `sweep`. It makes a picture for every combination of values of the first five members. If a
+/// member is empty, the value in the file is used. From picture to picture, the focus distance changes
+/// fastest, then the f-number, the focal length, the shutter and the impulse response.
 struct SweepSettings {
     std::vector<double> f_number = {};  ///< F-numbers, more than 0; infinity: a pinhole (`--f-number`).
     std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).

@@ -27,7 +27,8 @@ struct TraceSettings {
     std::optional<double> for_focus_distance_m = {};
     /// Exposure time for which the records must suffice (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};
-    /// Size the file for pictures that are made with rays in the scene (`--for-rays`).
+    /// The file is only used for pictures that are made with rays into the scene, so fewer records suffice
+    /// (`--for-rays`).
     bool for_rays = false;
     /// Greatest depth of the recursive division of a pixel into 2x2 cells, 0 to 8 (`--subdivide`). Default:
     /// 2. With `for_f_number` it is 3 at the borders of objects, with `for_rays` 1.
