@@ -44,7 +44,7 @@ let settled = null;  // the last displayed image that was not a first, quick one
 let other = null;    // the image with which it is compared
 let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
-let generation = 0;  // number of the latest request
+let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
 let again = 0;       // time of the input that arrived while the first, coarse image was being made; 0: none
 const timings = [];  // for benchmarks: {views, input, answered, painted}
@@ -73,7 +73,7 @@ async function ask(what, options) {
   return answer;
 }
 
-/** Asks up to eight times while the answer is wanted, as another request may cancel this one. The waiting time is random,
+/** Repeats a request up to eight times, because another request may cancel it. The time between two attempts is random,
     so that two pages do not cancel each other forever. */
 async function askAgain(what, options, isWanted = () => true) {
   for (let attempt = 0; attempt < 8; ++attempt) {
@@ -85,9 +85,9 @@ async function askAgain(what, options, isWanted = () => true) {
   return null;
 }
 
-let beside = Promise.resolve();  // ends with the request that `askBeside` made last
+let beside = Promise.resolve();  // ends when the last request by `askBeside` ends
 
-/** Requests a picture beside that of the lens. The server makes one at a time, so finer pictures of the lens wait. */
+/** Requests an additional image. The server makes one image at a time, so finer images of the lens wait. */
 function askBeside(what, options) {
   const answer = askAgain(what, options);
   beside = answer.catch(() => null);
@@ -124,7 +124,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // What is copied or saved while the quick picture is shown is the last one.
+      // If the user copies or saves while the quick image is shown, the final image is used.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -141,7 +141,7 @@ async function refocus(input = performance.now()) {
     if (!picture && !isQuick) return;
   }
   describe();
-  if (pointed) tellPixel(pointed);  // its values and circles of confusion are of the lens before
+  if (pointed) tellPixel(pointed);  // the displayed values are those of the previous lens
   findCauses();
 }
 
@@ -174,7 +174,7 @@ function undo() {
 
 // ---- Comparing ------------------------------------------------------------------------------------------------------
 
-let comparison = 0;  // number of the latest picture to compare with
+let comparison = 0;  // serial number of the latest image to compare with
 
 function keepBefore() {
   if ($("compare").value === "before" && settled) other = settled;
@@ -219,7 +219,7 @@ async function traceRays() {
 // ---- Causes of the error --------------------------------------------------------------------------------------------
 
 let causesOf = null;             // the image whose causes are being found
-let dropping = null;             // the request that cancels them
+let dropping = null;             // the request that cancels this search
 let causesFailure = "";
 
 /** Requests the causes of the error of the displayed image, if they are to be shown. */
@@ -236,7 +236,7 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // Three quarters of a wrong pixel are its cause's colour, the rest is its brightness.
+    // In a pixel in error, the colour of its cause has a weight of 3/4 (alpha 191), and the image 1/4.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {
@@ -542,8 +542,8 @@ function pixelAt(event) {
 
 const pixelOptions = ([x, y]) => ({ x: x.toFixed(2), y: y.toFixed(2), ...Object.fromEntries(Object.entries(lensOptions()).filter(([k]) => ["f-number", "focus", "focal-length"].includes(k))) });
 const metres = (m) => m === null ? "∞" : `${Number(m.toPrecision(3))} m`;
-let hover = 0;       // number of the latest question
-let pointed = null;  // the place in the frame under the pointer
+let hover = 0;       // serial number of the latest request for a pixel
+let pointed = null;  // the position in the frame under the pointer
 
 async function tellPixel(at) {
   const mine = ++hover;
@@ -642,7 +642,7 @@ function showControls() {
 }
 
 async function showMode() {
-  if ($("status").classList.contains("error")) describe();  // what was wrong with the mode before
+  if ($("status").classList.contains("error")) describe();  // removes the error message of the previous mode
   if ($("show").value === "causes") findCauses(); else if (causesOf) dropCauses();
   showLegend();
   if (needsDepths($("show").value) && !depths) {
