@@ -93,7 +93,7 @@ def film_of(scene, camera):
 
 
 def view_of(scene, camera):
-    """What of a camera decides its passes besides its place: texts by their names."""
+    """The properties of a camera, other than its pose, on which its passes depend: a dict of texts by name."""
     data, film = camera.data, film_of(scene, camera)
     return {
         "camera": camera.name,

@@ -31,7 +31,7 @@ def find(path):
 
 
 def end(child):
-    """Ends a command that still runs. It removes its unfinished output when it is asked to end, so it gets the time."""
+    """Ends a command that still runs. The command gets time to remove its unfinished output."""
     if child.poll() is not None:
         return
     child.terminate()

@@ -1,5 +1,6 @@
 """Exports the scene as Blender renders it to a glTF file: a mesh for every visible instance, with its modifiers, shape
-keys and armatures applied. Blender's exporter alone would write the meshes as they are edited, hidden objects too."""
+keys and armatures applied. Blender's exporter alone would write the meshes as they are in edit mode, and also hidden
+objects."""
 
 import json
 import struct
@@ -12,7 +13,8 @@ from .rendered import rendered
 
 # Types of objects that a render shows and that glTF has no equivalent for.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# Error of a matrix without its shear, relative to its largest scale, that is a matter of rounding.
+# Largest difference between a matrix and the same matrix without shear, relative to the largest scale, that is treated
+# as rounding.
 SHEAR = 1e-5
 
 
@@ -33,7 +35,7 @@ class Copy:
         """The mesh of an object. Objects that share their mesh and materials share the copy, too."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material belongs to the mesh or to the object. The slots have both.
+            # A material belongs either to the mesh or to the object. The slots contain both kinds.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -46,7 +48,7 @@ class Copy:
         unsheared = Matrix.LocRotScale(*matrix.decompose())
         if max(abs(x) for row in matrix - unsheared for x in row) <= SHEAR * max(map(abs, matrix.to_scale())):
             self.add(thing.name, self.mesh_of(thing, key), matrix)
-        else:  # A node of glTF cannot shear, so this mesh is sheared itself.
+        else:  # A node of glTF cannot shear, so the mesh itself is sheared.
             mesh = self.mesh_of(thing, (*key, matrix.copy().freeze()))
             mesh.transform(matrix)
             self.add(thing.name, mesh, Matrix())
@@ -71,7 +73,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # Each removal on its own would search the whole file for users, and that of a scene needs a window.
+        # All are removed by one call. Each single removal would search the whole file for users, and the removal of a
+        # scene would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
@@ -91,11 +94,11 @@ def rename_nodes(path, names):
 
 
 def export(scene, camera, path):
-    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns a line for each thing that
-    is not traced as it is rendered."""
+    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns one line for each kind of
+    content that postlens traces differently from what Blender renders."""
     # After a script has opened a file, the context has no window until Blender's next event.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # A view with a camera of its own takes that of the window's scene when the scene changes.
+    # A 3D view with a local camera switches to the camera of the window's scene when that scene changes.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

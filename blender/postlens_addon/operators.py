@@ -11,9 +11,9 @@ from . import command, pictures
 
 IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
-# Seconds between two looks at the work in a window.
+# Seconds between two checks of the work in a window.
 TICK_S = 0.05
-# Events that pass while a run changes the scene for its renders: those that look around and change nothing.
+# Events that are passed on while a run has changed the scene for its renders. They only move the view.
 LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
            "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
 # Height of Blender's status bar at a resolution scale of 1.
@@ -50,7 +50,8 @@ def job_of(scene, animation):
 
 
 def is_harmless(context, event):
-    """Whether an event changes nothing of the scene: looking around, or the stop button of a render in the status bar."""
+    """Whether an event leaves the scene unchanged: it moves the view, or presses the stop button of a render in the
+    status bar."""
     if event.ctrl or event.alt or event.shift or event.oskey:
         return False
     height = STATUS_BAR_PX * context.preferences.system.ui_scale if context.screen.show_statusbar else 0
@@ -66,7 +67,7 @@ def show(path, can_open=False):
 
     `can_open`: opens the view that Blender's preferences choose for renders, if no image editor is open.
     """
-    # The property tells the image from one of the user's that has this name.
+    # The property distinguishes the image from a user's image of the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
@@ -83,16 +84,17 @@ def show(path, can_open=False):
 
 
 def line_of(error):
-    """A failure as one line."""
+    """The message of a failure, as one line."""
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
-    # A failure of an operator of Blender ends with the line of Blender's code that called it.
+    # The message of a failed Blender operator ends with the line of Blender's code that called the operator.
     lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
     return next((s for s in reversed(lines) if s and not s.startswith("Location: ")), type(error).__name__)
 
 
 class Pictures:
-    """Base of both operators. In a window it looks at the work on a timer, so that the window stays responsive."""
+    """Base of both operators. In a window, a timer calls it to continue the work, so that the window stays
+    responsive."""
 
     animation: BoolProperty(name="All frames", default=False, description="Every frame of the scene's range")
 
@@ -130,7 +132,7 @@ class Pictures:
             area.tag_redraw()
 
     def step(self):
-        """Goes on with the work. Returns whether more follows."""
+        """Continues the work. Returns whether some of it remains."""
         try:
             found = next(self.made)
         except StopIteration:
@@ -206,7 +208,7 @@ class Pictures:
         """Ends the work and puts the window and the scene back."""
         self.made.close()
         Pictures.running, Pictures.said = None, ""
-        # Neither exists any more if the window closes.
+        # The timer and the workspace no longer exist if the window has been closed.
         with contextlib.suppress(ReferenceError):
             self.manager.event_timer_remove(self.timer)
             self.manager.progress_end()

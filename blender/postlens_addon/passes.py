@@ -21,7 +21,7 @@ VISIBLE_RADIUS_PX = 1.0
 
 def curves_of(thing, name):
     """The animation curves and drivers of properties of this name in the data block of `thing`."""
-    animation = getattr(thing.id_data, "animation_data", None)  # collections, for one, have none
+    animation = getattr(thing.id_data, "animation_data", None)  # collections, for example, have none
     if not animation:
         return []
     actions = {animation.action, *(strip.action for track in animation.nla_tracks for strip in track.strips)} - {None}
@@ -33,8 +33,8 @@ def curves_of(thing, name):
 def kept(*places):
     """Restores properties after the body of the `with` statement. In the body they have the values that are set there,
     even if they are animated. `places`: pairs of a Blender object and the names of its properties, in the order in
-    which they are set: a file format, for instance, before its colour depth, because it decides which depths exist. A
-    property that cannot be restored does not keep the others from being restored."""
+    which they must be set. A file format, for example, comes before its colour depth, because the format determines
+    which depths exist. If a property cannot be restored, the others are restored nevertheless."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
     # A render evaluates the animation again, which would replace the values that the body has set.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
@@ -60,9 +60,9 @@ def is_holdout(thing, layer):
 
 
 def depths(scene, camera, depsgraph):
-    """Nearest and farthest distance of what each object before the camera shows, itself and all instances that it makes
-    or is made into. Such an object hides all of them with itself from the camera's rays, so a holdout among them, where
-    the image stays empty, counts as infinitely far: it must not be hidden."""
+    """Returns, for each object in front of the camera, the nearest and the farthest distance of the object and of all
+    instances that it makes or that are made of it. Hiding the object from camera rays hides all of them. A holdout,
+    where the image stays empty, must not be hidden, so it counts as infinitely far."""
     pose, layer, out = cameras.pose_of(camera, depsgraph), layer_of(scene), {}
     for instance in depsgraph.object_instances:
         if instance.object.type in SHAPES and instance.show_self:
@@ -107,7 +107,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # The file format replaces this name, which may have no value.
+        # Setting the file format replaces this name. If the name has no value, it cannot be restored.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -145,7 +145,7 @@ def pinhole(scene, camera, film, vectors):
 
 @contextlib.contextmanager
 def without_render_window():
-    """Keeps Blender from opening its render view in the body, in which a render begins."""
+    """Keeps Blender from opening its render view when a render begins in the body."""
     preferences = bpy.context.preferences
     with kept((preferences.view, ("render_display_type",)), (preferences, ("is_dirty",))):
         preferences.view.render_display_type = "NONE"

@@ -12,7 +12,7 @@ from . import camera as cameras
 from . import command, export, passes
 from .rendered import rendered
 
-# The share of a frame's time that each of its two renders takes in the progress that is shown.
+# Share of a frame's displayed progress that each of its two renders takes.
 RENDER_SHARE = 0.4
 # Longest time, s, for which `survey` blocks Blender's window before it pauses.
 SURVEY_S = 0.1
@@ -41,13 +41,14 @@ class Job:
         return os.path.join(self.folder, f"{name}.{frame:04d}{ending}")
 
     def tell(self, frame, share, text):
-        """Reports the completed share of a frame, and what is done at present."""
+        """Reports the completed share of a frame, and the present step."""
         i, count = self.frames.index(frame), len(self.frames)
         self.progress((i + share) / count, f"frame {frame} ({i + 1} of {count}): {text}")
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. A generator that yields while the command runs."""
-        # The program takes # and % in paths for numbers of frames, so it gets no folder.
+        # The program takes # and % in a path for placeholders of frame numbers. It therefore runs in the folder and
+        # gets only the names of the files.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)
@@ -80,7 +81,7 @@ class Passes:
 def exposure_of(scene):
     """The middle of the exposure, in frames from the frame's own instant, and its duration, 0 without motion blur.
 
-    Only Cycles writes motion vectors. What another engine blurs itself stays in its picture."""
+    Only Cycles writes motion vectors. Motion blur by another engine stays in its image."""
     if scene.render.engine != "CYCLES" or not scene.render.use_motion_blur:
         return 0.0, 0.0
     duration = scene.render.motion_blur_shutter
@@ -88,7 +89,7 @@ def exposure_of(scene):
 
 
 def at_frame(job, frame):
-    """Sets the scene to the middle of a frame's exposure, where the depths are nearest to what the exposure shows.
+    """Sets the scene to the middle of a frame's exposure, where the depths are closest to those of the exposed image.
     Returns the camera, lens and film."""
     time_frames = frame + job.subframe + exposure_of(job.scene)[0]
     job.scene.frame_set(math.floor(time_frames), subframe=time_frames % 1)
@@ -196,9 +197,11 @@ def frame_kept(scene):
 
 
 def focus_frames(job):
-    """Makes the images. A generator that yields (frame, path) for each, and None while work goes on elsewhere.
+    """Makes the images. A generator that yields (frame, path) for each image, and None while a render or a command
+    runs.
 
-    Raises CameraError, CommandError, Cancelled, OSError and RuntimeError. Everything is put back if it is closed.
+    Raises CameraError, CommandError, Cancelled, OSError and RuntimeError. If the generator is closed, the scene
+    is restored.
     """
     with frame_kept(job.scene):
         margin, split = yield from survey(job)

@@ -42,8 +42,8 @@ def unnoticed():
 def rendered(scene, look):
     """Returns what `look` returns for the dependency graph of a render of the scene's current frame.
 
-    Blender makes this graph for render engines alone, so an engine that renders nothing looks at it. The engine exists
-    only meanwhile: the user's list of engines does not have it.
+    Blender makes this graph only for render engines. A temporary engine, which renders nothing, therefore calls `look`.
+    The engine is removed afterwards, so that it does not appear in the user's list of engines.
     """
     found, errors, render = [], [], scene.render
 

@@ -214,7 +214,8 @@ class Addon(unittest.TestCase):
         instancer.instance_type, instancer.instance_collection = "COLLECTION", several
         scene.collection.objects.link(instancer)
         self.assertLessEqual({"instancer", "post 0"}, self.hidden(scene))
-        # What is also far away is not hidden: neither is the object that it is made of.
+        # An instance that is far away must not be hidden. The object of which the instance is made must not be hidden
+        # either.
         instancer.location = (0, 0, -9)
         self.assertTrue({"instancer", "post 0"}.isdisjoint(self.hidden(scene)))
         scene.collection.objects.unlink(scene.objects["post 0"])
@@ -272,7 +273,8 @@ class Addon(unittest.TestCase):
         self.assertGreater(found, 22)
 
     def test_a_holdout_stays_in_front(self):
-        # Neither the holdout of an object nor that of a collection is rendered away with the objects before the focus.
+        # Holdouts of objects and of collections must not be omitted together with the objects in front of the focus
+        # plane.
         scene = self.boxes(16)
         scene.render.film_transparent = True
         held = bpy.data.collections.new("held")
@@ -338,7 +340,7 @@ class Addon(unittest.TestCase):
         scene.view_layers[0].material_override, other.material_override = other.material_override, None
         scene.view_layers[0].use = False
         self.same(self.focused("second"), alone)
-        # The tracer takes that layer, too, whichever the window shows.
+        # The tracer uses that layer, too, whatever layer the window shows.
         for layer in scene.view_layers:
             layer.layer_collection.children["near"].exclude = layer != other
         for shown in scene.view_layers:
@@ -433,7 +435,8 @@ class Addon(unittest.TestCase):
         self.assertLess(program("compare", still[True], still[False])["psnr_db"], 40)
 
     def test_the_shutter_opens_and_closes_as_in_cycles(self):
-        # The camera moves past everything, so the place of the exposure in the frame moves the whole image.
+        # The camera moves past all objects. The whole image therefore shifts with the position of the exposure within
+        # the frame.
         scene = self.boxes(32)
         camera = scene.camera
         for frame in (0, 2):

@@ -272,7 +272,7 @@ class Window(unittest.TestCase):
         self.assertEqual(all_settings(scene), before)
         self.assertEqual(bpy.context.preferences.view.render_display_type, view)
         self.assertIn("was stopped: 0 of 1 pictures", self.reports()[-1])
-        # Blender's next render is not stopped too.
+        # Blender's next render must not be stopped as well.
         scene.cycles.samples = 1
         self.start()
         yield self.ended
@@ -383,7 +383,7 @@ class Window(unittest.TestCase):
 
     @without_render
     def test_the_tracer_works_right_after_a_file_is_opened(self):
-        # The context has no window then.
+        # Right after a file is opened, the context has no window.
         scene = self.scene("64x36")
         self.assertIsNone(bpy.context.window)
         self.assertEqual(bpy.ops.postlens.trace(), {"FINISHED"})
@@ -433,7 +433,8 @@ def exceptions():
 
 
 def steps():
-    """Runs the test. A generator that yields between two looks at what the test waits for; returns an exit code."""
+    """Runs the test. A generator that yields between two checks of the condition for which the test waits. Returns an
+    exit code."""
     name = words()[3]
     test, start, passed = Window(name), time.monotonic(), False
     test.setUp()
@@ -486,7 +487,7 @@ def step():
 
 
 def begin():
-    # The beginning of a test loads a file, which an operator that runs the test would not survive.
+    # The first step of a test loads a file. An operator does not survive this, so the first step runs without one.
     step()
     if getattr(getattr(Window, words()[3]), "without_render", False):
         bpy.app.timers.register(again, first_interval=TICK_S, persistent=True)
