@@ -35,7 +35,7 @@ def picture_of(
 
 
 def _version(path: str) -> Optional[tuple[int, int, int, int]]:
-    """Tells a file from one that replaces it. None if there is no file."""
+    """Returns a value that differs if another file has replaced this one. None if there is no file."""
     try:
         status = os.stat(path)
     except OSError:
@@ -72,12 +72,12 @@ class Frame:
 
     @property
     def width(self) -> int:
-        """Of its pictures, px."""
+        """Width of the pictures made from the file, px."""
         return int(self.info["width"])
 
     @property
     def height(self) -> int:
-        """Of its pictures, px."""
+        """Height of the pictures made from the file, px."""
         return int(self.info["height"])
 
     def __repr__(self) -> str:
@@ -159,7 +159,7 @@ class Frame:
         focus_m, focus_at: the focus distance, m, or the pixel (x, y) to focus on.
         focal_length_mm: focal length F. It does not change the field of view, unless framing="lens".
         method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole".
-        views: number of lens points to which lightfield and hybrid reproject the records.
+        views: number of lens points to which the methods "lightfield" and "hybrid" reproject the records.
         target_db: the PSNR, dB, that "auto" must reach.
         scene: the scene from which the frame was traced. Rays then replace view samples that the records do not
             determine, and the error of the picture is measured (Picture.stated_db).
