@@ -1,4 +1,5 @@
-// A program of one's own: the picture of a sample file through 50 mm at f/2, focused at 3 m.
+// Example of a program that uses the library. It makes the picture of a sample file through a lens of 50 mm
+// at f/2, focused at 3 m.
 #include <cstdio>
 #include <postlens/focus.h>
 
