@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What shares cost and how many of them pay: the table of docs/farm.md.
+"""Measures what shares cost and how many of them are worthwhile: the table of docs/farm.md.
 
     farm_table.py BUILD OUT
 

@@ -5,10 +5,10 @@
 
 BUILD is a build folder (build/release) with the target foreign_export. A scene of bars is traced through a pinhole at
 1920x1080, whole and without the near objects. bench/foreign_export.cpp writes both as another program would: flat with
-a Cryptomatte, and deep. Each row of the table is a whole process of `postlens focus`; seconds are medians of K rounds
-in which the rows take turns, and megabytes are the largest peak of a process. On a machine that does other work too,
-only the seconds of all threads together can be compared. A second table has the peaks of ranges of
-5 and of N frames of 688x408 px. OUT receives the tables as foreign.md and the images.
+a Cryptomatte, and deep. Each row of the table is a whole process of `postlens focus`. Seconds are medians over K
+rounds, in each of which every row runs once. Megabytes are the largest peak of a process. On a machine that does other
+work too, only the seconds of all threads together can be compared. A second table has the peaks of ranges of 5 and of N
+frames of 688x408 px. OUT receives the tables as foreign.md and the images.
 """
 
 import argparse

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Compares `--method hybrid` with as many rays per pixel as it has views: a table of docs/light_field.md.
+"""Compares `--method hybrid` with as many rays per pixel as hybrid has views: a table of docs/light_field.md.
 
     hybrid_table.py BUILD OUT [--size 480x270] [--views 64,256] [--reference-spp 512] [--spd DIR] [--trees SEEDS]
 
-BUILD is a build folder (build/release). Each sample scene is traced with `--for-rays`; `focus` or `shoot` makes an image
-by `hybrid`, `render --halves` another of as many rays, also in two independent halves. Both are compared with a render
-of 2 x REFERENCE-SPP rays a pixel, whose noise is subtracted. Seconds are of whole processes, each run once. Nothing else
-should run on the machine. DIR holds `balls.nff` and `mount.nff` of the Standard Procedural Databases at their default
-sizes; without it, these two rows are left out. With --trees (such as 1001-1012), random scenes with trees
-(random_scene.py) take the place of all these. OUT receives hybrid.md.
+BUILD is a build folder (build/release). Each sample scene is traced with `--for-rays`; `focus` or `shoot` makes an
+image by `hybrid`. `render --halves` makes another image from as many rays per pixel, in two independent halves. Both
+are compared with a render of 2 x REFERENCE-SPP rays per pixel, whose noise is subtracted from the errors. Seconds are
+those of whole processes, each run once. Nothing else should run on the machine. DIR holds `balls.nff` and `mount.nff`
+of the Standard Procedural Databases at their default sizes; without it, these two rows are left out. With --trees (such
+as 1001-1012), random scenes with trees (random_scene.py) take the place of all these. OUT receives hybrid.md.
 """
 
 import argparse

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Measures how far a trace must subdivide pixels if images are made with rays: a table of docs/planner.md.
+"""Measures how finely a trace must subdivide pixels if images are made with rays: a table of docs/planner.md.
 
     levels_table.py BUILD OUT [--seeds 301-316] [--size 480x270] [--targets 40,48]
 
 BUILD is a build folder (build/release). Each random scene (random_scene.py) and two sample scenes are traced for their
-lens with `--subdivide` 0 to 3. `focus` or `shoot --method auto --scene` makes an image for each target. Seconds are of
-whole processes, trace and image together. Nothing else should run on the machine. OUT receives levels.md.
+lens with `--subdivide` 0 to 3. `focus` or `shoot --method auto --scene` makes an image for each target. Seconds are
+those of whole processes: the trace plus the image. Nothing else should run on the machine. OUT receives levels.md.
 """
 
 import argparse
@@ -19,7 +19,7 @@ SAMPLES = [("bars_lit.toml", 1.4, 5), ("still_life.toml", 1.8, 0.8)]
 
 
 def scenes(bench, seeds):
-    """Name, file and lens of each scene; the name of all random scenes is the same."""
+    """Yields name, file and lens of each scene. All random scenes have the same name."""
     for _, path, _, made in certify.random_scenes(bench, seeds, random_scene.KINDS):
         yield f"random scenes {seeds}", path, made
     for name, f_number, focus_m in SAMPLES:

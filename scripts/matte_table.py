@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Measures how good a refocused Cryptomatte is, object by object: the table of docs/compositing.md.
+"""Measures the error of a refocused Cryptomatte, object by object: the table of docs/compositing.md.
 
     matte_table.py BUILD OUT [--spp N] [--views N...]
 
@@ -8,9 +8,9 @@ before the focus, and with its walls and floor alone. bench/foreign_export.cpp w
 would, each with a Cryptomatte and an overscan. The first image, alone and with the others behind it, is focused with
 the pass `cryptomatte`. The true matte of an object is an image by distributed rays through the lens, in which the
 object emits a radiance of 1 and everything else is black. Two independent halves of N samples per pixel each give its
-noise, which is subtracted from the errors. A cell of the first table has the median and the lowest PSNR of the mattes of
-a scene; one of the second has the PSNR of a matte over the frame, and over the pixels that show some of the object in
-parentheses. OUT receives the table as mattes.md, the scenes and the images.
+noise, which is subtracted from the errors. A cell of the first table has the median and the lowest PSNR of the mattes
+of a scene. A cell of the second table has the PSNR of a matte over the frame, and in parentheses over the pixels that
+show some of the object. OUT receives the table as mattes.md, the scenes and the images.
 """
 
 import argparse
@@ -29,7 +29,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 BARS = os.path.join(HERE, "..", "samples", "scenes", "bars.toml")
 SIZE, OVERSCAN, FILM_MM, FILM_DISTANCE_MM = (480, 270), 24, 36, 50
 SEEDS = (28, 35)  # of random_scene.py: an object in focus with near and far ones; nine near objects, one far
-NOTHING = "(nothing)"  # the matte of what no object covers
+NOTHING = "(nothing)"  # name for the matte of the area that no object covers
 PICTURES = ("whole", "far", "ground")
 
 
@@ -90,7 +90,8 @@ class Scene:
 
 
 def matte_id(name):
-    """The Cryptomatte's id of a name: MurmurHash3 (x86, 32 bits, seed 0), and no float that is not a normal one."""
+    """The Cryptomatte id of a name: MurmurHash3 (x86, 32 bits, seed 0). One bit is changed if the bits are not those of
+    a normal float."""
     data, h, mask = name.encode(), 0, 0xFFFFFFFF
 
     def mixed(k):
@@ -125,8 +126,8 @@ def db(square):
 
 
 class Error:
-    """Of a matte against two independent halves of the true one, dB: over the frame, and over the pixels that show some
-    of the object."""
+    """PSNR of a matte against two independent halves of the true matte, dB: over the frame, and over the pixels that
+    show some of the object."""
 
     def __init__(self, matte, halves):
         truth, noise = (halves[0] + halves[1]) / 2, (halves[0] - halves[1]) ** 2 / 4
