@@ -177,9 +177,9 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
-/// Upper bound of the sum, over the pixels, of the squared covariance of the nearer group's coverage with the
-/// farther group's light, for light of up to 1. A group that covers a pixel for the share c of the exposure
-/// has a variance of its coverage of c (1 - c), and of its light of at most c.
+/// Upper bound of a sum over pixels: the squared covariance between the nearer group's coverage and the
+/// farther group's light, for light of up to 1. If a group covers a pixel during the share c of the exposure,
+/// its coverage has the variance c (1 - c), and its light a variance of at most c.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -25,9 +25,9 @@ inline constexpr std::size_t most_path_points = 1'000'000;
 /// - catmull_rom: a cubic in time. Its velocity at a knot is that of the parabola through the knot and its
 ///   two neighbours. At the first and last knot it is that of the straight line to the only neighbour. Knots
 ///   may have any times;
-/// - bezier: the cubic Bezier curve with the control points at, at + out, next at + in, and next at, whose
-///   parameter is linear in time. Handles of a third of the distance result in constant velocity. Longer
-///   handles result in higher velocities at the knots.
+/// - bezier: the cubic Bezier curve with the control points at_px, at_px + out_px, and, of the next knot,
+///   at_px + in_px and at_px. The curve's parameter is linear in time. Handles of a third of the distance
+///   result in constant velocity. Longer handles result in higher velocities at the knots.
 enum class PathKind { polyline, catmull_rom, bezier };
 
 struct PathKnot {
