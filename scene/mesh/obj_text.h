@@ -12,7 +12,7 @@ namespace postlens {
 
 /// How a picture of an MTL file lies on a surface: at scale * (u, v) + offset.
 struct PictureOptions {
-    glm::dvec2 scale{1}, offset{0};  ///< of -s and -o
+    glm::dvec2 scale{1}, offset{0};  ///< values of -s and -o
     bool clamp = false;              ///< of -clamp: outside the unit square, the border colours continue
     [[nodiscard]] bool lies_like(const PictureOptions& other) const {
         return scale == other.scale && offset == other.offset;
@@ -21,12 +21,12 @@ struct PictureOptions {
 
 /// The options of a material's pictures.
 struct MaterialPictures {
-    PictureOptions colour, emission;  ///< of map_Kd and map_Ke
+    PictureOptions colour, emission;  ///< options of map_Kd and map_Ke
 };
 
-/// Returns the text of an OBJ file with the same contents, but without blanks around lines and comments
-/// behind numbers, with a digit before every decimal point, and with one `mtllib` line per file name. Assimp
-/// 5.2 loses or rejects such lines.
+/// Returns the text of an OBJ file with the same contents, in a form of which assimp 5.2 neither loses nor
+/// rejects a line: without blanks around lines, without comments behind numbers, with a digit before every
+/// decimal point, and with one `mtllib` line per file name.
 [[nodiscard]] std::string rewritten_obj(std::string_view text);
 
 /// Returns the text of an MTL file without comments behind numbers, without `-halo`, and without the options
