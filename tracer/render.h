@@ -66,7 +66,7 @@ struct RenderSettings {
 struct RenderResult {
     Image image;
     std::array<Image, 2> halves;  ///< empty without `halves`
-    RayCounts rays;               ///< of this run
+    RayCounts rays;               ///< numbers of rays of this run
     bool resumed = false;         ///< the run continued an interrupted one
     int spp_resumed = 0;        ///< least number of samples per pixel that the interrupted run had completed
     double seconds_render = 0;  ///< time of tracing alone, s

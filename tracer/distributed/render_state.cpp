@@ -31,8 +31,9 @@ constexpr const char* part_attribute = "postlens:part";
 /// and whether a block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words per pixel, each of which is a channel: three floats of colour, and for
-// each half a sample count and three doubles (two words each) for every block.
+// Returns the number of 32-bit words per pixel; each word is a channel of the file. There are three floats of
+// colour. For each half, there are also a sample count, and three doubles (two words each) for every block
+// and for an unfinished block, if there is one (`with_open`).
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));

@@ -25,7 +25,7 @@ inline constexpr int most_sample_blocks = 64;
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
-    double exposure_stops = 0;  ///< of the sums
+    double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
     /// If `blocks` is 1: the sum of the unfinished block of samples. Empty if each block is finished in a
     /// single round.
@@ -53,7 +53,7 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
 /// A part of a render: some of the samples of every pixel.
 struct RenderPart {
     RenderState state;
-    std::string settings, mark;  ///< as write_state got them
+    std::string settings, mark;  ///< as passed to write_state
 };
 
 /// Reads a part of a render (--share) that write_state has written. Empty if the file is not such a part. If

@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-/// Largest size of a quadtree cell, px, that narrow objects need.
+/// Largest sizes of quadtree cells, px, that suffice for narrow objects.
 struct WantedCells {
     double find_px;     ///< for every cell near a narrow object
     double outline_px;  ///< for cells whose corners have different ids

@@ -46,7 +46,7 @@ struct CornerSample {
     std::uint32_t x = 0, y = 0;  ///< grid units
     std::uint32_t chunk = 0, first = 0, count = 0;
     std::uint32_t visible = 0;  ///< number of records of layer 0, which come first
-    std::uint32_t id = 0;       ///< of the primary node
+    std::uint32_t id = 0;       ///< id of the primary node
     std::uint32_t part = 0;     ///< ColourSource::part of the primary node
     float z = 0;                ///< z' of the primary node, m
     float r = 0, g = 0, b = 0;

@@ -23,11 +23,12 @@ struct LobeHit {
     glm::dvec3 origin{0};  ///< on the surface
     glm::dvec3 axis{0};    ///< exact direction of reflection or refraction, unit length
     glm::dvec3 side{0};    ///< geometric normal on the side of the lobe, unit length
-    double exponent = 1;   ///< of the lobe cos^exponent
+    double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of the node without means over lobes, times throughput. The slope of the sRGB curve is the
-    /// largest for this node alone, so other nodes of the sample can only cause more rays than necessary.
+    /// Radiance of the node without means over lobes, times throughput. Other nodes of the sample are
+    /// ignored. They would add radiance, and the slope of the sRGB curve decreases with radiance, so ignoring
+    /// them can only cause more rays than necessary.
     glm::dvec3 beside{0};
 };
 
