@@ -97,7 +97,7 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
                           double most_samples) {
     const double pixels = static_cast<double>(grid.width) * grid.height;
     struct Step {
-        double mse = 0, variance = 0;  ///< that the tile loses
+        double mse = 0, variance = 0;  ///< decrease of the error and of its variance
         std::size_t tile = 0;
     };
     std::vector<Step> steps;

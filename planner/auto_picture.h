@@ -22,7 +22,7 @@ struct AutoSettings {
 struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
-    double layers_weight = 0;   ///< of the image made by `layers`, 0 to 1
+    double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
     /// Measured error of the views and of `layers`; sRGB values, mean over pixels and channels.
     double noise_mse = 0;
 };

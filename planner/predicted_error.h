@@ -12,7 +12,7 @@ namespace postlens {
 struct PredictedTile {
     /// Error of the image relative to the light field of its records with infinitely many views.
     double method_mse = 0;
-    double bound_mse = 0;  ///< bound of the error from samples that the records do not determine
+    double bound_mse = 0;  ///< bound of the error from view samples that the records do not determine
 };
 
 struct PredictedError {
@@ -21,7 +21,7 @@ struct PredictedError {
     /// PSNR of the image, or of its crop, relative to the light field of its records with infinitely many
     /// views.
     double predicted_db = 0;
-    double bound_db = 0;      ///< PSNR of the error bound of samples that the records do not determine
+    double bound_db = 0;  ///< PSNR of the bound: error from view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine
     int views = 0;            ///< number of views drawn for the estimate
 };

@@ -28,7 +28,7 @@ struct StatedError {
     double views_mse = 0;       ///< error of the views (noise), and of the image that is mixed with them
     double bias_mse = 0;        ///< error of the records
     double highlights_mse = 0;  ///< the part of `bias_mse` that is due to highlights
-    double variance = 0;        ///< of the estimate `mse()`
+    double variance = 0;        ///< variance of the estimate `mse()`
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
     [[nodiscard]] double mse() const { return views_mse + bias_mse; }

@@ -183,8 +183,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // `trace` records hidden surfaces beside an edge as far as the lens may see behind the edge, plus a
-    // margin of a few pixels. In the preview this margin is wider, because pixels are larger, so the
+    // Beside an edge, `trace` records hidden surfaces in the strip that the lens may see behind the edge,
+    // plus a margin of a few pixels. In the preview this margin is wider, because pixels are larger, so the
     // preview's number of hidden records is scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =

@@ -12,7 +12,8 @@ namespace {
 constexpr int finest_levels = 6;
 constexpr int deepest_trees = NodePath::max_bounces + 1;
 
-/// The settings with which the file was traced, as far as its header contains them.
+/// The settings with which the file was traced. Settings that its header does not contain have their
+/// defaults.
 TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     TraceSettings s;
     s.camera = camera.camera;

@@ -34,8 +34,9 @@ class CheckedPixels {
 
   private:
     struct Place {
-        std::uint64_t hash;            ///< of the block
-        std::uint64_t place, stating;  ///< of the pixel in the block, and of the pixel that states the error
+        std::uint64_t hash;  ///< hash of the block
+        std::uint64_t place,
+            stating;  ///< indices in the block: of this pixel, and of the one that states the error
     };
     [[nodiscard]] Place place_of(int x, int y) const;
     /// Number of pixels of a block.
