@@ -63,7 +63,7 @@ struct Comparison {
     [[nodiscard]] double flip(const Figures& f) const { return within_range ? f.flip_ldr : f.flip_hdr; }
 };
 
-/// Throws Error(invalid_input) where sizes differ.
+/// Throws Error(invalid_input) if the sizes of the images differ.
 [[nodiscard]] Comparison compare_pictures(CompareInput input);
 
 /// Approximate memory, bytes, that compare_pictures needs for `pictures` images of this size.

@@ -16,15 +16,15 @@ namespace {
 /// wrong lens, so its limit is large. The limit of the last refinement is as small as the noise of 256
 /// samples per pixel allows.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the step of the central differences by the inverse focus distance 1/s, as a fraction of the range of
-/// inverse depths.
+/// Half the step of the central differences with respect to the inverse focus distance 1/s, as a fraction of
+/// the range of inverse depths.
 constexpr double focus_step = 0.03;
 /// Side, in px, of the blocks of pixels whose sums are treated as independent observations.
 constexpr std::size_t block_px = 16;
 /// Least variation of an image for which a lens is searched. In a constant image, blur is not visible.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual, as a fraction of the image's variation. With the right records about a tenth of
-/// the variation remains unexplained, with records of another view most of it.
+/// Largest accepted residual, as a fraction of the image's variation. With the right records, the residual is
+/// about a tenth of the variation. With the records of another view, it is most of the variation.
 constexpr double most_left = 0.5;
 /// Largest accepted error with the best lens, as a fraction of the error without blur. If the error is
 /// larger, the image shows no blur.
@@ -96,8 +96,8 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     // The error depends quadratically on the solver's step. If a step lowers the error by a fraction of less
     // than 1e-4, the next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The solver ends once nearly undamped steps no longer lower the error. Close to the minimum the error
-    // has no slope, because `focus` places its discs in steps.
+    // The solver ends once nearly undamped steps no longer lower the error. Close to the minimum, the error
+    // has no usable slope, because `focus` places its discs in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -181,9 +181,9 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // determinant / (aa bb) equals 1 - correlation^2 of the derivatives by aperture and by focus. If it is
-    // below 1e-4, the two derivatives differ only by the error of the central differences, and the image does
-    // not determine both parameters.
+    // determinant / (aa bb) equals 1 - correlation^2 of the derivatives with respect to aperture and focus.
+    // If it is below 1e-4, the two derivatives differ only by the error of the central differences, and the
+    // image does not determine both parameters.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();

@@ -14,11 +14,11 @@ namespace postlens {
 
 using Rgb8 = std::array<std::uint8_t, 3>;
 
-/// Behind the pictures and words of a comparison.
+/// Background colour behind the images and texts of a comparison.
 inline constexpr Rgb8 dark_background{24, 24, 24};
-/// Least width, in pixels, of a picture with a legend, so that the words fit.
+/// Least width, in pixels, of an image with a legend, so that the texts fit.
 inline constexpr int least_legend_width_px = 440;
-/// Distances between lines of words, and from the edge to the words, in pixels at scale 1.
+/// Distances between lines of text, and from the edge to the text, in pixels at scale 1.
 inline constexpr int text_line_px = 18, text_margin_px = 10;
 
 class Canvas {

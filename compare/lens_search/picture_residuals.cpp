@@ -15,7 +15,8 @@ namespace {
 
 /// Number of depths of `focus`. It is so large that the image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the step of the central differences by the logarithm of the aperture; see `lens_from_picture`.
+/// Half the step of the central differences with respect to the logarithm of the aperture; see
+/// `lens_from_picture`.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
 /// Size of the cache: the images of two lenses, and for each of them the four images of its derivatives.

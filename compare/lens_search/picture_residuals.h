@@ -1,5 +1,5 @@
-// Residuals per pixel between an image and the result of `focus` through a lens, and their derivatives by the
-// lens parameters.
+// Residuals per pixel between an image and the result of `focus` through a lens, and their derivatives with
+// respect to the lens parameters.
 #pragma once
 
 #include <deque>
@@ -32,8 +32,8 @@ class PictureResiduals {
     /// image and the given one to `out`. Residuals above `linear_from` count linearly instead of by their
     /// square.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes the derivatives of the residuals, alternately by the logarithm of the aperture and by the
-    /// inverse focus distance 1/s (1/m). `focus_step_per_m`: half the difference in 1/s over which the
+    /// Writes the derivatives of the residuals, alternately with respect to the logarithm of the aperture and
+    /// to the inverse focus distance 1/s (1/m). `focus_step_per_m`: half the difference in 1/s over which the
     /// derivatives are taken.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
     /// Computes the robust residuals of any image instead of a result of `focus`. The second function does so

@@ -25,8 +25,8 @@ struct RecordedDepths {
 
 /// Returns 1 for the pixels that receive no light from near a depth edge or from beyond the recorded area. In
 /// these pixels no hidden surface becomes visible and no light is missing, so `focus` is as accurate as the
-/// samples. A depth edge is a pixel in which the diameter of the circle of confusion (CoC) changes by 1 px or
-/// more. Its light reaches as far as the larger of its CoC radii.
+/// samples. A depth edge is a pixel within which the diameter of the circle of confusion (CoC) changes by 1
+/// px or more. The light of such a pixel reaches as far as the larger of its CoC radii.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens
