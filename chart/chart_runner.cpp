@@ -271,8 +271,8 @@ class Runner {
     }
 
     // Error of the pinhole image that is made from the records, against distributed rays. It is not 0,
-    // because the mean of a pixel's corner samples differs from the integral over the pixel. No method that
-    // reads the records can have a smaller error.
+    // because the mean of a pixel's corner samples differs from the integral over the pixel. Methods that
+    // read the records have this error too, unless blur averages it out.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
