@@ -11,7 +11,7 @@ namespace postlens {
 /// An image traced with rays, as the mean of two independent halves.
 struct HalvedImage {
     Image image, first_half, second_half;
-    double seconds = 0;  ///< that tracing took
+    double seconds = 0;  ///< time that tracing took, s
 };
 
 struct ErrorReference {

@@ -209,7 +209,7 @@ class Exporter {
     std::unique_ptr<ViewedFrame> frame_;
     int width_ = 0, height_ = 0;
     double f_number_ = 2.8;  ///< of the widest aperture: the file's, if it states one
-    std::string method_;     ///< that made the last image
+    std::string method_;     ///< method that made the last image
 };
 
 }  // namespace

@@ -169,7 +169,7 @@ std::string option(const std::string& name, const std::string& value) {
 ViewSession::ViewSession(ViewOptions options)
     : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
     if (!options_.scene) return;
-    // A picture of another program does not tell its scene.
+    // Only sample files state the digest of their scene, so it is compared only if it is present.
     const Json of_scene = run_info({.input = *options_.scene}).json;
     constexpr const char* key = "scene_sha256";
     if (facts_.contains(key) && facts_[key] != of_scene.at(key)) {

@@ -95,10 +95,10 @@ class ViewSession {
 
     ViewOptions options_;
     std::unique_ptr<ViewedFrame> frame_;
-    nlohmann::ordered_json facts_;  ///< of the frame
+    nlohmann::ordered_json facts_;  ///< facts about the frame
     Slot pictures_, rays_, pixels_, depths_, causes_;
     std::mutex last_mutex_;                  ///< guards `last_`
-    std::shared_ptr<const MadeImage> last_;  ///< that `picture` made last
+    std::shared_ptr<const MadeImage> last_;  ///< image that `picture` made last
     std::atomic<bool> stopped_{false};
 };
 
