@@ -133,7 +133,7 @@ def pinhole(scene, camera, film, vectors):
         settings.color_depth, settings.exr_codec = "32", "ZIP"
         # Colours of the scene's own output may have another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # The single layer of this setting is the one that the window shows.
+        # With this setting, Blender would render only the layer that the window shows.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer

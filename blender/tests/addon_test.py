@@ -490,7 +490,8 @@ class Addon(unittest.TestCase):
         self.assertGreater(found, least_db)
 
     def test_the_tracer_sees_what_a_render_shows(self):
-        # Modifiers, shape keys, hidden objects, instances and materials of objects, none as in the edited meshes.
+        # Modifiers, shape keys, hidden objects, instances and materials of objects make the rendered scene differ from
+        # the meshes in edit mode.
         scene = self.boxes(f_number=2)
         wide = scene.objects["box"]
         wide.shape_key_add(name="Basis")
