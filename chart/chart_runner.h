@@ -19,8 +19,9 @@ struct ChartRun {
 /// an earlier run of the same request are kept. A folder with the chart of another request is refused, unless
 /// `restart` is set. The time of a method is measured from opening the sample file to the image in memory.
 /// The time of rays is measured from the scene in memory to the image in memory. The time of a trace is
-/// measured from the scene in memory to the file. Throws Error(interrupted), after which the finished points
-/// remain on disk, Error(wrong_arguments), Error(invalid_input), Error(cannot_write), Error(out_of_memory).
+/// measured from the scene in memory to the file. Throws Error(interrupted); the finished points then remain
+/// on disk. Also throws Error(wrong_arguments), Error(invalid_input), Error(cannot_write) and
+/// Error(out_of_memory).
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 

@@ -47,9 +47,9 @@ struct TraceSettings {
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent: the surfaces that
-    /// motion during `for_shutter` may reveal and those that a lens of `for_f_number` sees past edges. None
-    /// if both options are absent.
+    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, two kinds of surfaces
+    /// are recorded: those that motion during `for_shutter` may reveal, and those that a lens of
+    /// `for_f_number` sees past edges. None are recorded if both options are absent.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`

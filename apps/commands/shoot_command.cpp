@@ -18,8 +18,8 @@
 namespace postlens {
 namespace {
 
-/// Warns of shadows, lights and reflections that move otherwise than the surfaces of the only recorded
-/// instant.
+/// Warns of shadows, lights and reflections that do not move with the surfaces. Does nothing if the file
+/// contains several recorded instants.
 void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
                            CommandResult& out) {
     constexpr int rows_at_once = 64;

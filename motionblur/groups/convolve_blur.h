@@ -23,7 +23,7 @@ struct Crossing {
 struct ConvolveBlur {
     Image image;                        ///< equal to `still` in pixels over which nothing moves
     std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded in it
-    std::vector<float> unknown;         ///< share of a pixel's light whose background is not recorded
+    std::vector<float> unknown;         ///< share of a pixel's light that comes from an unrecorded background
     std::vector<Crossing> crossings;    ///< one per group
     int direct_groups = 0, fft_groups = 0;
 };

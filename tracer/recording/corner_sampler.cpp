@@ -17,9 +17,9 @@
 namespace postlens {
 namespace {
 
-// Greatest number of rows of pixels whose records are in memory at once, and edge, px, of the squares that a
-// thread traces at once. Two rows of squares are enough for all threads, and need little memory for any width
-// of the raster.
+// Greatest number of pixel rows whose records are in memory at once, and edge, px, of the squares that a
+// thread traces at once. The band contains two rows of squares. That is enough work for all threads, and
+// needs little memory for any width of the raster.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;

@@ -32,7 +32,7 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
 /// Returns the differentials after refraction. `eta` is the index of refraction before the surface divided by
-/// that behind it. `normal` points against the ray. Not for total internal reflection.
+/// the index behind the surface. `normal` points against the ray. Not for total internal reflection.
 [[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
