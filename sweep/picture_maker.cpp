@@ -123,7 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    predict(out, {.focus = focus});
+    // A pinhole's image is the mean of its records. The light field would add its own error.
+    if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }
 

@@ -116,7 +116,15 @@ CommandResult run_focus(const FocusOptions& options) {
                                  .views = options.views.value_or(default_lens_views),
                                  .crop = options.crop};
     const bool predict = options.predict && method != FocusMethod::automatic;
-    if (predict) check_predictable(file.header(), settings);
+    if (predict) {
+        if (method == FocusMethod::pinhole || std::isinf(lens.lens.f_number)) {
+            fail(ExitCode::wrong_arguments,
+                 "--predict: not of a pinhole's picture, which is the mean of its records (got {}; expected "
+                 "a finite --f-number and a method other than pinhole)",
+                 options.method == FocusMethod::pinhole ? "--method pinhole" : "--f-number inf");
+        }
+        check_predictable(file.header(), settings);
+    }
     warn_of_missing_rows(file, out.warnings);
     FocusResult result;
     HybridResult hybrid;

@@ -77,7 +77,9 @@ TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
                        "--method", method, "--predict", "--json"})
                       .exit_code,
                   0);
-        for (const json& picture : j["pictures"]) EXPECT_GT(picture["predicted_db"], 15) << method;
+        EXPECT_GT(j["pictures"][0]["predicted_db"], 15) << method;
+        // The image of a pinhole is the mean of its records, so there is no error to predict.
+        EXPECT_EQ(j["pictures"][1]["predicted_db"], nullptr) << method;
     }
     EXPECT_EQ(json::parse(with({"--predict", "--resume", "--method", "lightfield"}).out)["kept"], 2);
     const Outcome shot = with({"--predict", "--shutter", "0:0.5", "--views", "16"});
