@@ -81,14 +81,7 @@ LensResponseRequest request_of(const LensPsfOptions& o) {
 
 CommandResult run_lens_psf(const LensPsfOptions& o) {
     in_range("--pixel-pitch", o.pixel_pitch_um, 0, false, "more than 0 um");
-    if (o.crossover) {
-        if (!o.output.empty()) {
-            fail(ExitCode::wrong_arguments,
-                 "--crossover: writes no picture (got {}; expected no file, or --profile FILE.csv)",
-                 o.output);
-        }
-        return run_crossover(o);
-    }
+    if (o.crossover) return run_crossover(o);
     if (o.output.empty())
         fail(ExitCode::wrong_arguments, "OUT: missing (got nothing; expected a file OUT.exr)");
     check_exr_path(o.output, "responses");

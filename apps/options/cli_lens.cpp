@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -12,6 +13,42 @@
 
 namespace postlens {
 namespace {
+
+/// One of several tasks of a command, and the options that it uses.
+struct Task {
+    std::string_view name;
+    std::vector<std::string_view> uses;
+};
+
+/// Refuses options that only other tasks use, because they would have no effect.
+void refuse_unused(const CLI::App& app, const Task& task, std::span<const Task> all) {
+    const auto uses = [](const Task& t, const std::string& option) {
+        return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();
+    };
+    for (const CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->count() > 0; })) {
+        const std::string name = option->get_name();
+        if (uses(task, name)) continue;
+        for (const Task& other : all) {
+            if (!uses(other, name)) continue;
+            fail(ExitCode::wrong_arguments, "{}: not with {} (got {}; expected none, or {})", name, task.name,
+                 option->results().front(), other.name);
+        }
+    }
+}
+
+const std::array<Task, 2> psf_tasks{
+    {{"--crossover", {"--focal-length", "--focus", "--depth", "--wavelength", "--pixel-pitch", "--profile"}},
+     {"a picture OUT.exr",
+      {"output", "--focal-length", "--f-number", "--focus", "--depth", "--wavelength", "--pixel-pitch",
+       "--size", "--impulse", "--squeeze", "--cats-eye", "--spherical", "--profile"}}}};
+
+const std::array<Task, 4> fit_tasks{
+    {{"a prescription",
+      {"--f-number", "--focus", "--wavelength", "--focus-by", "--move", "--depths", "--field",
+       "--tolerance-px", "--pixel-pitch", "--samples"}},
+     {"--pairs", {"--focal-length", "--f-number"}},
+     {"--sharp", {"--coc-limit", "--sensor", "--focal-length", "--f-number", "--wavelength"}},
+     {"--picture", {"--frame", "--focal-length", "--impulse", "--squeeze", "--cats-eye", "--spherical"}}}};
 
 void lens_numbers(CLI::App& app, LensCommandOptions& o) {
     required_number(app, "--focal-length", o.focal_length_mm, "Focal length F", "MM", above_0);
@@ -64,7 +101,10 @@ void add_psf(CLI::App& lens, ParsedCommand& common) {
     app.add_flag("--crossover", o->crossover,
                  "Say instead from which f-number on diffraction is wider than defocus and than a pixel");
     common_options(app, common);
-    app.callback([&common, o] { common.run = [o] { return run_lens_psf(*o); }; });
+    app.callback([&app, &common, o] {
+        if (o->crossover) refuse_unused(app, psf_tasks.front(), psf_tasks);
+        common.run = [o] { return run_lens_psf(*o); };
+    });
 }
 
 void prescription_options(CLI::App& app, PrescriptionOptions& o, bool required = true) {
@@ -137,36 +177,6 @@ void add_lens_trace(CLI::App& lens, ParsedCommand& common) {
     app.callback([&common, o] { common.run = [o] { return run_lens_trace(*o); }; });
 }
 
-/// A task of `lens fit` (the data to which a lens is fitted), and the options that the task uses.
-struct FitTask {
-    std::string_view name;
-    std::vector<std::string_view> uses;
-};
-
-const std::array<FitTask, 4> fit_tasks{
-    {{"a prescription",
-      {"--f-number", "--focus", "--wavelength", "--focus-by", "--move", "--depths", "--field",
-       "--tolerance-px", "--pixel-pitch", "--samples"}},
-     {"--pairs", {"--focal-length", "--f-number"}},
-     {"--sharp", {"--coc-limit", "--sensor", "--focal-length", "--f-number", "--wavelength"}},
-     {"--picture", {"--frame", "--focal-length", "--impulse", "--squeeze", "--cats-eye", "--spherical"}}}};
-
-/// Refuses options of other tasks, because they would have no effect.
-void refuse_unused(const CLI::App& app, const FitTask& task) {
-    const auto uses = [](const FitTask& t, const std::string& option) {
-        return std::find(t.uses.begin(), t.uses.end(), option) != t.uses.end();
-    };
-    for (const CLI::Option* option : app.get_options([](const CLI::Option* o) { return o->count() > 0; })) {
-        const std::string name = option->get_name();
-        if (uses(task, name)) continue;
-        for (const FitTask& other : fit_tasks) {
-            if (!uses(other, name)) continue;
-            fail(ExitCode::wrong_arguments, "{}: not with {} (got {}; expected none, or {})", name, task.name,
-                 option->results().front(), other.name);
-        }
-    }
-}
-
 void add_fit(CLI::App& lens, ParsedCommand& common) {
     CLI::App& app =
         *lens.add_subcommand("fit",
@@ -197,7 +207,7 @@ void add_fit(CLI::App& lens, ParsedCommand& common) {
                  tasks);
         }
         for (std::size_t i = 0; i < given.size(); ++i) {
-            if (given[i]) refuse_unused(app, fit_tasks[i]);
+            if (given[i]) refuse_unused(app, fit_tasks[i], fit_tasks);
         }
         common.run = [o, limits] {
             if (limits->picture) return run_lens_fit_picture(*limits);

@@ -153,7 +153,18 @@ TEST_F(LensPsfCommand, RefusesInOneLine) {
             "--cats-eye: the point lies on the axis");
     refused(psf({in("p.png")}), ExitCode::wrong_arguments, ".exr");
     refused(psf({}), ExitCode::wrong_arguments, "OUT");
-    refused(psf({out, "--crossover"}), ExitCode::wrong_arguments, "--crossover");
+    for (const Words& unused : {Words{out},
+                                {"--f-number", "8"},
+                                {"--size", "65"},
+                                {"--impulse", "disc"},
+                                {"--squeeze", "2"},
+                                {"--cats-eye", "0.5"},
+                                {"--spherical", "1"}}) {
+        const Words crossover{"lens",    "psf", "--crossover", "--focal-length", "50", "--focus", "1",
+                              "--depth", "2"};
+        refused(crossover + unused, ExitCode::wrong_arguments,
+                ": not with --crossover (got " + unused.back() + "; expected none, or a picture OUT.exr)");
+    }
     refused({"lens", "psf", out, "--f-number", "8"}, ExitCode::wrong_arguments, "--focal-length");
     refused(psf({in("missing/p.exr")}), ExitCode::cannot_write, "missing");
     refused(with("--profile", in("missing/p.csv").c_str()), ExitCode::cannot_write, "missing");
