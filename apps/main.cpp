@@ -1,20 +1,17 @@
 #include <csignal>
 #include <cstdio>
-#include <exception>
 #include <fcntl.h>
-#include <new>
 #include <string>
-#include <system_error>
 #include <unistd.h>
 #include <vector>
 
 #include "apps/cli.h"
 #include "apps/run_command.h"
+#include "core/caught_error.h"
 #include "core/job.h"
 #include "core/progress.h"
 #include "core/signals.h"
 #include "core/text.h"
-#include "core/thread_limits.h"
 
 namespace {
 
@@ -95,18 +92,10 @@ int main(int argc, char** argv) {
     int requeue_code = static_cast<int>(ExitCode::interrupted);
     try {
         return run(argc, argv, process, requeue_code);
-    } catch (const postlens::Error& e) {
+    } catch (...) {
+        const postlens::Error e = postlens::caught_error();
         say_error(e.what());
         if (e.code() == ExitCode::interrupted && postlens::is_asked_to_requeue()) return requeue_code;
         return static_cast<int>(e.code());
-    } catch (const std::bad_alloc&) {
-        say_error("not enough memory");
-        return static_cast<int>(ExitCode::out_of_memory);
-    } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
-        say_error(postlens::thread_error_text(e));
-        return static_cast<int>(ExitCode::out_of_memory);
-    } catch (const std::exception& e) {
-        say_error(std::string("internal error: ") + e.what());
-        return static_cast<int>(ExitCode::invalid_input);
     }
 }

@@ -24,7 +24,7 @@ class WidestJob {
     void add(int threads) {
         const std::lock_guard lock(mutex_);
         if (threads > 1 && threads > most_tried_) {
-            require_threads(threads - 1 + library_threads());
+            require_threads(threads - 1 + library_threads() + picture_module_threads);
             most_tried_ = threads;
         }
         threads_.insert(threads);

@@ -41,10 +41,6 @@ void require_threads(int number) {
     }
 }
 
-std::string thread_error_text(const std::system_error& error) {
-    return "cannot start a thread (" + error.code().message() + "; expected a higher limit)";
-}
-
 int library_threads() {
     // More threads would have little work, and a limit on memory or processes may prevent them from starting.
     constexpr int most = 8;

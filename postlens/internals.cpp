@@ -4,10 +4,9 @@
 #include <cstddef>
 #include <exception>
 #include <limits>
-#include <new>
 #include <utility>
 
-#include "core/error.h"
+#include "core/caught_error.h"
 #include "postlens/trace.h"
 
 namespace postlens::api {
@@ -31,12 +30,9 @@ void rethrow_as_error() {
         throw;
     } catch (const Error&) {
         throw;
-    } catch (const postlens::Error& e) {
+    } catch (...) {
+        const postlens::Error e = postlens::caught_error();
         throw Error(static_cast<ExitCode>(e.code()), e.what());
-    } catch (const std::bad_alloc&) {
-        throw Error(ExitCode::out_of_memory, "not enough memory");
-    } catch (const std::exception& e) {
-        throw Error(ExitCode::invalid_input, std::string("internal error: ") + e.what());
     }
 }
 

@@ -4,15 +4,12 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
-#include <new>
 #include <optional>
-#include <system_error>
 #include <thread>
 
-#include "core/error.h"
+#include "core/caught_error.h"
 #include "core/job.h"
 #include "core/text.h"
-#include "core/thread_limits.h"
 
 namespace py = pybind11;
 
@@ -52,12 +49,9 @@ py::object text_of(const std::string& text) {
 void translated(const std::function<void()>& call) {
     try {
         call();
-    } catch (const Error& e) {
+    } catch (...) {
+        const Error e = caught_error();
         raise(e.code(), e.what());
-    } catch (const std::bad_alloc&) {
-        raise(ExitCode::out_of_memory, "not enough memory");
-    } catch (const std::system_error& e) {  // of a thread; those of files are caught where they are used
-        raise(ExitCode::out_of_memory, thread_error_text(e));
     }
 }
 

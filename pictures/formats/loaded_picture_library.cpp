@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/error.h"
+#include "core/thread_limits.h"
 #include "pictures/formats/picture_module.h"
 
 namespace postlens {
@@ -43,6 +44,7 @@ const PictureLibrary& load() {
         fail(ExitCode::invalid_input, "{}: cannot be loaded ({}); what is neither OpenEXR nor PNG needs it",
              path, reason == nullptr ? "no reason given" : reason);
     };
+    require_threads(picture_module_threads);
     // The module is never closed, because its objects exist until the process ends.
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (module == nullptr) why_not();

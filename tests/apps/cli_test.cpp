@@ -229,6 +229,32 @@ TEST_F(Cli, ThreadsThatCannotBeStartedAreOneError) {
     EXPECT_EQ(limited("2").exit_code, 0);
 }
 
+TEST_F(Cli, ThreadsOfThePictureModuleThatCannotBeStartedAreOneError) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer has a thread of its own";
+#endif
+    if (::geteuid() != 0) GTEST_SKIP() << "only root can be a user who has no other processes";
+    const std::string frame = traced(), out = in("out");
+    fs::create_directory(out);
+    fs::permissions(in("."), fs::perms::others_exec | fs::perms::others_read, fs::perm_options::add);
+    fs::permissions(out, fs::perms::all);
+    const auto limited = [&](int processes, const char* threads) {
+        return run({"image", frame, "-o", out + "/x.jpg", "--quiet", "--threads", threads},
+                   "setpriv --reuid=61111 --regid=61111 --clear-groups prlimit --nproc=" +
+                       std::to_string(processes) + " timeout 60 ");
+    };
+    // The loader waits forever if it can start some of the module's four threads, and aborts if it can start
+    // none. `timeout` is a process, too.
+    for (const int processes : {2, 4, 5}) {
+        const Outcome few = limited(processes, "1");
+        EXPECT_EQ(few.exit_code, static_cast<int>(ExitCode::out_of_memory)) << processes << few.err;
+        EXPECT_TRUE(few.err.starts_with("postlens: cannot start the threads (got ")) << few.err;
+        EXPECT_EQ(std::count(few.err.begin(), few.err.end(), '\n'), 1) << few.err;
+    }
+    EXPECT_FALSE(fs::exists(out + "/x.jpg"));
+    EXPECT_EQ(limited(40, "2").exit_code, 0);
+}
+
 TEST_F(Cli, WhatIsWrongIsNamed) {
     const ExitCode two = ExitCode::wrong_arguments;
     const std::string frame = traced(), lens = POSTLENS_SAMPLES "/lenses/double_gauss.toml";

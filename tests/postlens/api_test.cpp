@@ -20,9 +20,11 @@
 #include <postlens/trace.h>
 #include <postlens/version.h>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
+#include "postlens/internals.h"
 #include "tests/support/command_test.h"
 
 namespace postlens::test::api_test {
@@ -222,6 +224,13 @@ TEST_F(Api, ErrorsHaveTheCommandsCodeAndOneLine) {
     });
     fails(Code::wrong_arguments, "threads", [] { const api::Job job({.threads = -1}); });
     EXPECT_EQ(folder_.file_count(), 1U);  // the frame
+    fails(Code::out_of_memory, "cannot start a thread", [] {
+        try {
+            throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+        } catch (...) {
+            api::rethrow_as_error();
+        }
+    });
 }
 
 TEST_F(Api, AnotherThreadCancelsAJob) {
