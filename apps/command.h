@@ -272,6 +272,8 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
 /// Adds a warning `salvaged` with the lost rows, if the file is damaged, and a warning `part`, if it is a
 /// part of a trace in shares.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
+/// Adds a warning `part`, if an image file is a part of an image in shares.
+void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws
 /// Error(wrong_arguments) if both are absent. `file` is the word for the kind of file in the error message.

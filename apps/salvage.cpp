@@ -2,19 +2,35 @@
 
 #include "apps/command.h"
 #include "apps/share.h"
+#include "pictures/foreign/foreign_file.h"
+#include "pictures/picture_part.h"
 #include "records/lost_rows.h"
 
 namespace postlens {
 
+namespace {
+
+void warn_of_share(const std::string& mark, const std::string& what, const std::string& lacks,
+                   std::vector<Warning>& out) {
+    const std::optional<Share> share = share_of_mark(mark);
+    if (!share || share->count == 1) return;
+    out.push_back({"part",
+                   fmt::format("{} is part {}/{} of {} (expected the whole, by `postlens merge`)", what,
+                               share->index, share->count, lacks),
+                   1 - 1.0 / share->count});
+}
+
+}  // namespace
+
+void warn_of_part(const std::string& picture, std::vector<Warning>& out) {
+    if (!is_openexr(picture)) return;
+    warn_of_share(read_part_mark(picture), picture,
+                  "a picture, and lacks the rows or the samples of the others", out);
+}
+
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out) {
-    const std::optional<Share> share = share_of_mark(file.header().made_by);
-    if (share && share->count > 1) {
-        out.push_back({"part",
-                       fmt::format("the file is part {}/{} of a trace: nothing is seen in the rows of the "
-                                   "others (expected the whole, by `postlens merge`)",
-                                   share->index, share->count),
-                       1 - 1.0 / share->count});
-    }
+    warn_of_share(file.header().made_by, "the file", "a trace: nothing is seen in the rows of the others",
+                  out);
     const std::span<const LostRows> lost = file.lost_rows();
     const std::span<const double> gone_s = file.lost_instants_s();
     if (lost.empty() && gone_s.empty()) return;

@@ -14,6 +14,7 @@
 #include "core/memory.h"
 #include "pictures/crop.h"
 #include "pictures/exr/exr_attributes.h"
+#include "pictures/exr/exr_input.h"
 
 namespace postlens {
 namespace {
@@ -128,6 +129,13 @@ std::optional<PicturePart> read_picture_part(const std::filesystem::path& path) 
     out.image.exposure_stops.reset();
     if (json[exposure_key].is_number()) out.image.exposure_stops = json[exposure_key].get<double>();
     return out;
+}
+
+std::string read_part_mark(const std::filesystem::path& path) {
+    const ExrHeaders headers = read_exr_headers(InputFile(path), 1);
+    const ExrPart& first = headers.parts.front();
+    if (auto mark = first.get_string(part_attribute)) return *std::move(mark);
+    return first.get_string(samples_part_attribute).value_or("");
 }
 
 void paste(const PicturePart& part, const std::string& name, Image& whole) {

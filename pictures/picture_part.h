@@ -26,6 +26,13 @@ struct PicturePart {
 /// if the file cannot be read or is not OpenEXR, or if its pixels were changed after it was written.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
+/// Attribute in which a part of a render's samples (tracer/distributed/render_state.h) has its mark.
+inline constexpr const char* samples_part_attribute = "postlens:part";
+
+/// Reads the mark of a part of an image or of a render's samples. Empty for any other OpenEXR file. Throws
+/// Error(invalid_input).
+[[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
+
 /// Copies the pixels of a part to their position in `whole`. Throws Error(invalid_input), which names the
 /// file `name`, if the part and `whole` have different channels.
 void paste(const PicturePart& part, const std::string& name, Image& whole);

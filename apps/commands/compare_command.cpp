@@ -272,6 +272,11 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     out.json["exposure_stops"] = exposer.stops();
     out.text = text_of(c, o, failures);
     if (!failures.empty()) out.exit_code = ExitCode::comparison_failed;
+    warn_of_part(o.image, out.warnings);
+    warn_of_part(o.reference, out.warnings);
+    for (const auto* path : {&o.pinhole, &o.noise}) {
+        if (*path) warn_of_part(**path, out.warnings);
+    }
     warn_of_nonfinite(c, o, out);
     warn_of_noise(c, o, out);
     warn_of_range(c, out);

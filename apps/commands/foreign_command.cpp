@@ -168,6 +168,7 @@ CommandResult foreign_image(const ImageOptions& options) {
     Image image = picture.flattened();
     image.exposure_stops = stops;
     CommandResult out;
+    warn_of_part(options.input, out.warnings);
     add_warnings(picture, false, out.warnings);
     const int width = options.crop ? options.crop->width : image.width,
               height = options.crop ? options.crop->height : image.height;
@@ -256,6 +257,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     }
     add_focus_passes(picture, settings, options.foreign.passes, result.image, effect);
     result.image.exposure_stops = stops;
+    warn_of_part(options.input, out.warnings);
+    for (const std::string& behind : options.foreign.behind) warn_of_part(behind, out.warnings);
     add_warnings(picture, true, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
     if (options.strict && !out.warnings.empty()) out.exit_code = ExitCode::shortfall;
@@ -307,6 +310,7 @@ CommandResult foreign_info(const std::string& input) {
                            first.display.y_max - first.display.y_min + 1,
                            counted(first.channels.size(), "channel"), first.deep ? ", deep" : "",
                            file.parts().size() > 1 ? fmt::format(", {} parts", file.parts().size()) : "");
+    warn_of_part(input, out.warnings);
     ForeignChannels channels;
     try {
         channels = find_foreign_channels(file, {});

@@ -126,6 +126,7 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
                                                   .crop = options.settings.crop});
     result.image.exposure_stops = stops;
     std::vector<Warning> warnings;
+    warn_of_part(options.input, warnings);
     for (const std::string& text : frame.assumed) warnings.push_back({"assumed", text, 0});
     for (const std::string& problem : frame.problems) warnings.push_back({"ids", problem, 0});
     CommandResult out = report(options, result, std::move(warnings));

@@ -49,7 +49,7 @@ class ShareCommand : public CommandTest {
     const Words lens_{"--f-number", "1.4", "--focus", "5"};
 };
 
-TEST_F(ShareCommand, APartOfATraceIsNoFrame) {
+TEST_F(ShareCommand, APartIsNotTheWhole) {
     const auto warnings_of = [&](const Words& words) {
         std::vector<std::string> codes;
         const json said = done(words);
@@ -69,6 +69,17 @@ TEST_F(ShareCommand, APartOfATraceIsNoFrame) {
     EXPECT_TRUE(warns(
         Words{"compare", in("x.exr"), in("x.exr"), "--map-causes", in("why.png"), "--frame", part("t", 1)} +
         lens_));
+    // Nor is a part of a picture a picture.
+    for (const Words& by : {Words{}, Words{"--share-by", "samples"}}) {
+        const Words render = Words{"render", scene_, "--size", "16x9", "--spp", "64"} + lens_ + by;
+        done(render + Words{"--share", "1/2", "-o", part("r", 1)});
+        EXPECT_TRUE(warns({"info", part("r", 1)}));
+        EXPECT_TRUE(warns({"image", part("r", 1), "-o", in("x.exr")}));
+        EXPECT_TRUE(warns(Words{"focus", part("r", 1), "-o", in("x.exr")} + lens_));
+        EXPECT_TRUE(warns({"compare", part("r", 1), part("r", 1)}));
+    }
+    EXPECT_TRUE(
+        warns({"motionblur", part("r", 1), "-o", in("x.exr"), "--shutter", "0:1", "--vectors", "R,G"}));
     EXPECT_FALSE(warns({"info", frame()}));
     EXPECT_FALSE(warns({"info", in("all.exr")}));
 }

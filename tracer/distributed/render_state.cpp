@@ -20,13 +20,13 @@
 #include "pictures/exposure.h"
 #include "pictures/exr/exr_attributes.h"
 #include "pictures/exr/flat_exr.h"
+#include "pictures/picture_part.h"
 
 namespace postlens {
 namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-constexpr const char* part_attribute = "postlens:part";
 /// Name of the file attribute that describes a part of a render: the number of halves, the range of blocks,
 /// and whether a block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
@@ -216,7 +216,7 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
     exr.compression = ChunkCompression::none;
     exr.texts = {{settings_attribute, settings}, {checksum_attribute, checksum(words)}};
     if (!part_mark.empty()) {
-        exr.texts.emplace_back(part_attribute, part_mark);
+        exr.texts.emplace_back(samples_part_attribute, part_mark);
         exr.texts.emplace_back(layout_attribute, layout_text(state));
     }
     write_flat_exr(file.temporary_path(), path.string(), exr);
@@ -303,7 +303,7 @@ std::optional<RenderPart> read_render_part(const std::filesystem::path& path, bo
     const Imf::Header& header = in->header();
     RenderPart out;
     out.settings = text_of(header, settings_attribute);
-    out.mark = text_of(header, part_attribute);
+    out.mark = text_of(header, samples_part_attribute);
     if (out.settings.empty() || out.mark.empty()) return std::nullopt;
     const auto layout = nlohmann::ordered_json::parse(text_of(header, layout_attribute), nullptr, false);
     const auto number = [&](const char* name, int most) {
