@@ -48,9 +48,9 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         if (bytes.size() - at < 12) return std::nullopt;
         const std::uint32_t size = big_endian(bytes, at);
         const std::string_view type = bytes.substr(at + 4, 4);
+        if (type == "IDAT"sv) break;  // even if it is cut off: libpng tells PngReader, and prints nothing
         if (size > bytes.size() - at - 12) return std::nullopt;
         const std::string_view data = bytes.substr(at + 8, size);
-        if (type == "IDAT"sv) break;
         if (type == "IHDR"sv) {
             if (size != 13 || out.width != 0) return std::nullopt;
             out.width = big_endian(data, 0);

@@ -52,6 +52,12 @@ class CompareCommand : public CommandTest {
     }
 };
 
+TEST_F(CompareCommand, ACutPngIsOneError) {
+    const std::string whole = file("a.png", constant_picture(40, 30, 0.75F)), cut = in("cut.png");
+    std::ofstream(cut, std::ios::binary) << bytes_of(whole).substr(0, bytes_of(whole).size() - 20);
+    refused({cut, whole}, 3, "cut.png: cannot read (");
+}
+
 TEST_F(CompareCommand, SaysEveryFigure) {
     const std::string a = file("a.exr", constant_picture(40, 30, 0.75F));
     const std::string b = file("b.exr", constant_picture(40, 30, 0.5F));
