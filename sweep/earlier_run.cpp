@@ -50,19 +50,20 @@ SweepKeys::SweepKeys(const std::filesystem::path& frame, const SweepSettings& se
         common_ += fmt::format(" lumens {}", *p.scene->lumens_per_watt);
     if (p.scene != nullptr && p.scene->metres_per_unit != 1)
         common_ += fmt::format(" metres {}", p.scene->metres_per_unit);
-    if (p.predict) common_ += " predicted";
+    predicted_ = p.predict;
     if (method == FocusMethod::automatic)
         common_ += fmt::format(" {}", p.target_db.value_or(default_target_db));
     for (const glm::dvec2& point : at) common_ += fmt::format(" {},{}", point.x, point.y);
     for (const auto& path : settings.depends_on) common_.append(" ").append(file_checksum_text(path));
 }
 
-std::string SweepKeys::of(const SweepSetting& s) const {
+std::string SweepKeys::key(const SweepSetting& s, bool predicted) const {
     std::string key = fmt::format("{} {} {} {}", common_, s.f_number, s.focal_length_mm, s.focus_m);
     if (s.shutter) key += fmt::format(" {}:{}", s.shutter->open_s, s.shutter->close_s);
     const Impulse& i = s.impulse;
     key += fmt::format(" {} {} {} {}", impulse_text(i), i.squeeze, i.cats_eye, i.spherical);
     if (!i.file.empty()) key.append(" ").append(file_checksum_text(i.file));
+    if (predicted) key += " predicted";
     return checksum_text(checksum_of(key.data(), key.size()));
 }
 

@@ -26,10 +26,17 @@ class SweepKeys {
     /// `exposure_stops`: exposure of all images. `at`: raster positions, px, at which the CoC is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
-    [[nodiscard]] std::string of(const SweepSetting& s) const;
+    [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
+    /// True if an image with this key can stay: it is the same image, with at least the same figures.
+    [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
+        return earlier == of(s) || earlier == key(s, true);
+    }
 
   private:
-    std::string common_;  ///< everything on which all images of the sweep depend
+    [[nodiscard]] std::string key(const SweepSetting& s, bool predicted) const;
+
+    std::string common_;      ///< everything on which all images of the sweep depend
+    bool predicted_ = false;  ///< their errors are predicted
 };
 
 /// Returns table rows of earlier runs, by file name. They are read from the table `json`. A run of the whole

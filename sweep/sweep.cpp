@@ -136,11 +136,11 @@ class Sweep {
         if (begin == end) return false;
         const SweepSetting& s = grid_.pictures[i];
         const std::filesystem::path path = folder_ / names_[i];
-        const std::string key = keys_->of(s), checksum = file_checksum_text(path);
+        const std::string checksum = file_checksum_text(path);
         const auto found = std::find_if(begin, end, [&](const auto& named) {
             const SweepRow& row = named.second;
-            return row.settings_key == key && !checksum.empty() && row.picture_checksum == checksum &&
-                   row.coc_px.size() == out_.table.at.size();
+            return keys_->fits(row.settings_key, s) && !checksum.empty() &&
+                   row.picture_checksum == checksum && row.coc_px.size() == out_.table.at.size();
         });
         if (found == end) return false;
         if (image != nullptr) *image = read_image(path);

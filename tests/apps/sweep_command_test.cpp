@@ -82,6 +82,9 @@ TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
         EXPECT_EQ(j["pictures"][1]["predicted_db"], nullptr) << method;
     }
     EXPECT_EQ(json::parse(with({"--predict", "--resume", "--method", "lightfield"}).out)["kept"], 2);
+    // What was predicted stays for a run that does not ask for it, and for the next that does.
+    EXPECT_EQ(json::parse(with({"--resume", "--method", "lightfield"}).out)["kept"], 2);
+    EXPECT_EQ(json::parse(with({"--predict", "--resume", "--method", "lightfield"}).out)["kept"], 2);
     const Outcome shot = with({"--predict", "--shutter", "0:0.5", "--views", "16"});
     ASSERT_EQ(shot.exit_code, 0) << shot.err;
     for (const json& picture : json::parse(shot.out)["pictures"]) EXPECT_GT(picture["predicted_db"], 15);
