@@ -1,6 +1,9 @@
 #include "focus/foreign/object_effects.h"
 
 #include <algorithm>
+#include <fmt/format.h>
+
+#include "core/text.h"
 
 namespace postlens {
 namespace {
@@ -19,11 +22,23 @@ void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects,
     const auto in_focus = static_cast<float>(inverse_focus_per_m);
     constexpr double nearest_m = 1e-3;
     for (const ObjectEffects::Offset& o : effects.offsets) {
+        std::size_t moved = 0, behind = 0;
         change(picture, o.object, [&](StackSample& s) {
             if (s.inverse_z == 0) return;  // an infinitely far sample stays there
             const double z = 1 / static_cast<double>(s.inverse_z) + o.metres;
             s.moved_inverse_z = static_cast<float>(1 / std::max(z, nearest_m));
+            ++moved;
+            behind += z < nearest_m ? 1 : 0;
         });
+        if (behind == 0) continue;
+        const double share = static_cast<double>(behind) / static_cast<double>(moved);
+        picture.repairs.push_back(
+            {"offset",
+             fmt::format(
+                 "--focus-offset: {:g} m move {} % of {} behind the camera: blurred as if 1 mm before "
+                 "it (expected a smaller offset)",
+                 o.metres, rough(100 * share), o.object.object),
+             share});
     }
     for (const ObjectChoice& o : effects.sharp)
         change(picture, o, [&](StackSample& s) { s.moved_inverse_z = in_focus; });

@@ -26,7 +26,8 @@ struct ObjectEffects {
 
 /// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses an
 /// object's true depth. If an offset would move an object to the camera or behind it, the object is placed 1
-/// mm in front of the camera. Throws the errors of `choose_samples`.
+/// mm in front of the camera, and picture.repairs gets the warning `offset`. Throws the errors of
+/// `choose_samples`.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

@@ -94,6 +94,25 @@ ForeignPicture flat_card(const StackBench& bench, double card_px) {
     return p;
 }
 
+TEST_F(ObjectEffectsTest, AnOffsetBehindTheCameraIsToldAndStaysBeforeIt) {
+    for (const double before_camera_m : {0.1, -0.1}) {
+        ForeignPicture p = flat_card(bench_, near_px);
+        const double depth_m = 1 / static_cast<double>(bench_.inverse_z(near_px));
+        apply_object_effects(p, {.offsets = {{{"--focus-offset", "card"}, before_camera_m - depth_m}}},
+                             bench_.inverse_focus_per_m);
+        for (const StackSample& s : p.samples) {
+            if (s.id != cryptomatte_id("card")) continue;
+            EXPECT_NEAR(s.moved_inverse_z, before_camera_m > 0 ? 1 / before_camera_m : 1000, 1e-3);
+        }
+        ASSERT_EQ(p.repairs.size(), before_camera_m > 0 ? 0 : 1);
+        if (before_camera_m > 0) continue;
+        EXPECT_EQ(p.repairs[0].code, "offset");
+        EXPECT_NE(p.repairs[0].text.find("100 % of card behind the camera"), std::string::npos)
+            << p.repairs[0].text;
+        EXPECT_EQ(p.repairs[0].share, 1);
+    }
+}
+
 // What is estimated behind an object is decided by depths, whatever the circles are.
 TEST_F(ObjectEffectsTest, TheWallOfAFlatPictureStaysBehindWithAnyCircles) {
     const auto offset = [&](const std::string& object, double from_px, double to_px) {
