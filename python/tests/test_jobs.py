@@ -124,15 +124,30 @@ def test_a_thread_that_waits_for_its_turn_is_cancelled(large_frame):
     def alarm(*_):
         raise Stop
 
+    waits = threading.get_ident()
+
+    def is_in_a_call():
+        frame = sys._current_frames()[waits]
+        while frame and not frame.f_code.co_filename.startswith(os.path.dirname(postlens.__file__)):
+            frame = frame.f_back
+        return frame is not None
+
+    def alarm_when_it_waits():
+        while not is_in_a_call():
+            time.sleep(0.01)
+        time.sleep(0.1)  # the call cannot end meanwhile, as the other thread's takes a minute
+        signal.pthread_kill(waits, signal.SIGALRM)
+
     before = signal.signal(signal.SIGALRM, alarm)
-    other = threading.Thread(target=others)
+    other, sender = threading.Thread(target=others), threading.Thread(target=alarm_when_it_waits)
     other.start()
     works.wait()
-    signal.setitimer(signal.ITIMER_REAL, 0.3)
     try:
         with pytest.raises(Stop):
+            sender.start()
             large_frame.focus(f_number=2, focus_m=2)
     finally:
+        sender.join()
         signal.signal(signal.SIGALRM, before)
         ended.set()
         other.join()

@@ -455,11 +455,22 @@ def test_the_causes_of_the_error(browser, tmp_path):
     wait(browser)
     legend = browser.find_element(By.ID, "legend")
     assert not legend.is_displayed()
+    # The answers of the search are held back until they are released, so that it is under way however fast it is.
+    browser.execute_script("""
+        const fetched = window.fetch;
+        window.hold = () => { window.held = new Promise((go) => window.release = go); };
+        window.fetch = async (what, ...more) => {
+            const answer = await fetched(what, ...more);
+            if (String(what).startsWith("causes")) await window.held;
+            return answer;
+        };
+        hold();""")
     body = browser.find_element(By.TAG_NAME, "body")
     while browser.execute_script("return document.getElementById('show').value") != "causes":
         body.send_keys("v")
     assert "finding the causes" in legend.text
     grey = pixels(browser)
+    browser.execute_script("release()")
     until(lambda: browser.execute_script("return Boolean(postlens.state().causes)"), 120)
     assert "of the squared error" in legend.text and "rays a pixel" in legend.text
     names = browser.execute_script("return postlens.state().causes.report.causes.filter((c) => c.error_share > 0).map((c) => c.name)")
@@ -467,6 +478,7 @@ def test_the_causes_of_the_error(browser, tmp_path):
     assert len(legend.find_elements(By.TAG_NAME, "i")) == len(names)
     assert pixels(browser) != grey
     # Another lens drops them, and asks anew.
+    browser.execute_script("hold()")
     body.send_keys("[")
     until(lambda: "of the squared error" not in legend.text)
     wait(browser)
@@ -474,6 +486,7 @@ def test_the_causes_of_the_error(browser, tmp_path):
     # Another kind of picture cancels the search.
     Select(browser.find_element(By.ID, "show")).select_by_value("picture")
     assert not legend.is_displayed()
+    browser.execute_script("release()")
     time.sleep(1)
     assert not browser.execute_script("return Boolean(postlens.state().causes)")
     assert made.close() == 0
