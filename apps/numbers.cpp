@@ -133,10 +133,6 @@ std::vector<int> parse_whole_list(std::string_view option, std::string_view text
     return out;
 }
 
-std::string counted(std::uint64_t count, std::string_view noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 std::string px_text(double px) {
     return std::abs(px) < 1e7 ? fmt::format("{:.1f} px", px) : fmt::format("{:.3g} px", px);
 }

@@ -60,8 +60,6 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses 1 to 1000 integers such as "1,4,16".
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
-/// A number with its noun, e.g. "1 depth" or "2 depths".
-[[nodiscard]] std::string counted(std::uint64_t count, std::string_view noun);
 /// Formats a length in px, rounded to a tenth of a px. From 1e7 px on, it has three significant digits.
 [[nodiscard]] std::string px_text(double px);
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "compare/metrics/ssim.h"
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/threads.h"
 
@@ -140,9 +141,9 @@ std::vector<std::string> failed_limits(const Comparison& comparison, const Compa
     at_most("FLIP", limits.greatest_flip, flip);
     const bool any = limits.least_psnr_db || limits.greatest_relmse || limits.greatest_flip;
     if (any && comparison.nonfinite.image_only > 0) {
-        out.push_back(fmt::format(
-            "the image has NaN or infinity where the reference has not (got {} pixels; expected 0)",
-            comparison.nonfinite.image_only));
+        out.push_back(
+            fmt::format("the image has NaN or infinity where the reference has not (got {}; expected 0)",
+                        counted(comparison.nonfinite.image_only, "pixel")));
     }
     return out;
 }

@@ -324,11 +324,11 @@ class MotionBlur {
         const std::vector<std::uint8_t> touched = cut(touched_, header_.width, settings_.crop);
         result_.touched_share = static_cast<double>(std::count(touched.begin(), touched.end(), 1)) /
                                 static_cast<double>(touched.size());
-        warn_of_gaps(
-            cut(unknown_, header_.width, settings_.crop),
-            "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
-            "from around them (expected `trace --for-shutter`, and `--overscan` at the frame's edge)",
-            result_.warnings);
+        warn_of_gaps(cut(unknown_, header_.width, settings_.crop),
+                     "what moving objects uncover was not recorded in {:.2f} % of the pixels and is filled "
+                     "from around them (expected `trace --for-shutter`, more `--keys`, or `--overscan` at "
+                     "the frame's edge)",
+                     result_.warnings);
         const std::vector<std::uint32_t> moving = moving_ids(motions_);
         warn_of_cut(file_, motion_, result_.objects, extents_, settings_.exposure, result_.warnings);
         warn_of_left_out();

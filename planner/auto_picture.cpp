@@ -6,6 +6,7 @@
 #include <numeric>
 #include <queue>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/text.h"
 #include "core/threads.h"
@@ -309,7 +310,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     if (layers) out.layers_share = mix_in(*layers, mix, grid, crop, out.hybrid.focus.image);
     out.hybrid.focus.views = *most;
     out.hybrid.focus.method = FocusMethod::hybrid;
-    out.plan = *least == *most ? fmt::format("{} views a tile: ", *most)
+    out.plan = *least == *most ? counted(*most, "view") + " a tile: "
                                : fmt::format("{} to {} views a tile, {:.0f} on the mean: ", *least, *most,
                                              out.mean_views);
     std::string reason;
@@ -321,7 +322,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             fmt::format("{:.1f} dB ({:.1f} to {:.1f})", stated.db(), stated.low_db(), stated.high_db());
         reason = fmt::format("{:.1f} dB are stated", stated.db());
         if (*most == most_lens_views) {
-            reason += fmt::format(", with {} views (expected a lower target)", most_lens_views);
+            reason += fmt::format(", with {} (expected a lower target)", counted(most_lens_views, "view"));
         } else if (stated.highlights_mse > stated.mse() / 2) {
             reason += fmt::format(
                 ": highlights have an error of {:.1f} dB, which neither views nor rays reduce (expected a "
@@ -348,8 +349,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
             out.hybrid.focus.warnings.push_back(
                 {"unsure", out.unsure_share, said + " (expected --scene, for rays in their place)"});
         }
-        reason = fmt::format("{:.1f} dB are reached with {} views (expected a lower target)", out.noise_db(),
-                             *most);
+        reason = fmt::format("{:.1f} dB are reached with {} (expected a lower target)", out.noise_db(),
+                             counted(*most, "view"));
     }
     if (!out.met) out.hybrid.focus.warnings.push_back({"target", 1, reason});
     return out;

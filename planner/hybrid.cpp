@@ -84,8 +84,9 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,
              fmt::format("the records do not suffice for {} % of the pixels (expected --scene, for rays to "
-                         "look there, or a trace with --hidden-layers for this lens)",
-                         rough(100 * out.wanted_share))});
+                         "look there, or a trace with --hidden-layers for this lens{})",
+                         rough(100 * out.wanted_share),
+                         settings.shutter ? ", or with --keys for this shutter" : "")});
     }
     return out;
 }

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/files/scratch_file.h"
 #include "core/text.h"
@@ -202,12 +203,12 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
                 std::max<double>(1, static_cast<double>(traced.records));
     out.seconds = took_s * out.records / std::max<double>(1, static_cast<double>(traced.records));
     out.text = fmt::format(
-        "planned: {} levels of subdivision, overscan {} px or less, hidden surfaces {}, {} instants: records "
-        "good for {:.1f} dB{}; about {} million records, {} MB, {} s",
-        out.levels, traced.overscan_px * coarser,
-        out.settings.hidden_layers == 0 ? "none" : "where they come to light", traced.instants_s.size(),
-        out.floor_db, for_rays ? " without rays" : "", rough(out.records / 1e6), rough(out.bytes / 1e6),
-        rough(out.seconds));
+        "planned: {} of subdivision, overscan {} px or less, hidden surfaces {}, {}: records "
+        "good for {:.1f} dB{}; about {} million records, {}, {} s",
+        counted(out.levels, "level"), traced.overscan_px * coarser,
+        out.settings.hidden_layers == 0 ? "none" : "where they come to light",
+        counted(traced.instants_s.size(), "instant"), out.floor_db, for_rays ? " without rays" : "",
+        rough(out.records / 1e6), megabytes(out.bytes), rough(out.seconds));
     return out;
 }
 

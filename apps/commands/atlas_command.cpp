@@ -1,6 +1,7 @@
 #include "apps/commands/atlas_command.h"
 
 #include "chart/atlas/atlas_page.h"
+#include "core/counted.h"
 #include "core/files/output_file.h"
 
 namespace postlens {
@@ -28,9 +29,9 @@ CommandResult run_atlas_command(const AtlasOptions& options) {
     out.json["broken"] = run.broken;
     out.json["page"] = (folder / "index.html").string();
     for (const std::string& line : run.broken) out.text += line + "\n";
-    out.text +=
-        fmt::format("{}: {} cases, {} of them were there already, {} not as expected",
-                    (folder / "index.html").string(), run.entries.size(), run.kept, run.broken.size());
+    out.text += fmt::format("{}: {}, {} of them were there already, {} not as expected",
+                            (folder / "index.html").string(), counted(run.entries.size(), "case"), run.kept,
+                            run.broken.size());
     if (!run.broken.empty()) out.exit_code = ExitCode::comparison_failed;
     return out;
 }

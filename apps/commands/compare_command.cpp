@@ -9,6 +9,7 @@
 #include "compare/comparison_text.h"
 #include "compare/drawing/cause_picture.h"
 #include "compare/drawing/error_map.h"
+#include "core/counted.h"
 #include "motionblur/paths/paths_file.h"
 #include "pictures/exposure.h"
 #include "planner/error_causes.h"
@@ -128,11 +129,10 @@ void warn_of_nonfinite(const Comparison& c, const CompareCommandOptions& o, Comm
     const auto warn = [&](const std::string& path, std::size_t bad) {
         if (bad == 0) return;
         const double share = static_cast<double>(bad) / pixels;
-        out.warnings.push_back(
-            {"nonfinite",
-             fmt::format("{}: {} pixels ({:.3g} %) hold NaN or infinity; they are left out", path, bad,
-                         100 * share),
-             share});
+        out.warnings.push_back({"nonfinite",
+                                fmt::format("{}: NaN or infinity in {} ({:.3g} %): left out", path,
+                                            counted(bad, "pixel"), 100 * share),
+                                share});
     };
     warn(o.image, c.nonfinite.image);
     warn(o.reference, c.nonfinite.reference);

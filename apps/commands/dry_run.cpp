@@ -8,6 +8,7 @@
 
 #include "apps/numbers.h"
 #include "core/child_process.h"
+#include "core/counted.h"
 #include "core/files/scratch_file.h"
 #include "core/files/share_table.h"
 #include "core/files/text_file.h"
@@ -320,8 +321,7 @@ CommandResult dry_run(const DryRun& work) {
     out.json["all_seconds"] = sum;
     out.json["most_memory_bytes"] = memory;
     out.text = fmt::format("{} of up to {:.3g} s and {:.3g} MB, {:.3g} s in all",
-                           counted(static_cast<std::uint64_t>(work.shares), "task"), longest,
-                           static_cast<double>(memory) / 1e6, sum);
+                           counted(work.shares, "task"), longest, static_cast<double>(memory) / 1e6, sum);
     return out;
 }
 

@@ -6,6 +6,7 @@
 #include "apps/exposure.h"
 #include "apps/numbers.h"
 #include "apps/open_frame.h"
+#include "core/counted.h"
 #include "core/text.h"
 #include "focus/bend_warning.h"
 #include "focus/usual_method.h"
@@ -180,8 +181,7 @@ CommandResult run_focus(const FocusOptions& options) {
         fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
                     options.output, result.image.width, result.image.height, method_name(result.method),
                     lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m,
-                    result.views > 0 ? counted(static_cast<std::uint64_t>(result.views), "view")
-                                     : counted(static_cast<std::uint64_t>(result.depths), "depth"),
+                    result.views > 0 ? counted(result.views, "view") : counted(result.depths, "depth"),
                     px_text(result.largest_coc_px));
     if (hybrid.stated) {
         out.text += fmt::format(", {:.1f} dB ({:.1f} to {:.1f}), {} % rays", hybrid.stated->db(),

@@ -7,6 +7,7 @@
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/numbers.h"
+#include "core/counted.h"
 #include "core/text.h"
 #include "focus/foreign_focus.h"
 #include "focus/usual_method.h"
@@ -283,10 +284,10 @@ CommandResult focus_foreign(const FocusOptions& options) {
                 {"unmixed", unmixed},
                 {"has_alpha", !result.image.alpha.empty()},
                 {"channels", channels_json(picture.channels)}};
-    out.text = fmt::format(
-        "{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}", options.output,
-        result.image.width, result.image.height, method_name(result.method), focal_length_mm, f_number,
-        focus_m, counted(static_cast<std::uint64_t>(result.depths), "depth"), px_text(result.largest_coc_px));
+    out.text = fmt::format("{}: {}x{} px, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, {}, widest CoC {}",
+                           options.output, result.image.width, result.image.height,
+                           method_name(result.method), focal_length_mm, f_number, focus_m,
+                           counted(result.depths, "depth"), px_text(result.largest_coc_px));
     if (told) out.text += fmt::format("\n  {}, {}", method_name(method), usual.reason);
     deliver(std::move(result.image), {options.output, options.crop, options.made_by, options.shared}, out);
     return out;
@@ -334,7 +335,7 @@ CommandResult foreign_info(const std::string& input) {
                           {"ranks", m.ranks.size()},
                           {"names", names ? nlohmann::ordered_json(names->size()) : nullptr}});
         ids += fmt::format("\nCryptomatte {}, {}, {}", m.name, counted(m.ranks.size(), "rank"),
-                           names ? fmt::format("{} names", names->size()) : "a manifest that is damaged");
+                           names ? counted(names->size(), "name") : "a manifest that is damaged");
     }
     for (const std::string& problem : found.problems) out.warnings.push_back({"ids", problem, 0});
     for (const std::string& text : channels.assumed) out.warnings.push_back({"assumed", text, 0});

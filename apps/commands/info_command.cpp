@@ -6,6 +6,7 @@
 
 #include "apps/command.h"
 #include "apps/numbers.h"
+#include "core/counted.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "pictures/exr/exr_attributes.h"
@@ -93,16 +94,15 @@ CommandResult sample_file_info(const std::string& input, bool salvage) {
         {"moving_ids", h.moving_ids},
         {"sufficient", sufficient}};
     out.text = fmt::format(
-        "{}: postlens samples, {}x{} px + {} px overscan, {} records, {:.1f} MB\n"
+        "{}: postlens samples, {}x{} px + {} px overscan, {}, {}\n"
         "scene {}; depths {:.4g} to {:.4g} m; {}; subdivision to level {}; paths of up to {}\n"
         "film distance {:.5g} mm, pixel pitch {:.5g} mm, F {:.5g} mm",
-        input, h.width, h.height, h.overscan_px, file.record_count(),
-        static_cast<double>(file.file_bytes()) / 1e6, h.scene_name, nearest, farthest,
-        counted(h.object_names.size(), "object"), h.subdivide_levels,
-        counted(static_cast<std::uint64_t>(h.max_depth), "node"), h.film_distance_mm, h.pixel_pitch_mm,
-        h.focal_length_mm);
+        input, h.width, h.height, h.overscan_px, counted(file.record_count(), "record"),
+        megabytes(static_cast<double>(file.file_bytes())), h.scene_name, nearest, farthest,
+        counted(h.object_names.size(), "object"), h.subdivide_levels, counted(h.max_depth, "node"),
+        h.film_distance_mm, h.pixel_pitch_mm, h.focal_length_mm);
     if (h.exposure_stops != 0) out.text += fmt::format("\nexposure {:.4g} stops", h.exposure_stops);
-    if (layers > 1) out.text += fmt::format("\n{} layers", layers);
+    if (layers > 1) out.text += "\n" + counted(layers, "layer");
     if (file.instants() > 1) {
         out.text += fmt::format("\nfurther instants: {} s", fmt::join(h.key_times_s, ", "));
     }

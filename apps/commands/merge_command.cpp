@@ -5,6 +5,7 @@
 #include "apps/commands/merge_parts.h"
 #include "apps/deliver.h"
 #include "apps/share.h"
+#include "core/counted.h"
 #include "core/memory.h"
 #include "pictures/picture_part.h"
 #include "tracer/distributed/render_state.h"
@@ -161,8 +162,8 @@ CommandResult merge_pictures(const MergeOptions& options) {
     CommandResult out;
     out.json = {
         {"parts", options.parts.size()}, {"of", count}, {"missing", merged.missing}, {"made_by", made_by}};
-    out.text = fmt::format("{}: {}x{} px from {} of {} parts", options.output, merged.image.width,
-                           merged.image.height, options.parts.size(), count);
+    out.text = fmt::format("{}: {}x{} px from {} of {}", options.output, merged.image.width,
+                           merged.image.height, options.parts.size(), counted(count, "part"));
     if (!merged.missing.empty()) {
         out.warnings.push_back({"partial",
                                 fmt::format("parts are missing, their {}: {}",

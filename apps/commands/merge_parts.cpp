@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "apps/share.h"
+#include "core/counted.h"
 
 namespace postlens {
 
@@ -25,8 +26,8 @@ Share share_in(const nlohmann::ordered_json& mark, const std::string& name) {
 
 void check_same_work(const PartFacts& first, const PartFacts& other) {
     if (other.share.count != first.share.count) {
-        fail(ExitCode::invalid_input, "{}: is one of {} parts (expected one of {}, as {})", other.name,
-             other.share.count, first.share.count, first.name);
+        fail(ExitCode::invalid_input, "{}: is one of {} (expected one of {}, as {})", other.name,
+             counted(other.share.count, "part"), first.share.count, first.name);
     }
     if (const std::string difference = first_difference(other.mark["made_by"], first.mark["made_by"]);
         !difference.empty()) {

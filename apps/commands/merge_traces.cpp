@@ -1,5 +1,6 @@
 #include "apps/commands/merge_parts.h"
 #include "apps/deliver.h"
+#include "core/counted.h"
 #include "core/job.h"
 #include "core/progress.h"
 #include "records/file/sample_file_header.h"
@@ -87,8 +88,8 @@ CommandResult merge_traces(const MergeOptions& options) {
     CommandResult out;
     out.json = {{"parts", options.parts.size()},    {"of", count},        {"missing", missing},
                 {"made_by", first.mark["made_by"]}, {"records", records}, {"bytes", bytes}};
-    out.text = fmt::format("{}: {} records from {} of {} parts", options.output, records,
-                           options.parts.size(), count);
+    out.text = fmt::format("{}: {} from {} of {}", options.output, counted(records, "record"),
+                           options.parts.size(), counted(count, "part"));
     if (!missing.empty()) {
         out.warnings.push_back(
             {"partial", fmt::format("parts are missing, their rows show nothing: {}", listed(missing, count)),

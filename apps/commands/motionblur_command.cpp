@@ -6,6 +6,7 @@
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/open_frame.h"
+#include "core/counted.h"
 #include "motionblur/paths/paths_file.h"
 #include "motionblur/vectors/vector_blur.h"
 #include "pictures/exposure.h"
@@ -93,7 +94,7 @@ std::string headline(const MotionBlurOptions& options, const MotionBlurResult& r
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
                        result.image.width, result.image.height, name(result.method), more,
-                       result.views > 0 ? fmt::format(", {} views", result.views) : "",
+                       result.views > 0 ? ", " + counted(result.views, "view") : "",
                        100 * result.touched_share);
 }
 
@@ -289,9 +290,10 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
         ++lines;
         out.text += fmt::format(
             "\n  {}: {} ({}{})", o.name.empty() ? std::to_string(o.id) : o.name, used(o.method), o.reason,
-            o.fitted_knots > 0 ? fmt::format(", {} points fitted by {} knots within {:.3g} px", o.path_points,
-                                             o.fitted_knots, o.fit_error_px)
-                               : "");
+            o.fitted_knots > 0
+                ? fmt::format(", {} fitted by {} within {:.3g} px", counted(o.path_points, "point"),
+                              counted(o.fitted_knots, "knot"), o.fit_error_px)
+                : "");
     }
     if (left > 0) out.text += fmt::format("\n  and {} more (see --json)", left);
     deliver(std::move(result.image), {options.output, settings.crop, options.made_by, options.shared}, out);

@@ -6,6 +6,7 @@
 #include "apps/exposure.h"
 #include "apps/scene_input.h"
 #include "apps/share.h"
+#include "core/counted.h"
 #include "lens/prescription/read_prescription.h"
 #include "pictures/aperture_file.h"
 #include "pictures/crop.h"
@@ -63,6 +64,10 @@ CommandResult run_render(const RenderOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens) {
         check_impulse(options.impulse);
         settings.prescription = std::make_shared<Prescription>(read_lens(options.impulse.file, out.warnings));
+    } else if (options.impulse.kind == ImpulseKind::diffraction) {
+        fail(ExitCode::wrong_arguments,
+             "--impulse: rays do not diffract (got {}; expected disc, polygon, image or lens)",
+             impulse_text(options.impulse));
     } else {
         settings.aperture = std::make_shared<Aperture>(read_aperture(options.impulse));
     }
@@ -120,8 +125,9 @@ CommandResult run_render(const RenderOptions& options) {
     }
     const double rate = static_cast<double>(r.rays.eye) / std::max(r.seconds_render, 1e-9) / 1e6;
     out.text = fmt::format(
-        "{}: {}x{} px, {} samples a pixel ({}), {}, focus {:.4g} m, {:.3g} s, {:.3g} million samples/s",
-        options.output, r.image.width, r.image.height, settings.spp, name(settings.sampler),
+        "{}: {}x{} px, {} a pixel ({}), {}, focus {:.4g} m, {:.3g} s, {:.3g} million samples/s",
+        options.output, r.image.width, r.image.height, counted(settings.spp, "sample"),
+        name(settings.sampler),
         std::isfinite(r.f_number) ? fmt::format("F = {:.4g} mm, f/{:.4g}", r.focal_length_mm, r.f_number)
                                   : std::string("pinhole"),
         r.focus_m, r.seconds_render, rate);

@@ -9,6 +9,7 @@
 #include "apps/deliver.h"
 #include "apps/exposure.h"
 #include "apps/open_frame.h"
+#include "core/counted.h"
 #include "motionblur/motion_warnings.h"
 #include "motionblur/paths/paths_file.h"
 #include "pictures/crop.h"
@@ -100,10 +101,10 @@ CommandResult run_shoot(const ShootOptions& options) {
     out.json.update(automatic ? auto_json(planned) : shares_json(result));
     if (automatic) out.text = planned.plan + "\n";
     out.text += fmt::format(
-        "{}: {}x{} px, {}, {} views, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, shutter {:.6g} to {:.6g} s, "
+        "{}: {}x{} px, {}, {}, F = {:.4g} mm, f/{:.4g}, focus {:.4g} m, shutter {:.6g} to {:.6g} s, "
         "{:.1f} % "
         "traced again",
-        o.output, result.focus.image.width, result.focus.image.height, method, views,
+        o.output, result.focus.image.width, result.focus.image.height, method, counted(views, "view"),
         lens.lens.focal_length_mm, lens.lens.f_number, lens.focus_m, exposure.open_s, exposure.close_s,
         100 * result.retraced_share);
     if (predict && !result.stated) {

@@ -8,6 +8,7 @@
 
 #include "apps/exposure.h"
 #include "apps/scene_input.h"
+#include "core/counted.h"
 #include "motionblur/paths/paths_file.h"
 #include "sweep/values.h"
 
@@ -81,10 +82,10 @@ void take_format(const SweepOptions& o, SweepSettings& s) {
 
 void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>& out) {
     for (const SweepWarning& w : result.warnings) {
-        out.push_back(
-            {w.worst.code,
-             fmt::format("{} of {} pictures: {}", w.pictures, result.table.rows.size(), w.worst.text),
-             w.worst.share});
+        out.push_back({w.worst.code,
+                       fmt::format("{} of {}: {}", w.pictures, counted(result.table.rows.size(), "picture"),
+                                   w.worst.text),
+                       w.worst.share});
     }
     // Settings for which the sample file does not suffice are counted and reported as one warning.
     std::vector<Warning> insufficient;
@@ -98,9 +99,9 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
         pictures += insufficient.size() > before ? 1 : 0;
     }
     if (insufficient.empty()) return;
-    out.push_back(
-        {insufficient.front().code, fmt::format("{} of {} pictures, e.g.: {}", pictures,
-                                                result.table.rows.size(), insufficient.front().text)});
+    out.push_back({insufficient.front().code,
+                   fmt::format("{} of {}, e.g.: {}", pictures, counted(result.table.rows.size(), "picture"),
+                               insufficient.front().text)});
 }
 
 }  // namespace
@@ -141,8 +142,8 @@ CommandResult run_sweep(const SweepOptions& o) {
     warn(header, result, out.warnings);
     const bool whole = !settings.share;
     if (whole && !result.contact_sheet) {
-        out.warnings.push_back({"contact_sheet", fmt::format("of {} pictures no contact sheet is made",
-                                                             result.table.rows.size())});
+        out.warnings.push_back({"contact_sheet", fmt::format("of {} no contact sheet is made",
+                                                             counted(result.table.rows.size(), "picture"))});
     }
     // --strict ignores exposure warnings, because they only concern how the images are displayed.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
@@ -156,9 +157,10 @@ CommandResult run_sweep(const SweepOptions& o) {
          {"csv", whole ? nlohmann::ordered_json(result.csv.string()) : nullptr},
          {"contact_sheet",
           result.contact_sheet ? nlohmann::ordered_json(result.contact_sheet->string()) : nullptr}});
-    out.text = fmt::format("{}: {} pictures ({} made, {} kept), {}{}{}", o.output, result.table.rows.size(),
-                           result.made, result.kept, whole ? "sweep.csv, " : "",
-                           result.json.filename().string(), result.contact_sheet ? ", contact.png" : "");
+    out.text = fmt::format("{}: {} ({} made, {} kept), {}{}{}", o.output,
+                           counted(result.table.rows.size(), "picture"), result.made, result.kept,
+                           whole ? "sweep.csv, " : "", result.json.filename().string(),
+                           result.contact_sheet ? ", contact.png" : "");
     return out;
 }
 

@@ -5,6 +5,7 @@
 #include "apps/numbers.h"
 #include "apps/scene_input.h"
 #include "apps/share.h"
+#include "core/counted.h"
 #include "core/files/disk.h"
 #include "planner/trace_plan.h"
 #include "tracer/exposure.h"
@@ -121,8 +122,8 @@ CommandResult run_trace(const TraceOptions& options) {
     if (r.too_narrow_objects > 0) {
         out.warnings.push_back(
             {"narrow",
-             fmt::format("{} objects are so narrow that they may fall between the corners of cells{}",
-                         r.too_narrow_objects,
+             fmt::format("{} may be so narrow as to fall between the corners of cells{}",
+                         counted(r.too_narrow_objects, "object"),
                          settings.subdivision.levels == 0 ? ", which --subdivide 1 or more looks for" : "")});
     }
     out.json = {{"records", r.records},
@@ -147,8 +148,8 @@ CommandResult run_trace(const TraceOptions& options) {
     if (options.plan) out.json["plan"] = plan;
     out.json["rays"]["hidden"] = r.rays.hidden;
     out.json["rays"]["lens"] = r.rays.lens;
-    out.text += fmt::format("{}: {} records, {:.1f} MB; {} eye, {} reflected, {} refracted, {} shadow rays",
-                            options.output, r.records, static_cast<double>(r.bytes) / 1e6, r.rays.eye,
+    out.text += fmt::format("{}: {}, {}; {} eye, {} reflected, {} refracted, {} shadow rays", options.output,
+                            counted(r.records, "record"), megabytes(static_cast<double>(r.bytes)), r.rays.eye,
                             r.rays.reflect, r.rays.refract, r.rays.shadow);
     if (r.rays.hidden > 0) out.text += fmt::format(", {} behind surfaces", r.rays.hidden);
     if (averaged.any()) {
@@ -160,9 +161,8 @@ CommandResult run_trace(const TraceOptions& options) {
             counted(scene.lights.size(), "light"));
     }
     if (r.keys_sweep_degrees) {
-        out.text += fmt::format("\n{}, as {} turns by {:.4g} degrees",
-                                counted(static_cast<std::uint64_t>(r.keys), "key"), r.keys_sweep_of,
-                                *r.keys_sweep_degrees);
+        out.text += fmt::format("\n{}, as {} turns by {:.4g} degrees", counted(r.keys, "key"),
+                                r.keys_sweep_of, *r.keys_sweep_degrees);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));

@@ -2,6 +2,7 @@
 
 #include "apps/lens/lens_command.h"
 #include "apps/numbers.h"
+#include "core/counted.h"
 #include "lens/prescription/read_prescription.h"
 #include "lens/traced/lens_models.h"
 
@@ -69,9 +70,9 @@ CommandResult run_lens_fit(const LensFitOptions& o) {
                 {"polynomial", polynomial_json(polynomial)}};
     for (const double depth : range.depths_m) out.json["depths_m"].push_back(json_number(depth));
     out.text = fmt::format(
-        "{}: largest error over {} depths from {:g} m to {:g} m and {} fields up to {:g} mm, px of {:g} um{}",
-        o.lens.input, range.depths_m.size(), o.depths_m.first, o.depths_m.second, range.tangents.size(),
-        o.field_mm, o.pixel_pitch_um, rows);
+        "{}: largest error over {} from {:g} m to {:g} m and {} up to {:g} mm, px of {:g} um{}", o.lens.input,
+        counted(range.depths_m.size(), "depth"), o.depths_m.first, o.depths_m.second,
+        counted(range.tangents.size(), "field"), o.field_mm, o.pixel_pitch_um, rows);
     return out;
 }
 

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "apps/numbers.h"
+#include "core/counted.h"
 #include "lens/fits/sharp_range.h"
 #include "lens/fits/thin_lens_fit.h"
 
@@ -33,9 +34,9 @@ CommandResult fit_pairs(const LensFitLimitsOptions& o) {
                 {"rms_mm", fit.rms_mm},
                 {"condition", json_number(fit.condition)},
                 {"pairs", pairs.size()}};
-    out.text = fmt::format("F = {} mm, f/{}, focused at {} m; {} pairs, {:.3g} mm rms",
+    out.text = fmt::format("F = {} mm, f/{}, focused at {} m; {}, {:.3g} mm rms",
                            with_error(fit.focal_length_mm), with_error(fit.f_number),
-                           with_error(fit.focus_distance_m), pairs.size(), fit.rms_mm);
+                           with_error(fit.focus_distance_m), counted(pairs.size(), "pair"), fit.rms_mm);
     for (const std::string& doubt : fit.doubts)
         out.warnings.push_back({.code = "undetermined", .text = doubt});
     return out;

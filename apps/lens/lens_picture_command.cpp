@@ -3,6 +3,7 @@
 #include "apps/lens/lens_fit_limits_command.h"
 #include "apps/numbers.h"
 #include "compare/lens_from_picture.h"
+#include "core/counted.h"
 #include "pictures/exposure.h"
 #include "pictures/image.h"
 
@@ -75,9 +76,9 @@ CommandResult run_lens_fit_picture(const LensFitLimitsOptions& o) {
     out.text = fmt::format(
         "F = {:.6g} mm, f/{:.5g} +- {:.2g}, focused at {:.5g} +- {:.2g} m; error {:.3g}, without a lens "
         "{:.3g}, "
-        "over {:.0f} % of the pixels; widest CoC {:.3g} px, {} pictures focused",
+        "over {:.0f} % of the pixels; widest CoC {:.3g} px, {} focused",
         focal_length_mm, f_number, f_number_error, s_m, focus_error_m, found.best.error, found.pinhole_error,
-        100 * found.reliable_share, found.largest_coc_px, found.pictures);
+        100 * found.reliable_share, found.largest_coc_px, counted(found.pictures, "picture"));
     return out;
 }
 

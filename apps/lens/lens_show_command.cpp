@@ -4,6 +4,7 @@
 #include "apps/lens/lens_command.h"
 #include "apps/lens/lens_drawing.h"
 #include "apps/numbers.h"
+#include "core/counted.h"
 #include "lens/prescription/first_order.h"
 #include "lens/prescription/read_prescription.h"
 #include "lens/traced/lens_models.h"
@@ -101,15 +102,15 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     out.json["stated_focal_length_mm"] =
         lens.stated_focal_length_mm ? json_number(*lens.stated_focal_length_mm) : nullptr;
     out.text = fmt::format(
-        "{}: {}{} surfaces, {:.6g} mm long, stop at surface {}, {:.6g} nm\n"
+        "{}: {}{}, {:.6g} mm long, stop at surface {}, {:.6g} nm\n"
         "EFL {:.8g} mm, BFL {:.8g} mm, FFL {:.8g} mm, f/{:.5g}\n"
         "entrance pupil {:.7g} mm at {:.7g} mm from the first surface\n"
         "exit pupil {:.7g} mm at {:.7g} mm from the last surface\n"
         "principal planes at {:.7g} mm (first surface) and {:.7g} mm (last surface); film at {:.7g} mm",
-        o.lens.input, lens.name.empty() ? "" : lens.name + ", ", lens.surfaces.size(), lens.length_mm(),
-        lens.stop() + 1, nm, f.efl_mm, f.bfl_mm, f.ffl_mm, f.f_number, f.entrance_pupil_diameter_mm,
-        f.entrance_pupil_z_mm, f.exit_pupil_diameter_mm, f.exit_pupil_z_mm, f.front_principal_z_mm,
-        f.rear_principal_z_mm, f.film_distance_mm);
+        o.lens.input, lens.name.empty() ? "" : lens.name + ", ", counted(lens.surfaces.size(), "surface"),
+        lens.length_mm(), lens.stop() + 1, nm, f.efl_mm, f.bfl_mm, f.ffl_mm, f.f_number,
+        f.entrance_pupil_diameter_mm, f.entrance_pupil_z_mm, f.exit_pupil_diameter_mm, f.exit_pupil_z_mm,
+        f.front_principal_z_mm, f.rear_principal_z_mm, f.film_distance_mm);
     if (behind != 1) out.text += fmt::format("\nthe film lies in a medium of index {:.6g}", behind);
     if (lens.stated_focal_length_mm && nm == lens.wavelength_nm) {
         const double stated = *lens.stated_focal_length_mm;

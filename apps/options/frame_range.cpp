@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "apps/share.h"
+#include "core/counted.h"
 #include "core/job.h"
 #include "pictures/image.h"
 #include "records/sample_file.h"
@@ -285,7 +286,7 @@ CommandResult run_frame_range(
     out.warnings = warnings.list();
     out.json = {{"frames", std::move(frames)}, {"kept", kept}};
     const std::size_t made = asked - static_cast<std::size_t>(kept);
-    out.text = fmt::format("{} frames made", made);
+    out.text = counted(made, "frame") + " made";
     if (kept > 0) out.text += fmt::format(", {} kept", kept);
     return out;
 }

@@ -8,6 +8,7 @@
 #include "apps/cli.h"
 #include "apps/view/view_page.h"
 #include "apps/view/viewed_frame.h"
+#include "core/counted.h"
 #include "core/files/output_file.h"
 #include "core/files/scratch_file.h"
 #include "core/files/text_file.h"
@@ -200,7 +201,7 @@ class Exporter {
                     {"width", width_ / plan.shrunk_by},
                     {"height", height_ / plan.shrunk_by},
                     {"bytes", page.size()}};
-        out.text = fmt::format("{}: {:.1f} MB. {}", options_.output, static_cast<double>(page.size()) / 1e6,
+        out.text = fmt::format("{}: {}. {}", options_.output, megabytes(static_cast<double>(page.size())),
                                about(plan));
         return out;
     }

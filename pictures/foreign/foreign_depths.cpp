@@ -6,6 +6,7 @@
 #include <span>
 #include <utility>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/threads.h"
 #include "pictures/foreign/filtered_depth.h"
@@ -46,22 +47,22 @@ void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
     };
     if (filtered.divided > 0) {
         picture.repairs.push_back(
-            {"repaired", fmt::format("{} depths are multiplied by alpha: divided by it", filtered.divided),
+            {"repaired",
+             fmt::format("{} multiplied by alpha: divided by it", counted(filtered.divided, "depth")),
              share(filtered.divided)});
     }
     if (filtered.taken_over > 0) {
         picture.repairs.push_back(
             {"repaired",
-             fmt::format("{} depths of rims are means with nothing: they get that of their neighbours",
-                         filtered.taken_over),
+             fmt::format("{} averaged with nothing, at rims: the depth of neighbours instead",
+                         counted(filtered.taken_over, "depth")),
              share(filtered.taken_over)});
     }
     if (filtered.mixed.empty()) return;
-    picture.repairs.push_back(
-        {"repaired",
-         fmt::format("{} depths are means of near and far: each part of the pixel gets its own",
-                     filtered.mixed.size()),
-         share(filtered.mixed.size())});
+    picture.repairs.push_back({"repaired",
+                               fmt::format("{} averaged of near and far: each part of the pixel gets its own",
+                                           counted(filtered.mixed.size(), "depth")),
+                               share(filtered.mixed.size())});
     for (const MixedDepth& m : filtered.mixed) {
         const auto [x, y] = place(m.pixel);
         picture.mixed.push_back({m.pixel, picture.shares.size(), 2});

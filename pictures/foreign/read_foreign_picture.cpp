@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/counted.h"
 #include "core/error.h"
 #include "core/memory.h"
 #include "pictures/foreign/deep_volumes.h"
@@ -282,14 +283,14 @@ class Reader {
         if (bad_colours_ > 0) {
             out_.repairs.push_back(
                 {"repaired",
-                 fmt::format("{} samples have colours that are not finite: {}", bad_colours_,
-                             out_.deep ? "taken as black" : "they get the mean of those around"),
+                 fmt::format("{} with colours that are not finite: {}", counted(bad_colours_, "sample"),
+                             out_.deep ? "taken as black" : "the mean of those around instead"),
                  share(bad_colours_)});
         }
         if (bad_alphas_ > 0) {
             out_.repairs.push_back(
                 {"repaired",
-                 fmt::format("{} samples have an alpha beyond 0 to 1: it is cut off", bad_alphas_),
+                 fmt::format("{} with an alpha beyond 0 to 1: cut off", counted(bad_alphas_, "sample")),
                  share(bad_alphas_)});
         }
     }

@@ -104,6 +104,8 @@ TEST_F(Render, WrongArgumentsAreTwo) {
     const ExitCode two = ExitCode::wrong_arguments;
     const Words ok = render("x.exr", {"--spp", "4"});
     refused(render("x.exr"), two, "--spp");
+    refused(render("x.exr", {"--spp", "4", "--impulse", "diffraction"}), two,
+            "--impulse: rays do not diffract (got diffraction; expected disc, polygon, image or lens)");
     for (const char* spp : {"0", "-1", "2147483648", "1048577", "1.5"})
         refused(render("x.exr", {"--spp", spp}), two, "--spp");
     refused(render("x.exr", {"--spp", "5", "--halves"}), two, "even");

@@ -59,6 +59,11 @@ TEST_F(SweepCommand, MakesEveryCombinationAsFocusDoes) {
     EXPECT_EQ(json::parse(sweep({"--f-number", "1.4:2.8:1", "--focus", "1,inf", "--resume"}).out)["kept"], 6);
 }
 
+TEST_F(SweepCommand, OnePictureIsNotPictures) {
+    const Outcome r = run({"sweep", in("frame.exr"), "-o", in("out"), "--f-number", "2", "--focus", "1"});
+    EXPECT_NE(r.out.find(": 1 picture (1 made, 0 kept)"), std::string::npos) << r.out;
+}
+
 TEST_F(SweepCommand, PredictsEveryPictureIfAsked) {
     const Words lenses{"--f-number", "1.4,inf", "--focus", "2"};
     ASSERT_EQ(sweep(lenses).exit_code, 0);
