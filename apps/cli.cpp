@@ -141,8 +141,6 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     }
     if (state->common.dry_run && app.get_subcommands().front()->get_name() != "sweep")
         state->common.run = [work = dry_run_of(app, *state)] { return dry_run(work); };
-    if (state->common.dry_run && in_process.pictures_stay)
-        fail(ExitCode::wrong_arguments, "--dry-run: for the program only (expected a command line)");
     ParsedCommand out = state->common;
     // The call owns a reference to the parser's state, because the options that it reads are stored there.
     out.run = [state] { return state->common.run(); };

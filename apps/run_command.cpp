@@ -15,15 +15,17 @@ CommandResult run_timed(const ParsedCommand& command) {
     return result;
 }
 
-CommandResult run_command(std::vector<std::string> words, const std::shared_ptr<KeptFrame>& kept) {
-    ParsedCommand command = parse_command_line(std::move(words), {.pictures_stay = true, .kept = kept});
+CommandResult run_command(std::vector<std::string> words, const InProcess& in_process) {
+    ParsedCommand command = parse_command_line(std::move(words), in_process);
+    if (command.dry_run)
+        fail(ExitCode::wrong_arguments, "--dry-run: for the program only (expected a command line)");
     if (!command.run) {
         CommandResult help;
         help.text = std::move(command.text);
         help.json["seconds"] = 0.0;
         return help;
     }
-    const auto lock = KeptFrame::lock(kept);
+    const auto lock = KeptFrame::lock(in_process.kept);
     return run_timed(command);
 }
 

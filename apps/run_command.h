@@ -15,10 +15,8 @@ namespace postlens {
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses and runs a command as run_timed does. `words` are the arguments after the name of the program.
-/// Images are returned unless the words name an output. `kept`: the sample file of the command, if it is open
-/// already. The call waits until no other call uses this file.
-[[nodiscard]] CommandResult run_command(std::vector<std::string> words,
-                                        const std::shared_ptr<KeptFrame>& kept = nullptr);
+/// The call waits until no other call uses the file `in_process.kept`.
+[[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON that `--json` prints: the JSON of the result, the peak memory of the process, and the
 /// warnings.

@@ -140,8 +140,9 @@ Picture Outcome::take_picture() {
     return result.pictures.empty() ? Picture() : picture_of(std::move(result.pictures.front()));
 }
 
-Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept) {
-    Outcome out{.result = run_command(words.words(), kept), .report = {}};
+Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept, bool pictures_stay) {
+    Outcome out{.result = run_command(words.words(), {.pictures_stay = pictures_stay, .kept = kept}),
+                .report = {}};
     const CommandResult& r = out.result;
     out.report = {.exit_code = static_cast<ExitCode>(r.exit_code),
                   .json = report_json(r).dump(2),

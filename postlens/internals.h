@@ -114,7 +114,8 @@ struct Outcome {
 };
 
 /// Runs a command for the current job. Throws the internal Error.
-[[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr);
+[[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr,
+                                bool pictures_stay = true);
 
 [[nodiscard]] Picture picture_of(Image image);
 /// Throws the internal Error(wrong_arguments) if the sizes of the vectors do not match that of the picture.

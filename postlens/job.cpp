@@ -44,7 +44,7 @@ Report run(const std::vector<std::string>& words, Job* job) {
     return guarded(job, [&] {
         Words all{};
         all.add(words);
-        return run_words(all).report;
+        return run_words(all, nullptr, false).report;
     });
 }
 

@@ -29,10 +29,11 @@ struct Outcome {
 };
 
 Outcome run(std::vector<std::string> words, int threads, const py::object& progress,
-            const std::shared_ptr<KeptFrame>& kept) {
+            const std::shared_ptr<KeptFrame>& kept, bool pictures_stay) {
     Outcome out;
     CommandResult result;
-    run_job(threads, progress, [&] { result = run_command(std::move(words), kept); });
+    run_job(threads, progress,
+            [&] { result = run_command(std::move(words), {.pictures_stay = pictures_stay, .kept = kept}); });
     // Names in a file need not be UTF-8.
     out.json = result.json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     out.text = text_of(result.text);
@@ -92,7 +93,8 @@ PYBIND11_MODULE(_postlens, module) {
                                                     salvage ? Damage::salvage : Damage::refuse);
              }),
              py::arg("path"), py::arg("salvage"));
-    module.def("run", &run, py::arg("words"), py::arg("threads"), py::arg("progress"), py::arg("kept"));
+    module.def("run", &run, py::arg("words"), py::arg("threads"), py::arg("progress"), py::arg("kept"),
+               py::arg("pictures_stay"));
     module.def("is_sample_file", [](const std::filesystem::path& path) {
         bool found = false;
         translated([&] { found = SampleFileReader::is_sample_file(path); });

@@ -56,6 +56,6 @@ def run(*words: object, threads: int = 0, progress: Progress = None) -> Report:
     """Runs any command, as on the command line: run("chart", "scene.toml", "-o", "folder").
 
     Returns the JSON report of the command (--json). report["text"] is its text for people, and report["exit_code"] its
-    exit code. Raises an exception if the command fails.
+    exit code. Raises an exception if the command fails, or if it makes a picture without an output.
     """
-    return run_words([whole("run", str(word)) for word in words], None, threads, progress)[0]
+    return run_words([whole("run", str(word)) for word in words], None, threads, progress, pictures_stay=False)[0]

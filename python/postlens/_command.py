@@ -126,11 +126,13 @@ def run_words(
     progress: Progress = None,
     kept: Optional["_postlens.KeptFrame"] = None,
     file_names: Mapping[str, str] = {},
+    pictures_stay: bool = True,
 ) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
     """Runs a command in this process. Returns its report and the pictures that it does not write to files.
 
     `options` are keyword arguments; their words are appended to `words`. Errors and warnings contain keywords instead
-    of options, and what `file_names` calls a file instead of its path.
+    of options, and what `file_names` calls a file instead of its path. Without `pictures_stay`, pictures need an
+    output.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
@@ -150,7 +152,7 @@ def run_words(
 
     try:
         # Names of files need not be UTF-8.
-        outcome = _postlens.run([os.fsencode(word) for word in words], int(threads), progress, kept)
+        outcome = _postlens.run([os.fsencode(word) for word in words], int(threads), progress, kept, pictures_stay)
     except Error as error:
         raise error_of(error.exit_code, say(str(error))) from None
     report: Report = json.loads(outcome.json)

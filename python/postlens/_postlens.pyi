@@ -67,6 +67,7 @@ def run(
     threads: int,
     progress: Optional[Callable[[float, float], object]],
     kept: Optional[KeptFrame],
+    pictures_stay: bool,
 ) -> Outcome: ...
 def is_sample_file(path: Union[str, os.PathLike[str]]) -> bool: ...
 def write_picture(

@@ -164,3 +164,8 @@ def test_a_failed_trace_leaves_nothing(tmp_path):
     with pytest.raises(postlens.Error):
         postlens.trace(tmp_path / "missing.toml", output=tmp_path / "x.exr")
     assert os.listdir(tmp_path) == []
+
+
+def test_a_picture_that_no_one_would_get_is_an_error():
+    with pytest.raises(postlens.ArgumentError, match="output"):
+        postlens.run("render", frame_scene(), "--size", "4x4", "--spp", "1", "--f-number", "2", "--focus", "2")

@@ -217,6 +217,7 @@ TEST_F(Api, ErrorsHaveTheCommandsCodeAndOneLine) {
               [&] { (void)api::focus(frame, {.lens = {.f_number = f_number}}); });
     fails(Code::wrong_arguments, "--method", [&] { (void)api::focus(frame, {.method = "no"}); });
     fails(Code::wrong_arguments, "--no-such", [&] { (void)api::focus(frame, {.options = {"--no-such"}}); });
+    fails(Code::wrong_arguments, "--output", [] { (void)api::run({"render", bars, "--spp", "1"}); });
     fails(Code::wrong_arguments, "no path", [&] { const api::Frame nothing(""); });
     fails(Code::wrong_arguments, "rgb", [&] { api::save_picture(in("x.exr"), {.width = 2, .height = 2}); });
     fails(Code::cannot_write, "no/x.exr", [&] {
