@@ -46,6 +46,8 @@ FieldBlur field_blur(const SampleHeader& header, const std::vector<SheetMesh>& s
     PatchField field;
     field.width = header.width;
     field.height = header.height;
+    field.recorded_begin = glm::ivec2(-header.overscan_px);
+    field.recorded_end = glm::ivec2(header.width, header.height) + header.overscan_px;
 
     constexpr std::uint8_t other_mark = 1;
     std::unordered_map<std::uint32_t, std::size_t> classes;

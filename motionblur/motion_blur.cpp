@@ -131,7 +131,7 @@ class MotionBlur {
             } else if (settings_.method != MotionMethod::automatic) {
                 o.method = settings_.method;
                 o.reason = "asked for";
-            } else if (m.kind != MotionKind::general && lightfield_sees_more(m.id)) {
+            } else if (m.kind != MotionKind::general && is_cut_at_frame(m.id)) {
                 o.method = MotionMethod::lightfield;
                 o.reason = fmt::format("moves {:.1f} px, and the border cuts it at the frame's instant",
                                        m.largest_move_px);
@@ -160,11 +160,10 @@ class MotionBlur {
         }
     }
 
-    // Whether the border of the records cuts off an object at the frame's instant. convolve uses only this
-    // instant; lightfield also uses the other recorded instants.
-    [[nodiscard]] bool lightfield_sees_more(std::uint32_t id) const {
-        return file_.instants() > 1 &&
-               is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
+    // Whether the border of the records cuts an object off at the frame's instant, which is the only one that
+    // convolve uses. lightfield uses other instants, and finds the pixels that the missing part may cover.
+    [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
+        return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
     // Whether the light at other recorded instants may differ from that at the frame's instant. convolve uses

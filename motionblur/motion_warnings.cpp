@@ -347,12 +347,15 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out) {
-    if (motion.camera_moves(exposure.open_s, exposure.close_s)) return;
+    const bool camera_moves = motion.camera_moves(exposure.open_s, exposure.close_s);
     std::string names;
     bool others_help = false;  // whether lightfield would use more recorded instants than were used
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
-        const std::size_t used = o.method == MotionMethod::lightfield ? instants.size() : 1;
+        const bool by_field = o.method == MotionMethod::lightfield;
+        // A surface that fills the frame is whole at no instant; lightfield warns of pixels ("uncovered").
+        if (camera_moves && by_field) continue;
+        const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;
         names += (names.empty() ? "" : ", ") + label_of(file.header(), o.id);
         others_help = others_help || used < instants.size();

@@ -57,7 +57,7 @@ void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vect
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
 /// Adds the warning "overscan" for those moving objects that are cut off (`is_cut`). lightfield uses all
-/// recorded instants of `instants`, convolve the first.
+/// recorded instants of `instants`, convolve the first. If the camera moves, only those made by convolve.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

@@ -56,8 +56,12 @@ class Field {
             total_.push_back(0);
             for (const PatchView& v : set.views) total_.back() += v.weight;
         }
-        if (std::none_of(field.sets.begin(), field.sets.end(),
-                         [](const PatchViews& set) { return set.rays != nullptr; }))
+        const auto needs_border = [](const PatchViews& set) {
+            return set.rays != nullptr || std::any_of(set.views.begin(), set.views.end(),
+                                                      [](const PatchView& v) { return v.moves(); });
+        };
+        if (field.recorded_end == field.recorded_begin ||
+            std::none_of(field.sets.begin(), field.sets.end(), needs_border))
             return;
         for (std::size_t i = 0; i < field.instants.size(); ++i)
             borders_.emplace_back(*field.instants[i].primary, field, i);
@@ -247,6 +251,25 @@ class Field {
         }
     }
 
+    /// Removes the pixels in which a surface from beyond the border of the records may hide what a view sees.
+    void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
+        for (std::size_t u = 0; u < v.uses.size(); ++u) {
+            const BorderReach& border = borders_[v.uses[u].instant];
+            SeenTile& seen = w.seen[u];
+            if (!border.reaches(at)) continue;
+            fill_pixels(at, seen.maybe_inverse_z, SeenTile::nothing);
+            border.mark(v, v.uses[u], at, seen);
+            for (int y = 0; y < at.height; ++y) {
+                const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
+                for (std::size_t k = row; k < row + static_cast<std::size_t>(at.width); ++k) {
+                    if (!seen.may_be_hidden(k)) continue;
+                    seen.texel[k] = SeenTile::no_texel;
+                    seen.inverse_z[k] = SeenTile::nothing;
+                }
+            }
+        }
+    }
+
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
@@ -259,6 +282,7 @@ class Field {
             else
                 w.seen[u].clear(at);
         }
+        if (set.rays == nullptr && !borders_.empty()) leave_out_beyond_border(v, at, w);
         if (marks_.any()) marks_.mark_seen(v, at, w.seen, w.touched);
         if (lights) {
             const auto to = static_cast<std::ptrdiff_t>(view * TileViews::view);
@@ -379,7 +403,7 @@ class Field {
     MotionMarks marks_;
     PatchBins bins_;
     std::vector<double> total_;         ///< weight of each set's views
-    std::vector<BorderReach> borders_;  ///< per instant; empty without rays
+    std::vector<BorderReach> borders_;  ///< per instant; empty without rays and motion
 };
 
 }  // namespace

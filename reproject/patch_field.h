@@ -99,8 +99,10 @@ struct PatchField {
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The rectangle of raster pixels that have records, from `recorded_begin` to before `recorded_end`. Only
-    /// needed for sets with rays.
+    /// The rectangle of raster pixels that have records, from `recorded_begin` to before `recorded_end`.
+    /// Where something moves, a view does not know what it sees behind a surface that may continue beyond
+    /// this rectangle. If both are equal, surfaces are assumed to end at the border. Needed for sets with
+    /// rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. Only needed
     /// for sets whose `lights` use TileViews::patches, and for sets with rays, so that rays replace the same

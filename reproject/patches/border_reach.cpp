@@ -110,14 +110,21 @@ BorderReach::Seen BorderReach::see(const Side& side, std::size_t i, const PatchV
     return {side.across ? to.y : to.x, side.across ? to.x : to.y, p.inverse_z, true};
 }
 
+bool BorderReach::Side::reaches(const TilePlace& tile) const {
+    const double low = across ? tile.x : tile.y, high = low + (across ? tile.width : tile.height);
+    return !cells.empty() && (after ? high >= at - deepest_px : low <= at + deepest_px);
+}
+
+bool BorderReach::reaches(const TilePlace& at) const {
+    return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) { return side.reaches(at); });
+}
+
 void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at,
                        SeenTile& seen) const {
     for (const Side& side : sides_) {
         const double low = side.across ? at.x : at.y, high = low + (side.across ? at.width : at.height),
                      begin = side.across ? at.y : at.x, end = begin + (side.across ? at.height : at.width);
-        if (side.cells.empty() ||
-            (side.after ? high < side.at - side.deepest_px : low > side.at + side.deepest_px))
-            continue;
+        if (!side.reaches(at)) continue;
         const double reach = std::min(side.sideways_px, farthest_px) + 2;
         const auto cells = static_cast<std::ptrdiff_t>(side.cells.size());
         const auto first = static_cast<std::ptrdiff_t>(std::floor(begin - reach - side.first)),

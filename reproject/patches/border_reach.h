@@ -20,6 +20,8 @@ class BorderReach {
   public:
     /// `instant`: index of the recorded instant whose directly visible patches are `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
+    /// Whether a view may see a surface from beyond the border anywhere in the tile.
+    [[nodiscard]] bool reaches(const TilePlace& at) const;
     /// Sets SeenTile::maybe_inverse_z in the pixels where the view may see a surface from beyond the border.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
@@ -52,6 +54,7 @@ class BorderReach {
         /// Enlarges `deepest_px` and `sideways_px` for every pixel at this side that shows a moving object,
         /// in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
+        [[nodiscard]] bool reaches(const TilePlace& at) const;
     };
     /// Position in a view of the centre of pixel `i` of a side of the raster (Side::cells), raster px:
     /// measured along this side, and perpendicular to it.

@@ -296,12 +296,31 @@ TEST(MotionBlur, AutomaticReprojectsWhatTheBorderCutsAtTheFramesInstant) {
     // [-10, 70), the right border cuts it, and this side is in the frame before.
     EXPECT_TRUE(
         has_warning(TracedFrame(bar(-100, 80, 90), settings).blur(MotionMethod::automatic), "overscan"));
-    // With one instant alone, lightfield lacks the same part.
+    // With one instant alone, lightfield lacks the same part, but finds the pixels that it may cover.
     settings.keys = 1;
     const MotionBlurResult one = TracedFrame(scene, settings).blur(MotionMethod::automatic);
     ASSERT_EQ(one.objects.size(), 1U);
-    EXPECT_EQ(one.objects[0].method, MotionMethod::convolve);
+    EXPECT_EQ(one.objects[0].method, MotionMethod::lightfield);
     EXPECT_TRUE(has_warning(one, "overscan"));
+    EXPECT_TRUE(has_warning(one, "uncovered"));
+}
+
+TEST(MotionBlur, TheBackgroundBehindACutSurfaceIsNoPartOfThePicture) {
+    // The camera moves sideways past a uniform wall, which the border of the records cuts. Behind the wall,
+    // the black background is recorded.
+    SceneBuilder b;
+    b.add(Rectangle{{-50, -50, -4}, {100, 0, 0}, {0, 100, 0}}, glowing(dvec3(0.6)));
+    b.scene.cameras[0].keys = from_to({30 * m_per_px, 0, 0});
+    TraceSettings settings = for_shutter();
+    settings.overscan_px = 0;
+    const TracedFrame cut(b.scene, settings);
+    ASSERT_TRUE(cut.file().header().has_layers);
+    const MotionBlurResult r = cut.blur(MotionMethod::automatic);
+    EXPECT_TRUE(has_warning(r, "uncovered"));
+    EXPECT_TRUE(has_warning(cut.blur(MotionMethod::convolve), "overscan"));
+    for (int x = 0; x < 64; ++x) EXPECT_NEAR(static_cast<double>(r.image.pixel(x, 20)[0]), 0.6, 1e-6) << x;
+    settings.overscan_px = 32;
+    EXPECT_FALSE(has_warning(TracedFrame(b.scene, settings).blur(MotionMethod::automatic), "uncovered"));
 }
 
 // Plates of 15 px at two depths. `apart_px`: distance of their rows.
