@@ -135,6 +135,11 @@ class MotionBlur {
                 o.method = MotionMethod::lightfield;
                 o.reason = fmt::format("moves {:.1f} px, and the border cuts it at the frame's instant",
                                        m.largest_move_px);
+            } else if (m.kind == MotionKind::parallax && file_.instants() > 1) {
+                o.method = MotionMethod::lightfield;
+                o.reason = fmt::format(
+                    "moves {:.1f} px, and the keys may show other sides of it than the frame's instant",
+                    m.largest_move_px);
             } else if (m.kind != MotionKind::general && relit) {
                 o.method = MotionMethod::lightfield;
                 o.reason = fmt::format(

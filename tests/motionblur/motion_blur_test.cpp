@@ -397,6 +397,27 @@ TEST(MotionBlur, KeysDoNotTakeAConvolvedObjectFromConvolve) {
     }
 }
 
+TEST(MotionBlur, AutomaticShowsTheSidesThatOnlyOtherKeysRecord) {
+    // The box passes above the camera's axis, where its lower side is seen. At the frame's instant it is not.
+    SceneBuilder b;
+    b.add(Box{{-0.4, -0.4, -0.4}, {0.4, 0.4, 0.4}}, glowing({0.9, 0.5, 0.1})).keys = {
+        {.time_s = 0, .translation = {-0.3, 0, -4}}, {.time_s = 1, .translation = {0.3, 1.2, -4}}};
+    b.add(Rectangle{{-5, -4, -8}, {10, 0, 0}, {0, 8, 0}}, glowing({0.1, 0.2, 0.6}));
+    TraceSettings settings = for_shutter(4);
+    settings.keys = 5;
+    const TracedFrame frame(b.scene, settings);
+    RenderSettings truth;
+    truth.spp = 256;
+    truth.shutter = TimeSpan{0, 1};
+    const Image reference = render_picture(b.scene, truth).image;
+    const MotionBlurResult r = frame.blur(MotionMethod::automatic);
+    ASSERT_EQ(r.objects.size(), 1U);
+    EXPECT_EQ(r.objects[0].kind, MotionKind::parallax);
+    EXPECT_EQ(r.objects[0].method, MotionMethod::lightfield) << r.objects[0].reason;
+    EXPECT_GT(psnr(r.image, reference), 42);
+    EXPECT_LT(psnr(frame.blur(MotionMethod::convolve).image, reference), 38);
+}
+
 // A plate that moves parallel to the film close to a wall. Light falls on both.
 SceneBuilder lit_plate() {
     SceneBuilder b;
