@@ -322,11 +322,14 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     TraceResult result;
     result.keys = settings.keys.value_or(1);
     if (!settings.keys) {
-        const KeyCount wanted = automatic_keys(scene, of, settings.camera, time_s, *settings.for_shutter,
-                                               settings.degrees_per_key);
+        const KeyCount wanted =
+            automatic_keys(scene, of, settings.camera, time_s, *settings.for_shutter,
+                           {settings.degrees_per_key,
+                            settings.light_db,
+                            {settings.whitted.max_depth, settings.whitted.min_contribution}});
         result.keys = wanted.keys;
         result.keys_sweep_degrees = wanted.sweep_degrees;
-        result.keys_sweep_of = wanted.what;
+        result.keys_reason = wanted.reason;
     }
     std::vector<double> keys_s;
     if (settings.for_shutter) keys_s = key_instants(result.keys, *settings.for_shutter, time_s);

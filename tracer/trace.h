@@ -28,14 +28,20 @@ struct TraceSettings {
     /// Levels of subdivision that suffice if rays into the scene replace the view samples that coarse records
     /// do not determine (docs/planner.md has the times of other levels).
     static constexpr int ray_levels = 1;
-    /// Angle, degrees, by which an object turns relative to the camera or to a light between two recorded
-    /// instants, if `keys` is absent. Halfway between two recorded instants, a ball has turned by 7.5 degrees
+    /// Angle, degrees, by which an object turns relative to the camera between two recorded instants, if
+    /// `keys` is absent. Halfway between two recorded instants, a ball has turned by 7.5 degrees
     /// from either. The strip along its silhouette that neither instant shows is then 1 - cos 7.5 degrees, or
     /// 0.9 %, of its radius wide.
     double degrees_per_key = 15;
     /// Angle that suffices if rays into the scene replace samples of views. In motion.toml, which turns a box
     /// by 65 degrees, keys at 15, 30 and 33 degrees give equally accurate images.
     static constexpr double ray_degrees_per_key = 30;
+    /// PSNR of the light that changes between two recorded instants (light_keys), dB, if `keys` is absent:
+    /// half of the squared error of an image of 40 dB.
+    double light_db = 43;
+    /// PSNR that suffices for images with rays in the scene: of a smooth change, half as many keys have four
+    /// times the error, 12 dB.
+    static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file replaces two radii. With `for_f_number`, both become the radius of that lens. Otherwise
     /// `lens_radius_m` becomes the radius of the camera's lens, or of a lens of f/1.4 if the camera has no
@@ -81,9 +87,10 @@ struct TraceResult {
     int overscan_px = 0;
     int keys = 1;                    ///< as in the settings, or as the motion needs
     std::vector<double> instants_s;  ///< recorded instants; the frame's own is first
-    /// set if `keys` was chosen from the motion: the angle, and what turns by it
+    /// Set if `keys` was chosen from the scene: the angle by which an object or the camera turns, and what
+    /// determines the number.
     std::optional<double> keys_sweep_degrees;
-    const char* keys_sweep_of = "";
+    std::string keys_reason;
 };
 
 /// Throws Error(out_of_memory), with the size, if a lower bound of the trace's memory exceeds the available

@@ -83,7 +83,10 @@ CommandResult run_trace(const TraceOptions& options) {
         settings.subdivide_for_lens = false;
         settings.subdivision.levels = TraceSettings::ray_levels;
     }
-    if (options.for_rays) settings.degrees_per_key = TraceSettings::ray_degrees_per_key;
+    if (options.for_rays) {
+        settings.degrees_per_key = TraceSettings::ray_degrees_per_key;
+        settings.light_db = TraceSettings::ray_light_db;
+    }
     settings.made_by = options.made_by;
     if (const auto& shared = options.shared) {
         settings.share = shared->share;
@@ -136,7 +139,8 @@ CommandResult run_trace(const TraceOptions& options) {
                 {"overscan_px", r.overscan_px},
                 {"keys", r.keys},
                 {"instants_s", r.instants_s},
-                {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr}};
+                {"keys_sweep_degrees", r.keys_sweep_degrees ? json_number(*r.keys_sweep_degrees) : nullptr},
+                {"keys_reason", r.keys_sweep_degrees ? nlohmann::ordered_json(r.keys_reason) : nullptr}};
     const AveragedShading averaged = averaged_shading(scene);
     out.json["averaged"] = {{"materials", averaged.materials}, {"lights", averaged.lights}};
     if (settings.share && settings.share->count > 1 && averaged.materials > 0) {
@@ -161,8 +165,8 @@ CommandResult run_trace(const TraceOptions& options) {
             counted(scene.lights.size(), "light"));
     }
     if (r.keys_sweep_degrees) {
-        out.text += fmt::format("\n{}, as {} turns by {:.4g} degrees", counted(r.keys, "key"),
-                                r.keys_sweep_of, *r.keys_sweep_degrees);
+        out.text +=
+            fmt::format("\n{}, as {}", counted(r.keys, "key"), r.keys_reason);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));

@@ -15,6 +15,7 @@
 #include "tests/support/file_bytes.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
+#include "tracer/recording/light_keys.h"
 #include "tracer/recording/recorded_motion.h"
 #include "tracer/shading_trees/film_motion.h"
 #include "tracer/trace.h"
@@ -112,47 +113,90 @@ TEST(ViewSweep, OrthographicCamerasSeeAlongTheAxis) {
     EXPECT_NEAR(sweep(b), 20, rounding_degrees);
 }
 
-TEST(LightSweep, IsTheTurnOfTheLightThatFallsOnWhatIsSeen) {
-    const auto sweep_of = [](const Scene& s) {
-        return light_sweep_degrees(s, CameraModel(s.cameras[0], 0), 0, shutter);
-    };
+LightKeys light_keys_of(const Scene& s) {
+    return light_keys(s, s.cameras[0], {}, 0, shutter, 43, {});
+}
+
+TEST(LightKeys, NoneWhereNoLightChanges) {
+    SceneBuilder still;
+    still.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
+    still.point_light({-1, 0, -8});
+    EXPECT_EQ(light_keys_of(still.scene).keys, 1);
+    // A matte wall looks the same from everywhere. Neither does a moving light change a wall that only emits.
+    still.scene.cameras[0].keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0}}};
+    EXPECT_EQ(light_keys_of(still.scene).keys, 1);
+    still.scene.lights[0].keys = still.scene.cameras[0].keys;
+    still.scene.materials[0] = glowing(dvec3(1));
+    EXPECT_EQ(light_keys_of(still.scene).keys, 1);
+    EXPECT_EQ(light_keys_of(turning_box(60, {0, 1, 0}).scene).keys, 1);
+}
+
+TEST(LightKeys, AMeanThatIsLinearInTimeNeedsTheEndsAlone) {
+    // A directional light turns by 20 degrees, symmetrically about the normal of a wall that fills the frame.
+    // The wall's radiance is the cosine: its mean over time is 0.99493, the first and the last instant have
+    // 0.98481. The encoded values differ by 0.45 % of 1, 46.9 dB for a wall of diffuse 1.
     SceneBuilder b;
-    b.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
-    b.point_light({-1, 0, -8});
-    EXPECT_EQ(sweep_of(b.scene), 0);
-    // From the point of the wall at half way, 1 m away, the light turns from -45 to 45 degrees. The grid has
-    // a point within 0.1 m of it.
-    b.scene.lights[0].keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0}}};
-    EXPECT_NEAR(sweep_of(b.scene), 90, 1);
-    // A wall that moves with the light sees no turn, and one that only shines needs no light.
-    SceneBuilder along = b;
-    along.scene.objects[0].motion_base = along.scene.objects[0].world_from_object;
-    along.scene.objects[0].keys = b.scene.lights[0].keys;
-    EXPECT_NEAR(sweep_of(along.scene), 0, rounding_degrees);
-    SceneBuilder shining = b;
-    shining.scene.materials[0] = glowing(dvec3(1));
-    EXPECT_EQ(sweep_of(shining.scene), 0);
-    // The sun does not move, but a box turns.
-    SceneBuilder turning;
-    Object& box = turning.add(Box{}, matte(dvec3(0.5)));
-    box.keys = {turned(0, 0, {0, 0, 1}, {0, 0, -4}), turned(1, 60, {0, 0, 1}, {0, 0, -4})};
-    Light& sun = turning.point_light({0, 0, 0});
+    b.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(1)));
+    Light& sun = b.point_light({0, 0, 0});
     sun.kind = Light::Kind::directional;
-    sun.direction = {-1, 0, 0};
-    EXPECT_NEAR(sweep_of(turning.scene), 60, rounding_degrees);
+    sun.direction = {0, 0, -1};
+    sun.keys = {turned(0, -10, {0, 1, 0}), turned(1, 10, {0, 1, 0})};
+    const LightKeys keys = light_keys_of(b.scene);
+    EXPECT_EQ(keys.keys, 1);  // the first instant has the same radiance as the last
+    const auto encoded = [](double v) { return 1.055 * std::pow(v, 1 / 2.4) - 0.055; };
+    const double half = glm::radians(10.0);
+    EXPECT_NEAR(keys.psnr_db, -20 * std::log10(encoded(std::sin(half) / half) - encoded(std::cos(half))),
+                0.1);
+}
+
+TEST(LightKeys, AreMoreWhereShadowsAndReflectionsMove) {
+    SceneBuilder shadow;
+    shadow.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
+    shadow.add(Box{{-1, -1, -0.1}, {1, 1, 0.1}}, matte(dvec3(0.5))).keys = {
+        {.time_s = 0, .translation = {-1, 9, 0}}, {.time_s = 1, .translation = {1, 9, 0}}};
+    Light& sun = shadow.point_light({0, 0, 0});
+    sun.kind = Light::Kind::directional;
+    sun.direction = {0, -1, -1};  // the camera sees the shadow, but never the box
+    EXPECT_GE(light_keys_of(shadow.scene).keys, 5);
+    sun.casts_shadows = false;
+    EXPECT_EQ(light_keys_of(shadow.scene).keys, 1);
+    SceneBuilder reflection;
+    reflection.add(square({0, 0, -9}, {0, 0, 1}, 100), mirror(0.9));
+    reflection.add(Box{{-1, -1, 0.9}, {1, 1, 1.1}}, glowing(dvec3(1))).keys = {
+        {.time_s = 0, .translation = {-1, 0, 0}}, {.time_s = 1, .translation = {1, 0, 0}}};
+    const LightKeys keys = light_keys_of(reflection.scene);
+    EXPECT_GE(keys.keys, 5);
+    EXPECT_GE(keys.psnr_db, 43);
+}
+
+TEST(KeysForVisits, AKeyShowsWhatPassesThroughTheFrame) {
+    const auto keys_of = [](std::vector<TransformKey> motion, int at_least = 1) {
+        SceneBuilder b;
+        b.add(Sphere{{0, 0, -4}, 0.1}, glowing(dvec3(1))).keys = std::move(motion);
+        return keys_for_visits(b.scene, b.scene.cameras[0], {}, 0, shutter, at_least);
+    };
+    const auto at = [](double time_s, double x) {
+        return TransformKey{.time_s = time_s, .translation = {x, 0, 0}};
+    };
+    EXPECT_EQ(keys_of({at(0, 0), at(1, 9)}), 1);   // the frame's instant shows it
+    EXPECT_EQ(keys_of({at(0, 9), at(1, 0)}), 2);   // so does the last
+    EXPECT_EQ(keys_of({at(0, 9), at(1, 8)}), 1);   // out of the frame
+    EXPECT_EQ(keys_of({at(0, 9), at(1, -9)}), 3);  // the middle
+    EXPECT_EQ(keys_of({at(0, 9), at(1, -9)}, 4), 5);
+    EXPECT_EQ(keys_of({at(0, 9), at(0.3, 9), at(0.32, 0), at(0.34, 9), at(1, 9)}), 26);  // 8 / 25 = 0.32
 }
 
 TEST(AutomaticKeys, FollowObjectsLightAndCamera) {
-    const auto keys_of = [](const Scene& s) { return automatic_keys(s, s.cameras[0], {}, 0, shutter, 15); };
+    const auto keys_of = [](const Scene& s) { return automatic_keys(s, s.cameras[0], {}, 0, shutter, {}); };
     const KeyCount turns = keys_of(turning_box(60, {0, 1, 0}).scene);
     EXPECT_EQ(turns.keys, 5);
-    EXPECT_STREQ(turns.what, "something");
+    EXPECT_EQ(turns.reason, "something turns by 60 degrees");
     SceneBuilder lamp;
     lamp.add(square({0, 0, -9}, {0, 0, 1}, 100), matte(dvec3(0.8)));
     lamp.point_light({-1, 0, -8}).keys = {{.time_s = 0}, {.time_s = 1, .translation = {2, 0, 0}}};
     const KeyCount light = keys_of(lamp.scene);
-    EXPECT_EQ(light.keys, 7);  // for 90 degrees
-    EXPECT_STREQ(light.what, "the light on something");
+    EXPECT_GE(light.keys, 3);
+    EXPECT_EQ(light.reason.rfind("light changes: ", 0), 0U) << light.reason;
     // A pan by more than half of the picture's shorter side shows what no overscan need hold.
     SceneBuilder pan;
     pan.add(square({0, 0, -9}, {0, 0, 1}, 100), glowing(dvec3(1)));
@@ -163,7 +207,7 @@ TEST(AutomaticKeys, FollowObjectsLightAndCamera) {
     EXPECT_EQ(keys_of(pan.scene).keys, 1);
     camera.keys[1] = turned(1, 1.5 * half, {0, 1, 0});
     EXPECT_EQ(keys_of(pan.scene).keys, 3);
-    EXPECT_STREQ(keys_of(pan.scene).what, "the camera");
+    EXPECT_EQ(keys_of(pan.scene).reason.rfind("the camera turns by ", 0), 0U);
     camera.keys[1] = turned(1, 90, {0, 0, 1});  // a roll
     EXPECT_EQ(keys_of(pan.scene).keys, 1);
 }

@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <initializer_list>
-#include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "core/threads.h"
 #include "records/motion/motion_path.h"
 #include "records/sample_header.h"
 #include "scene/shape_bounds.h"
+#include "tracer/recording/light_keys.h"
 #include "tracer/shading_trees/film_motion.h"
 
 namespace postlens {
@@ -70,54 +72,6 @@ std::vector<double> looks(const TimeSpan& shutter, int count,
     return out;
 }
 
-bool responds_to_lights(const Material& m) {
-    return m.diffuse != dvec3(0) || m.diffuse_transmission != dvec3(0) || m.specular != dvec3(0);
-}
-
-// Total rotation, degrees, of the direction to the light from a point of an object, in the object's frame.
-// `rest`: the point without the object's motion.
-double light_sweep(const Object& object, const dvec3& rest, const Light& light, const TimeSpan& shutter) {
-    constexpr int light_steps = 64;
-    const MotionPath of_object(object.keys), of_light(light.keys);
-    if (!of_object.moves(shutter.open_s, shutter.close_s) && !of_light.moves(shutter.open_s, shutter.close_s))
-        return 0;
-    double sum = 0;
-    std::optional<dvec3> last;
-    for (const double t : looks(shutter, light_steps, {&object.keys, &light.keys})) {
-        const MotionPath::Pose pose = of_object.at(t), lamp = of_light.at(t);
-        const dvec3 way = light.kind == Light::Kind::directional
-                              ? -lamp.direction(light.direction)
-                              : lamp.point(light.position) - pose.point(rest);
-        const dvec3 d = way * pose.rotation;  // the transpose of the rotation times `way`
-        if (last) sum += angle(*last, d);
-        last = d;
-    }
-    return glm::degrees(sum);
-}
-
-// Points that a coarse grid of rays sees.
-std::vector<SurfacePoint> visible_points(const RayScene& rays, const CameraModel& camera) {
-    constexpr int across = 32, down = 16;
-    std::vector<CameraRay> eye;
-    RayBatch batch;
-    batch.clear(false);
-    for (int y = 0; y < down; ++y) {
-        for (int x = 0; x < across; ++x) {
-            const CameraRay& r = eye.emplace_back(
-                camera.ray((x + 0.5) / across * camera.width, (y + 0.5) / down * camera.height));
-            batch.add(r.origin, r.direction, std::numeric_limits<float>::infinity());
-        }
-    }
-    rays.intersect(batch, false);
-    std::vector<SurfacePoint> out;
-    for (std::size_t i = 0; i < eye.size(); ++i) {
-        if (!batch.hit(i).valid()) continue;
-        out.push_back(
-            rays.surface(batch.hit(i), eye[i].origin, eye[i].direction, static_cast<double>(batch.t[i])));
-    }
-    return out;
-}
-
 double sweep(const Object& object, const std::vector<View>& views, bool orthographic) {
     const bool moves = !object.keys.empty();
     const Bounds box = shape_bounds(object.shape, moves ? object.motion_base : object.world_from_object);
@@ -138,6 +92,20 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
         last = d;
     }
     return sum * 180 / std::numbers::pi;
+}
+
+// Whether a sphere, given without its motion, may be seen within the frame.
+bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
+    const dvec3 at = pose.point(centre), scale = glm::abs(pose.scale);
+    const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
+                 ahead = glm::dot(at - camera.position, camera.forward);
+    const auto place = camera.place(at);
+    if (!place || ahead <= radius) return ahead > -radius;
+    const double radius_px = camera.projection == Camera::Projection::orthographic
+                                 ? 1000 * radius / camera.pixel_pitch_mm
+                                 : radius / (camera.tangent_per_px * ahead);
+    return place->x > -radius_px && place->y > -radius_px && place->x < camera.width + radius_px &&
+           place->y < camera.height + radius_px;
 }
 
 }  // namespace
@@ -165,27 +133,6 @@ double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSp
     return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
 }
 
-double light_sweep_degrees(const Scene& scene, const CameraModel& camera, double recorded_s,
-                           const TimeSpan& shutter) {
-    const auto moves = [&](const auto& of) {
-        return MotionPath(of.keys).moves(shutter.open_s, shutter.close_s);
-    };
-    if (scene.lights.empty()) return 0;
-    if (std::none_of(scene.lights.begin(), scene.lights.end(), moves) &&
-        std::none_of(scene.objects.begin(), scene.objects.end(), moves))
-        return 0;
-    const std::vector<SurfacePoint> points = visible_points(RayScene(scene, recorded_s), camera);
-    std::vector<double> sweeps(points.size(), 0);
-    parallel_for(points.size(), [&](std::size_t i) {
-        const Object& o = scene.objects[points[i].object];
-        if (!responds_to_lights(scene.materials[o.material])) return;
-        const dvec3 rest = MotionPath(o.keys).at(recorded_s).unmoved_point(points[i].position);
-        for (const Light& light : scene.lights)
-            sweeps[i] = std::max(sweeps[i], light_sweep(o, rest, light, shutter));
-    });
-    return sweeps.empty() ? 0 : *std::max_element(sweeps.begin(), sweeps.end());
-}
-
 double pan_degrees(const Camera& camera, const TimeSpan& shutter) {
     if (camera.projection == Camera::Projection::orthographic || !(shutter.close_s > shutter.open_s))
         return 0;
@@ -203,18 +150,61 @@ double half_field_degrees(const CameraModel& camera) {
     return glm::degrees(std::atan(camera.tangent_per_px * std::min(camera.width, camera.height) / 2));
 }
 
-KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
-                        double recorded_s, const TimeSpan& shutter, double degrees_per_key) {
-    const CameraModel model(camera, recorded_s, overrides);
-    KeyCount out;
-    const auto need = [&](double sweep_degrees, double per_key, const char* what) {
-        const int keys = keys_for_sweep(sweep_degrees, per_key);
-        if (*out.what == '\0' || keys > out.keys) out = {keys, sweep_degrees, what};
+int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
+                    double recorded_s, const TimeSpan& shutter, int at_least) {
+    std::vector<CameraModel> cameras;
+    std::vector<double> instants_s;
+    for (int i = 0; i <= steps; ++i) {
+        instants_s.push_back(even_instant(shutter.open_s, shutter.close_s, i, steps + 1));
+        cameras.emplace_back(camera, instants_s.back(), overrides);
+    }
+    std::vector<TimeSpan> visits;
+    for (const Object& o : scene.objects) {
+        const MotionPath path(o.keys);
+        const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
+        const double radius_m = 0.5 * glm::length(box.max - box.min);
+        if (box.empty() || !std::isfinite(radius_m) || !path.moves(shutter.open_s, shutter.close_s)) continue;
+        bool before = false;
+        for (std::size_t i = 0; i < instants_s.size(); ++i) {
+            const bool now = may_see(cameras[i], path.at(instants_s[i]), 0.5 * (box.min + box.max), radius_m);
+            if (now && !before) visits.push_back({instants_s[i], instants_s[i]});
+            if (now) visits.back().close_s = instants_s[i];
+            before = now;
+        }
+    }
+    std::erase_if(visits,
+                  [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
+    // The keys i / (keys - 1) of the shutter, from the first that is not before the visit.
+    const auto has_key = [&](const TimeSpan& visit, int keys) {
+        const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
+        const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
+        return shutter.open_s + first * length <= visit.close_s;
     };
-    need(view_sweep_degrees(scene, camera, shutter), degrees_per_key, "something");
-    need(light_sweep_degrees(scene, model, recorded_s, shutter), degrees_per_key, "the light on something");
-    const double pan = pan_degrees(camera, shutter);
-    if (pan > 0) need(pan, half_field_degrees(model), "the camera");
+    constexpr auto most = static_cast<int>(SampleHeader::most_keys);
+    int keys = std::max(at_least, visits.empty() ? 1 : 2);
+    while (keys < most &&
+           !std::all_of(visits.begin(), visits.end(), [&](const TimeSpan& v) { return has_key(v, keys); }))
+        ++keys;
+    return keys;
+}
+
+KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
+                        double recorded_s, const TimeSpan& shutter, const KeyRules& rules) {
+    const double turn = view_sweep_degrees(scene, camera, shutter), pan = pan_degrees(camera, shutter);
+    KeyCount out{keys_for_sweep(turn, rules.degrees_per_key), turn,
+                 fmt::format("something turns by {:.4g} degrees", turn)};
+    const int for_pan = keys_for_sweep(pan, half_field_degrees(CameraModel(camera, recorded_s, overrides)));
+    if (for_pan > out.keys) out = {for_pan, pan, fmt::format("the camera turns by {:.4g} degrees", pan)};
+    const auto need = [&out](int keys, std::string reason) {
+        if (keys <= out.keys) return;
+        out.keys = keys;
+        out.reason = std::move(reason);
+    };
+    const LightKeys light =
+        light_keys(scene, camera, overrides, recorded_s, shutter, rules.light_db, rules.tracing);
+    need(light.keys, fmt::format("light changes: {:.1f} dB of its mean (predicted)", light.psnr_db));
+    need(keys_for_visits(scene, camera, overrides, recorded_s, shutter, out.keys),
+         "something is in view for a short time");
     return out;
 }
 

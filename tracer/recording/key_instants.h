@@ -2,11 +2,13 @@
 // record surfaces that become visible when objects turn.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "scene/scene.h"
 #include "tracer/camera_model.h"
 #include "tracer/intersection/ray_scene.h"
+#include "tracer/shading_trees/distributed_tracer.h"
 
 namespace postlens {
 
@@ -17,13 +19,6 @@ namespace postlens {
 /// while the camera is inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the greatest angle, degrees, by which the direction of light on a visible surface turns while the
-/// shutter is open. It is the total rotation of the direction from a point of the surface to a light, in the
-/// frame of the surface's object, if the light or the object moves. The points are those that a coarse grid
-/// of rays sees at `recorded_s`; surfaces that do not respond to lights are ignored.
-[[nodiscard]] double light_sweep_degrees(const Scene& scene, const CameraModel& camera, double recorded_s,
-                                         const TimeSpan& shutter);
-
 /// Returns the angle, degrees, by which the optical axis of a perspective camera turns while the shutter is
 /// open.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
@@ -33,18 +28,30 @@ namespace postlens {
 /// between them.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
-/// A number of keys, and the motion that it is for.
-struct KeyCount {
-    int keys = 1;
-    double sweep_degrees = 0;
-    const char* what = "";  ///< what turns by `sweep_degrees`
+struct KeyRules {
+    double degrees_per_key = 15;  ///< that an object turns relative to the camera
+    double light_db = 43;         ///< PSNR of the light that changes (light_keys)
+    DistributedSettings tracing;  ///< of the rays that measure this light
 };
 
-/// Returns the number of keys (recorded instants) that a scene needs: for the turns of objects and of light,
-/// one for every `degrees_per_key`, and those for the camera's pan.
+/// A number of keys, and what determines it.
+struct KeyCount {
+    int keys = 1;
+    double sweep_degrees = 0;  ///< view_sweep_degrees, or pan_degrees if that needs more keys
+    std::string reason;        ///< such as "something turns by 60 degrees"
+};
+
+/// Returns the smallest number of evenly spaced keys, `at_least` or more, with which a key lies within every
+/// span of time in which the camera's frame shows a moving object, or 64. `recorded_s` is recorded as well.
+/// An object is its bounding sphere, which nothing hides.
+[[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
+                                  double recorded_s, const TimeSpan& shutter, int at_least);
+
+/// Returns the number of keys for the turns of objects, one for every `degrees_per_key`, for the camera's
+/// pan, for objects that are in view for a short time, and for the light that changes.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
-                                      const TimeSpan& shutter, double degrees_per_key);
+                                      const TimeSpan& shutter, const KeyRules& rules);
 
 /// Returns the number of keys (recorded instants) for a sweep: 1 up to `degrees_per_key`, else 1 + ceil(sweep
 /// / degrees_per_key), at most 64.
