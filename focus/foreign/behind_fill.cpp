@@ -57,15 +57,12 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                double left = 1;
-                Radii last;
                 // A pixel may have further samples behind its first opaque one. The estimated surface must
                 // lie behind the last of them.
-                for (std::uint64_t k = p_.offsets[i]; k < p_.offsets[i + 1]; ++k) {
-                    left *= 1 - static_cast<double>(p_.samples[k].alpha);
-                    last = radii_px(p_.samples[k]);
-                }
-                opaque_[i] = left <= opaque_transmittance ? 1 : 0;
+                const auto stack =
+                    std::span(p_.samples).subspan(p_.offsets[i], p_.offsets[i + 1] - p_.offsets[i]);
+                opaque_[i] = transmittance_behind(stack) <= opaque_transmittance ? 1 : 0;
+                const Radii last = stack.empty() ? Radii() : radii_px(stack.back());
                 set_last(i, last);
                 if (std::isfinite(last.blur)) widest_px[y] = std::max(widest_px[y], std::abs(last.blur));
             }
@@ -126,14 +123,15 @@ class BehindSearch::Impl {
         const Find* nearest =
             std::min_element(finds.data(), finds.data() + count,
                              [](const Find& a, const Find& b) { return a.distance_px < b.distance_px; });
-        std::array<double, 5> sum{};
+        std::array<double, 6> sum{};
         for (std::size_t i = 0; i < count; ++i) {
             if (is_farther(finds[i].radii, nearest->radii) || is_farther(nearest->radii, finds[i].radii))
                 continue;
             const double weight = weight_of(finds[i]);
             const std::array<double, 4> colour = flattened(finds[i]);
             for (std::size_t c = 0; c < 4; ++c) sum[c] += weight * colour[c];
-            sum[4] += weight;
+            sum[4] += weight * (finds[i].fills ? 1 : colour[3]);
+            sum[5] += weight;
         }
         Behind out;
         out.known = true;
@@ -144,10 +142,11 @@ class BehindSearch::Impl {
             out.id = first.id;
             out.holdout = first.holdout;
         }
-        out.r = static_cast<float>(sum[0] / sum[4]);
-        out.g = static_cast<float>(sum[1] / sum[4]);
-        out.b = static_cast<float>(sum[2] / sum[4]);
-        out.alpha = static_cast<float>(sum[3] / sum[4]);
+        out.r = static_cast<float>(sum[0] / sum[5]);
+        out.g = static_cast<float>(sum[1] / sum[5]);
+        out.b = static_cast<float>(sum[2] / sum[5]);
+        out.alpha = static_cast<float>(sum[3] / sum[5]);
+        out.weight = static_cast<float>(sum[4] / sum[5]);
         return out;
     }
 
@@ -160,6 +159,7 @@ class BehindSearch::Impl {
         float distance_px = 0;  ///< 0: none
         Radii radii;
         std::span<const StackSample> stack;  ///< samples from the first farther one on; empty for empty space
+        bool fills = false;                  ///< as Behind::fills
     };
 
     /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until it returns
@@ -280,7 +280,8 @@ class BehindSearch::Impl {
             auto stack =
                 is_stored(x, y) ? p_.stack(p_.x_begin + x, p_.y_begin + y) : std::span<const StackSample>();
             while (!stack.empty() && !is_farther(radii_px(stack[0]), own)) stack = stack.subspan(1);
-            return {distance_px, stack.empty() ? Radii{} : radii_px(stack[0]), stack};
+            const bool fills = !stack.empty() && fills_[index(x, y)] != 0;
+            return {distance_px, stack.empty() ? Radii{} : radii_px(stack[0]), stack, fills};
         }
         return {};
     }

@@ -17,9 +17,10 @@ namespace postlens {
 struct Behind {
     float inverse_z = 0, spread_inverse_z = 0;  ///< as those of StackSample
     float r = 0, g = 0, b = 0;                  ///< premultiplied
-    float alpha = 0;                            ///< coverage by the surface; the rest is empty space
-    std::uint32_t id = 0;                       ///< as StackSample::id
-    bool holdout = false;                       ///< as StackSample::holdout
+    float alpha = 0;                            ///< coverage by the surface
+    float weight = 0;      ///< share of the pixel that it fills, translucent or not; the rest is empty space
+    std::uint32_t id = 0;  ///< as StackSample::id
+    bool holdout = false;  ///< as StackSample::holdout
     bool known = false;
     bool fills = false;  ///< the pixel is translucent; only empty space behind it and its neighbours
 };

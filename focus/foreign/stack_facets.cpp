@@ -17,7 +17,7 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
       height(p.y_end - p.y_begin),
       geometry_(geometry) {
     const auto known = static_cast<std::size_t>(
-        std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.alpha > 0; }));
+        std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.weight > 0; }));
     const std::size_t pixels = p.offsets.size() - 1;
     require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
                    "the samples as views draw them");
@@ -26,7 +26,7 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
     offsets_.push_back(0);
     for (std::size_t i = 0; i < pixels; ++i) {
         for (std::uint64_t k = p.offsets[i]; k < p.offsets[i + 1]; ++k) add(i, p.samples[k]);
-        if (!behind.empty() && behind[i].known && behind[i].alpha > 0) {
+        if (!behind.empty() && behind[i].known && behind[i].weight > 0) {
             const Behind& b = behind[i];
             add(i, {.inverse_z = b.inverse_z,
                     .r = b.r,

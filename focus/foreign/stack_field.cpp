@@ -53,8 +53,7 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
                 out.push_back(x >= 0 && x < p.width && y >= 0 && y < p.height ? 1 : 0);
                 continue;
             }
-            double left = 1;
-            for (const StackSample& s : p.stack(x, y)) left *= 1 - static_cast<double>(s.alpha);
+            const double left = transmittance_behind(p.stack(x, y));
             const std::size_t k = p.pixel_at(x, y);
             out.push_back(left > opaque_transmittance ||
                                   (!behind.empty() && behind[k].known && behind[k].alpha < 1)

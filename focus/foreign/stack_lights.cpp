@@ -93,11 +93,16 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
     } else if (behind != nullptr && behind->known) {
         const Depths depths{static_cast<double>(behind->inverse_z),
                             static_cast<double>(behind->spread_inverse_z)};
-        const auto alpha = static_cast<double>(behind->alpha);
-        if (alpha > least_share)
+        const auto weight = static_cast<double>(behind->weight);
+        if (weight > least_share) {
+            const auto alpha = static_cast<double>(behind->alpha);
             add_surface(surface_at(depths.spread), depths, behind->holdout ? none : rgb_of(*behind, alpha),
-                        alpha, true);
-        if (alpha < 1 - least_share) add_surface(nothing, {}, {}, 1 - alpha, true);
+                        weight, true);
+        }
+        if (weight < 1 - least_share) add_surface(nothing, {}, {}, 1 - weight, true);
+    } else if (!fills) {
+        const double through = transmittance_behind(stack);
+        if (through > opaque_transmittance) add_surface(nothing, {}, {}, through, true);
     }
     for (const Sum& s : sums_) {
         if (s.surface == nothing && !with_nothing_) continue;

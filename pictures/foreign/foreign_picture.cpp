@@ -18,6 +18,17 @@ std::uint32_t surface_id(float value, bool whole) {
     return !whole && (value == 0 || std::isnan(value)) ? 0 : std::bit_cast<std::uint32_t>(value);
 }
 
+double transmittance_behind(std::span<const StackSample> stack) {
+    double left = 1;
+    bool opaque = false;
+    for (const StackSample& s : stack) {
+        const double through = 1 - static_cast<double>(s.alpha);
+        left = opaque ? through : left * through;
+        opaque = through <= opaque_transmittance;
+    }
+    return left;
+}
+
 namespace {
 
 struct Composited {

@@ -32,6 +32,10 @@ struct StackSample {
 /// A stack of samples counts as opaque if its transmittance is at most this, because alphas are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
+/// Transmittance of the samples of a stack that are behind its last opaque sample. 0 if there are none,
+/// because what an opaque sample hides is not known.
+[[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
+
 /// Converts a value of an id channel to an id. The id consists of the bits of the float, because the bits
 /// distinguish both hashes and whole numbers. Zero of either sign and NaN become 0, which means no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);

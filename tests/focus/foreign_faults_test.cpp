@@ -131,5 +131,35 @@ TEST(ForeignFaults, ATransparentBackgroundStaysTransparent) {
     }
 }
 
+TEST(ForeignFaults, ASkyWithoutAlphaIsNoDarkFringe) {
+    // A blurred card before a translucent background that is the same everywhere: before a sky whose pixels
+    // have a colour and no alpha, and before veils. The background is in the picture also behind the card, or
+    // only beside it.
+    const Bench bench{.width = 60, .height = 24, .margin_px = 20};
+    for (const double behind_px : {0.0, 3.0}) {
+        for (const float behind_alpha : {0.0F, 0.1F, 0.6F}) {
+            for (const bool deep : {false, true}) {
+                const ForeignPicture p = bench.picture([&](int x, int) {
+                    const StackSample far{bench.inverse_z(behind_px), 0, 0.5F, 0, behind_alpha};
+                    const StackSample card{bench.inverse_z(-8), 1, 0.5F, 0};
+                    if (x < 30) return Stack{far};
+                    return deep ? Stack{card, far} : Stack{card};
+                });
+                for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+                    const Image image = bench.focus(p, method).image;
+                    const double error = method == FocusMethod::layers ? 1e-5 : 0.04;
+                    for (int x = 0; x < 60; ++x) {
+                        const double card = edge_response((x + 0.5 - 30) / level_radius(-8));
+                        const double covered = card + (1 - card) * static_cast<double>(behind_alpha);
+                        ASSERT_NEAR(value(image, x, 12, 0), card, error) << behind_alpha << " " << x;
+                        ASSERT_NEAR(value(image, x, 12, 1), 0.5, error) << behind_alpha << " " << x;
+                        ASSERT_NEAR(alpha(image, x, 12), covered, error) << behind_alpha << " " << x;
+                    }
+                }
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace postlens::test::foreign_faults_test
