@@ -10,32 +10,54 @@
 
 namespace postlens {
 
-Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry)
-    : x_begin(p.x_begin),
-      y_begin(p.y_begin),
-      width(p.x_end - p.x_begin),
-      height(p.y_end - p.y_begin),
+bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry) {
+    if (a.id != 0 && b.id != 0 && a.id != b.id) return false;
+    constexpr double least_step_px = 1, share = 1.0 / 16;
+    const auto radius_px = [&](const StackSample& s) {
+        return geometry.coc_diameter_px(static_cast<double>(s.spread_inverse_z())) / 2;
+    };
+    const double ra = radius_px(a), rb = radius_px(b);
+    return std::abs(ra - rb) < std::max(least_step_px, share * std::min(std::abs(ra), std::abs(rb)));
+}
+
+Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
+               const FocusGeometry& geometry)
+    : x_begin(border.window().x_begin),
+      y_begin(border.window().y_begin),
+      width(border.window().width()),
+      height(border.window().height()),
       geometry_(geometry) {
     const auto known = static_cast<std::size_t>(
         std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.weight > 0; }));
-    const std::size_t pixels = p.offsets.size() - 1;
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
                    "the samples as views draw them");
     facets_.reserve(p.samples.size() + known);
     offsets_.reserve(pixels + 1);
     offsets_.push_back(0);
+    std::vector<StackSample> continued;
     for (std::size_t i = 0; i < pixels; ++i) {
-        for (std::uint64_t k = p.offsets[i]; k < p.offsets[i + 1]; ++k) add(i, p.samples[k]);
-        if (!behind.empty() && behind[i].known && behind[i].weight > 0) {
-            const Behind& b = behind[i];
-            add(i, {.inverse_z = b.inverse_z,
-                    .r = b.r,
-                    .g = b.g,
-                    .b = b.b,
-                    .alpha = b.alpha,
-                    .id = b.id,
-                    .moved_inverse_z = b.spread_inverse_z,
-                    .holdout = b.holdout});
+        const int x = x_begin + static_cast<int>(i % static_cast<std::size_t>(width)),
+                  y = y_begin + static_cast<int>(i / static_cast<std::size_t>(width));
+        const bool stored = p.stores(x, y);
+        const auto source = stored ? std::optional(p.pixel_at(x, y)) : border.continued(x, y, continued);
+        if (source) {
+            const std::span<const StackSample> stack = stored ? p.stack(x, y) : continued;
+            const std::size_t number = stored ? *source : p.offsets.size() + i;
+            for (const StackSample& s : stack) add(number, s, !stored);
+            if (!behind.empty() && behind[*source].known && behind[*source].weight > 0) {
+                const Behind& b = behind[*source];
+                add(number,
+                    {.inverse_z = b.inverse_z,
+                     .r = b.r,
+                     .g = b.g,
+                     .b = b.b,
+                     .alpha = b.alpha,
+                     .id = b.id,
+                     .moved_inverse_z = b.spread_inverse_z,
+                     .holdout = b.holdout},
+                    !stored);
+            }
         }
         offsets_.push_back(facets_.size());
     }
@@ -43,20 +65,14 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
     find_ranges();
 }
 
-void Facets::add(std::size_t pixel, const StackSample& s) {
+void Facets::add(std::size_t number, const StackSample& s, bool beyond) {
     Facet f;
     f.inverse_z.fill(s.spread_inverse_z());
     f.sample = s;
     f.layer = static_cast<std::uint32_t>(facets_.size() - offsets_.back());
-    f.seed = random_word(pixel, f.layer);
+    f.seed = random_word(number, f.layer);
+    f.beyond = beyond;
     facets_.push_back(f);
-}
-
-bool Facets::one_surface(const Facet& a, const Facet& b) const {
-    if (a.sample.id != 0 && b.sample.id != 0 && a.sample.id != b.sample.id) return false;
-    constexpr double least_step_px = 1, share = 1.0 / 16;
-    const double ra = radius_px(a), rb = radius_px(b);
-    return std::abs(ra - rb) < std::max(least_step_px, share * std::min(std::abs(ra), std::abs(rb)));
 }
 
 const Facet* Facets::continued(const Facet& f, int x, int y) const {
@@ -66,7 +82,7 @@ const Facet* Facets::continued(const Facet& f, int x, int y) const {
     for (const Facet& other :
          at(static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))) {
         const float d = std::abs(other.sample.spread_inverse_z() - f.sample.spread_inverse_z());
-        if (d < apart && one_surface(f, other)) {
+        if (d < apart && are_one_surface(f.sample, other.sample, geometry_)) {
             apart = d;
             best = &other;
         }

@@ -9,10 +9,15 @@
 #include <vector>
 
 #include "focus/foreign/behind_fill.h"
+#include "focus/foreign/border_extension.h"
 #include "lens/focus_geometry.h"
 #include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
+
+/// Whether samples of neighbouring pixels belong to one surface: equal ids, or none, and CoC radii that
+/// differ by less than a pixel, beyond 16 px by less than a 16th.
+[[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
 /// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
 struct Facet {
@@ -22,14 +27,17 @@ struct Facet {
     StackSample sample;
     std::uint32_t layer = 0;  ///< number of samples in front of it in its pixel
     std::uint32_t seed = 0;   ///< random bits that make the sample opaque or transparent in a view
+    bool beyond = false;      ///< continues beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image and of the surfaces behind its edges, as quadrilaterals sorted by pixel. Where
-/// neighbouring quadrilaterals continue one surface, their common corners have the same depth.
+/// The samples of an image, of the surfaces behind its edges and of what continues beyond its border, as
+/// quadrilaterals sorted by pixel. Where neighbouring quadrilaterals continue one surface, their common
+/// corners have the same depth.
 class Facets {
   public:
-    /// `behind`: one estimate per pixel, or empty.
-    Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const FocusGeometry& geometry);
+    /// `behind`: one estimate per pixel, or empty. `border`: of the same picture.
+    Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
+           const FocusGeometry& geometry);
 
     int x_begin, y_begin, width, height;
 
@@ -45,11 +53,8 @@ class Facets {
     }
 
   private:
-    void add(std::size_t pixel, const StackSample& s);
-    [[nodiscard]] double radius_px(const Facet& f) const {
-        return geometry_.coc_diameter_px(static_cast<double>(f.sample.spread_inverse_z())) / 2;
-    }
-    [[nodiscard]] bool one_surface(const Facet& a, const Facet& b) const;
+    /// `number`: of the pixel, for Facet::seed.
+    void add(std::size_t number, const StackSample& s, bool beyond);
     /// Returns the sample in pixel (x, y) that continues the surface of `f`. Null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();

@@ -243,7 +243,7 @@ class Band {
         // If all samples that a view meets in a pixel are transparent in this view, the view looks past
         // everything that the image shows.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
-            const bool ends = nearest_[i].inverse_z >= 0;
+            const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
         }
     }
@@ -293,7 +293,8 @@ class Band {
 StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                        const StackFieldSettings& settings) {
     const std::vector<View> views = views_of(settings);
-    const Facets facets(picture, behind, settings.geometry);
+    const BorderExtension border(picture, settings.geometry, settings.aberration_px());
+    const Facets facets(picture, behind, border, settings.geometry);
     const std::vector<std::uint8_t> nothing = nothing_behind(picture, behind, settings.window);
     StackField out;
     out.image = Image(settings.window.width(), settings.window.height());

@@ -59,6 +59,7 @@ struct StackField {
 /// A view has one sample point in each pixel. Of the quadrilaterals there, the nearest opaque one is visible.
 /// A quadrilateral is opaque in a fraction of the views that equals its alpha (stochastic transparency
 /// [enderton2010]), independently of all others; its thresholds are distributed uniformly over the views.
+/// Samples at the border of the image continue beyond it as BorderExtension states.
 /// `behind` adds the estimated surface behind a pixel, where one is known, to the end of the pixel's stack;
 /// `behind` may be empty.
 ///

@@ -287,10 +287,12 @@ void LayerSplats::RowBuilder::add_light(const PixelLight& light) {
     place_px_ = from_middle_px(t_.picture_, s.x, s.y);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse response = responses.to_depth(light.spread_depth, place_px_);
-    if (!light.hidden) {
+    const RasterWindow& known = t_.known_;
+    if (!light.hidden && light.x >= known.x_begin && light.x < known.x_end - 1 && y_ >= known.y_begin &&
+        y_ < known.y_end - 1) {
         if (light.inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, response.exact_radius_px);
-        t_.border_.note_pixel(t_.source_, light.x, y_, response.farthest_px);
+        t_.border_.note_pixel(known, light.x, y_, response.farthest_px);
     }
     const LayerPart part{.surface = {light.surface, 0},
                          .kind = light.hidden ? LayerPart::Kind::hidden : LayerPart::Kind::seen};

@@ -110,8 +110,13 @@ class LayerSplats {
     }
     /// Adds rows of pixel corners. The point samples of `rows` may already have been computed.
     void add_rows(const FrameRows& rows);
-    /// Moves all samples to pixel centres. Call it before add_pixels.
-    void take_pixels() { from_anchor_px_ = 0.5; }
+    /// Moves all samples to pixel centres. Call it before add_pixels. `known`: the corners of the image's
+    /// pixels; the source may have estimates around it.
+    void take_pixels(const RasterWindow& known) {
+        from_anchor_px_ = 0.5;
+        known_ = known;
+        border_ = BorderRadii(known);
+    }
     /// Adds row y of another program's image. Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
     /// Builds the kernels and sorts the splats. Call it after the last row.
@@ -181,7 +186,7 @@ class LayerSplats {
         LayerSplat splat;
     };
     StripRows<PartSplat> strip_rows_;  ///< only used with strips
-    RasterWindow source_, picture_;
+    RasterWindow source_, picture_, known_;
     NodeResponses responses_;
     KernelTable kernels_;
     BorderRadii border_;

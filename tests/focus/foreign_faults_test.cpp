@@ -161,5 +161,51 @@ TEST(ForeignFaults, ASkyWithoutAlphaIsNoDarkFringe) {
     }
 }
 
+TEST(ForeignFaults, WhatTheBorderCutsIsNotTranslucentThere) {
+    // A blurred bar that crosses the border, before a wall or before nothing, has at the border the edge that
+    // it has in the middle.
+    const Bench bench{.width = 60, .height = 40};
+    for (const bool wall : {true, false}) {
+        for (const double wall_px : {0.0, 5.0}) {
+            const ForeignPicture p = bench.picture([&](int x, int) {
+                if (x >= 20 && x < 40) return Stack{{bench.inverse_z(-6), 1, 0.5F, 0}};
+                return wall ? Stack{{bench.inverse_z(wall_px), 0, 0.5F, 1}} : Stack{};
+            });
+            for (const FocusMethod method : {FocusMethod::layers, FocusMethod::lightfield}) {
+                const Image image = bench.focus(p, method).image;
+                const double error = method == FocusMethod::layers ? 2e-6 : 0.04;
+                for (const int y : {0, 1, 4, 39}) {
+                    for (int x = 0; x < 60; ++x) {
+                        const double bar = edge_response((x + 0.5 - 20) / level_radius(-6)) +
+                                           edge_response((40 - x - 0.5) / level_radius(-6)) - 1;
+                        ASSERT_NEAR(value(image, x, y, 0), bar, error) << wall_px << " " << x << "," << y;
+                        if (!wall) {
+                            ASSERT_NEAR(alpha(image, x, y), bar, error) << x << "," << y;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+TEST(ForeignFaults, WhatTheBorderDoesNotCutGainsNoLightThere) {
+    // A light 2 px from the border and a card 4 px from it, before a wall. Further wall around the picture
+    // changes nothing in it.
+    Bench bench{.width = 48, .height = 32};
+    const auto focus = [&](int margin_px, FocusMethod method) {
+        bench.margin_px = margin_px;
+        const ForeignPicture p = bench.picture([&](int x, int y) {
+            if (x == 20 && y == 2) return Stack{{bench.inverse_z(-5), 80, 40, 20}};
+            if (x >= 4 && x < 12 && y >= 10 && y < 20) return Stack{{bench.inverse_z(-8), 1, 0.5F, 0}};
+            return Stack{{bench.inverse_z(0), 0.25F, 0.25F, 0.25F}};
+        });
+        return bench.focus(p, method).image;
+    };
+    const Image wide = focus(24, FocusMethod::layers), narrow = focus(0, FocusMethod::layers);
+    for (std::size_t i = 0; i < wide.rgb.size(); ++i)
+        ASSERT_NEAR(narrow.rgb[i], wide.rgb[i], 1e-5 * (1 + static_cast<double>(wide.rgb[i]))) << i;
+}
+
 }  // namespace
 }  // namespace postlens::test::foreign_faults_test

@@ -87,7 +87,7 @@ TEST(Layers, OfPixelsThatShareKernelsEqualsTheReference) {
         const RasterWindow source{-overscan, width + overscan + 1, -overscan, height + overscan + 1};
         LayerSplats splats(source, {0, width, 0, height}, geometry,
                            DepthLevels(geometry, {}, DepthSpacing::inverse, std::nullopt), DepthModel::path);
-        splats.take_pixels();
+        splats.take_pixels(source);
         std::mt19937 random(45);
         std::uniform_real_distribution<float> colour(0, 1);
         std::vector<PixelLight> row;
