@@ -10,6 +10,7 @@
 #include "core/memory.h"
 #include "core/threads.h"
 #include "focus/foreign/stack_field.h"
+#include "focus/foreign_focus.h"
 #include "pictures/aperture_file.h"
 #include "pictures/foreign/cryptomatte.h"
 
@@ -181,9 +182,10 @@ void add_focus_passes(const ForeignPicture& picture, const FocusSettings& settin
                 : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     if (passes.coc) image.planes.push_back(coc_plane(picture, geometry, effect));
     if (!passes.by_views()) return;
-    if (!pinhole) check_has_points(settings.impulse);
+    const Impulse impulse = pinhole ? Impulse() : impulse_in_px(settings.impulse, picture.pixel_aspect);
+    if (!pinhole) check_has_points(impulse);
     const RasterWindow window{0, picture.width, 0, picture.height};
-    StackFieldSettings s{geometry, read_aperture(settings.impulse), window, window, settings.views};
+    StackFieldSettings s{geometry, read_aperture(impulse), window, window, settings.views};
     if (settings.crop) {
         const Crop& c = *settings.crop;
         s.drawn = {c.x, c.x + c.width, c.y, c.y + c.height};

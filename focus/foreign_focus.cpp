@@ -374,8 +374,23 @@ void reframe_all(Image& image, const RasterWindow& window, const ForeignPicture&
 
 }  // namespace
 
-FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings) {
+Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect) {
+    Impulse out = impulse;
+    out.squeeze *= pixel_aspect;
+    if (pixel_aspect != 1 && (out.kind == ImpulseKind::diffraction || out.kind == ImpulseKind::lens)) {
+        fail(ExitCode::wrong_arguments,
+             "--impulse: needs square pixels (got {} and a pixelAspectRatio of {:g}; expected disc, polygon "
+             "or "
+             "image)",
+             impulse_text(impulse), pixel_aspect);
+    }
+    return out;
+}
+
+FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked) {
+    FocusSettings settings = asked;
     const bool pinhole = settings.method == FocusMethod::pinhole || std::isinf(settings.lens.f_number);
+    if (!pinhole) settings.impulse = impulse_in_px(asked.impulse, picture.pixel_aspect);
     const bool field = settings.method == FocusMethod::lightfield;
     if (!pinhole && !field && settings.method != FocusMethod::scatter &&
         settings.method != FocusMethod::layers) {

@@ -14,4 +14,9 @@ namespace postlens {
 /// for all other methods.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings);
 
+/// The impulse response in units of the height of a pixel, which is `pixel_aspect` times as wide as tall:
+/// what is round on the film is narrower in px. Throws Error(wrong_arguments) for a response of waves or of a
+/// prescription unless pixels are square.
+[[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
+
 }  // namespace postlens

@@ -76,11 +76,13 @@ struct ForeignPicture {
     std::vector<std::string> masks;  ///< the files by which samples were divided (StackSample::mask)
     ForeignCamera camera;
     ForeignChannels channels;
+    double pixel_aspect = 1;  ///< width of a pixel on the film, divided by its height
     bool deep = false;
     bool whole_ids = false;  ///< ids are the whole numbers of an id channel; false: the bits of floats
     std::vector<ForeignRepair> repairs;
 
-    [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width; }
+    /// Height of a pixel on the film.
+    [[nodiscard]] double pixel_pitch_mm() const { return camera.film_width_mm / width / pixel_aspect; }
     /// Index of a stored pixel.
     [[nodiscard]] std::size_t pixel_at(int x, int y) const {
         return static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +

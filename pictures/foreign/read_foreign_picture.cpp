@@ -64,13 +64,7 @@ class Reader {
         out_.whole_ids = !c.id.empty() && file_.kind(c.id_part, c.id) == ChannelKind::whole;
         for (const std::string& problem : c.problems) out_.repairs.push_back({"ids", problem, 0});
         for (const std::string& text : c.assumed) out_.repairs.push_back({"assumed", text, 0});
-        const auto aspect = file_.number(c.part, "pixelAspectRatio");
-        if (aspect && std::abs(*aspect - 1) > 1e-4) {
-            out_.repairs.push_back(
-                {"assumed",
-                 fmt::format("pixels are {:g} times as wide as tall in the file: taken as square", *aspect),
-                 0});
-        }
+        take_pixel_aspect(file_.number(c.part, "pixelAspectRatio").value_or(1));
     }
 
     ForeignPicture read() {
@@ -116,6 +110,20 @@ class Reader {
         out_.x_end -= margin;
         out_.y_begin -= margin;
         out_.y_end -= margin;
+    }
+
+    void take_pixel_aspect(double aspect) {
+        constexpr double least = 0.1, most = 10;
+        if (aspect >= least && aspect <= most) {
+            out_.pixel_aspect = aspect;
+            return;
+        }
+        out_.repairs.push_back(
+            {"assumed",
+             fmt::format(
+                 "pixelAspectRatio is unusable (got {:g}; expected {} to {}): pixels are taken as square",
+                 aspect, least, most),
+             0});
     }
 
     void add(const StackSample& s) {

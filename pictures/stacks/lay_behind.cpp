@@ -30,6 +30,11 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
                  other = back.camera.film_width_mm / back.camera.film_distance_mm;
     constexpr double rounding = 1e-4;
+    if (!(std::abs(front.pixel_aspect - back.pixel_aspect) <= rounding * front.pixel_aspect)) {
+        fail(ExitCode::invalid_input,
+             "{}: cannot lie behind (got a pixelAspectRatio of {:g}; expected {:g}, as in front)", name,
+             back.pixel_aspect, front.pixel_aspect);
+    }
     if (!(std::abs(view - other) <= rounding * view)) {
         fail(
             ExitCode::invalid_input,

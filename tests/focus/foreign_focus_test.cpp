@@ -488,6 +488,31 @@ TEST(ForeignFocus, APartOfALightFieldHasTheBitsOfTheWholeWhereGapsAreFilled) {
     }
 }
 
+TEST(ForeignFocus, PixelsThatAreNotSquareShowADiscAsAnEllipse) {
+    // Pixels twice as wide as tall: the disc of 12 px of radius across rows has 6 px across columns. The
+    // outline of the ellipse is a polygon.
+    const Bench bench{.width = 60, .height = 60, .margin_px = 20};
+    for (const bool upright : {true, false}) {
+        ForeignPicture p = bench.picture([&](int x, int y) {
+            return (upright ? x : y) < 30 ? Stack{} : Stack{{bench.inverse_z(-6), 1, 1, 1}};
+        });
+        p.pixel_aspect = 2;
+        const double radius_px = level_radius(-12) / (upright ? 2 : 1);
+        for (const FocusMethod method :
+             {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield}) {
+            const FocusResult r = bench.focus(p, method);
+            EXPECT_NEAR(r.largest_coc_px, 24, 0.1);
+            const double error = method == FocusMethod::lightfield ? 0.04 : 0.002;
+            for (int i = 0; i < 60; ++i) {
+                ASSERT_NEAR(alpha(r.image, upright ? i : 30, upright ? 30 : i),
+                            edge_response((i + 0.5 - 30) / radius_px), error)
+                    << upright << " " << i;
+            }
+        }
+    }
+    EXPECT_THROW((void)impulse_in_px({.kind = ImpulseKind::diffraction}, 2), Error);
+}
+
 TEST(ForeignFocus, OtherMethodsAreRefused) {
     const Bench bench;
     const ForeignPicture p = bench.picture([](int, int) { return Stack{}; });

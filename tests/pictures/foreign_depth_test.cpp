@@ -57,6 +57,25 @@ TEST_F(ForeignPictureTest, DepthsAlongTheRayBecomeDepthsAlongTheAxis) {
     EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
 }
 
+TEST_F(ForeignPictureTest, PixelsNeedNotBeSquare) {
+    const ForeignCameraChoice camera{
+        .film_width_mm = 36, .film_distance_mm = 36, .metres_per_unit = 0.01, .depth_along = DepthAlong::ray};
+    const auto of_aspect = [&](float aspect) {
+        return read({{rgbz(1, 300), "", "", [=](Imf::Header& h) { h.pixelAspectRatio() = aspect; }}}, {},
+                    camera);
+    };
+    const ForeignPicture p = of_aspect(2);
+    EXPECT_FALSE(warns(p, "assumed"));
+    EXPECT_EQ(p.pixel_aspect, 2);
+    EXPECT_EQ(p.pixel_pitch_mm(), 3);
+    // As above, but pixels are 6 mm wide and 3 mm tall.
+    const double u = -15.0 / 36, v = -4.5 / 36;
+    EXPECT_NEAR(p.depth_at(0.5, 0.5), 3 / std::sqrt(1 + u * u + v * v), 1e-6);
+    const ForeignPicture unusable = of_aspect(1000);
+    EXPECT_TRUE(warns(unusable, "assumed"));
+    EXPECT_EQ(unusable.pixel_aspect, 1);
+}
+
 TEST_F(ForeignPictureTest, StandardAttributesNameTheCamera) {
     const ForeignPicture p = read({{rgbz(1, 2), "", "", [](Imf::Header& h) {
                                         h.insert("nominalFocalLength", Imf::FloatAttribute(35));
