@@ -120,12 +120,8 @@ class Spread {
                         : std::shared_ptr<const ResponseModel>(response_model(
                               settings.impulse, geometry, std::hypot(window.width(), window.height()) / 2.0));
         if (method_ == FocusMethod::layers) {
-<<<<<<< HEAD
             behind_.emplace(picture, geometry, std::abs(response_->spherical_px()));
-=======
-            behind_ = behind_fill(picture, geometry, std::abs(response_->spherical_px()));
             border_.emplace(picture, geometry, std::abs(response_->spherical_px()));
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
         } else {
             nothing_ = nothing_in_reach(picture, geometry, window, std::abs(response_->spherical_px()));
         }
@@ -148,37 +144,25 @@ class Spread {
 
   private:
     template <typename Splats>
-<<<<<<< HEAD
     [[nodiscard]] Guessed take_in(Splats& splats, StackValue value) const {
-        const auto rows = static_cast<std::size_t>(corners_.height() - 1);
+        const RasterWindow source = source_pixels();
+        const auto rows = static_cast<std::size_t>(source.height());
+        const auto width = static_cast<std::size_t>(picture_.x_end - picture_.x_begin);
         std::vector<Guessed> found((rows + rows_per_task - 1) / rows_per_task);
         parallel_for(found.size(), [&](std::size_t task) {
             StackLights lights(geometry_, method_ == FocusMethod::layers);
             std::vector<PixelLight> row;
             std::vector<Behind> behind_row;
-=======
-    void take_in(Splats& splats, StackValue value) const {
-        const RasterWindow source = source_pixels();
-        const auto rows = static_cast<std::size_t>(source.height());
-        parallel_for((rows + rows_per_task - 1) / rows_per_task, [&](std::size_t task) {
-            StackLights lights(geometry_, method_ == FocusMethod::layers);
-            std::vector<PixelLight> row;
             std::vector<StackSample> continued;
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
             const std::size_t end = std::min(rows, (task + 1) * rows_per_task);
             for (std::size_t i = task * rows_per_task; i < end; ++i) {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
-<<<<<<< HEAD
                 behind_row.clear();
-                if (behind_ && y >= picture_.y_begin && y < picture_.y_end) behind_->row(y, behind_row);
-                found[task].add(guessed(behind_row));
-                for (int x = corners_.x_begin; x < corners_.x_end - 1; ++x) {
-                    const bool stored = picture_.stores(x, y);
-                    const Behind* behind = stored && behind_
-                                               ? &behind_row[static_cast<std::size_t>(x - picture_.x_begin)]
-                                               : nullptr;
-=======
+                // What continues beyond the border hides the same as the nearest row of the picture.
+                if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
+                    behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
+                if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
                 for (int x = source.x_begin; x < source.x_end; ++x) {
                     std::optional<std::size_t> pixel;
                     std::span<const StackSample> stack;
@@ -190,8 +174,7 @@ class Spread {
                         if (!pixel) continue;
                         stack = continued;
                     }
-                    const Behind* behind = pixel && !behind_.empty() ? &behind_[*pixel] : nullptr;
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
+                    const Behind* behind = pixel && behind_ ? &behind_row[*pixel % width] : nullptr;
                     // `scatter` does not estimate hidden surfaces, so translucent samples fill their pixels.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
@@ -204,9 +187,6 @@ class Spread {
         return out;
     }
 
-<<<<<<< HEAD
-    Guessed spread(StackValue value, Image& image, FocusResult* report) const {
-=======
     [[nodiscard]] bool is_known(int x, int y) const {
         return x >= corners_.x_begin && x < corners_.x_end - 1 && y >= corners_.y_begin &&
                y < corners_.y_end - 1;
@@ -217,8 +197,7 @@ class Spread {
         return {corners_.x_begin, corners_.x_end - 1, corners_.y_begin, corners_.y_end - 1};
     }
 
-    void spread(StackValue value, Image& image, FocusResult* report) const {
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
+    Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
             // sum of its weights, which would fill empty space with the light around it. So `scatter` needs
@@ -244,16 +223,9 @@ class Spread {
         // Images of other programs have no separate depths for reflected and transmitted surfaces, so the
         // choice of the depth model has no effect.
         if (method_ == FocusMethod::layers) {
-<<<<<<< HEAD
-            return finish(LayerSplats(corners_, window_, geometry_, levels_, DepthModel::path, response_),
-                          layers);
-=======
-            finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_), layers);
-        } else {
-            finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
+            return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_), layers);
         }
-        return finish(SplatTables(corners_, window_, geometry_, levels_, DepthModel::path, response_),
+        return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_),
                       scatter);
     }
 
@@ -278,14 +250,9 @@ class Spread {
     DepthRange depths_;
     DepthLevels levels_;
     std::shared_ptr<const ResponseModel> response_;
-<<<<<<< HEAD
-    std::optional<BehindSearch> behind_;  ///< for `layers`
-    std::vector<float> nothing_;          ///< nothing_in_reach, for `scatter`
-=======
-    std::vector<Behind> behind_;
+    std::optional<BehindSearch> behind_;     ///< for `layers`
     std::optional<BorderExtension> border_;  ///< for `layers`
     std::vector<float> nothing_;             ///< nothing_in_reach, for `scatter`
->>>>>>> 3f5b2f61 (Other programs' pictures: the border continues what it cuts, by layers and lightfield)
 };
 
 /// An image with this alpha in all three channels.

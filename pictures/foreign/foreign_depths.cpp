@@ -1,8 +1,11 @@
 #include "pictures/foreign/foreign_depths.h"
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <fmt/format.h>
 #include <limits>
+#include <map>
 #include <span>
 #include <utility>
 
@@ -25,6 +28,41 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
                  v = (picture.y_begin + static_cast<double>(row) + 0.5 - picture.height / 2.0) * pitch;
     const bool along_ray = camera.depth_along == DepthAlong::ray;
     return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
+}
+
+/// Finds the pixels of rims in which an opaque object covers a part of a sky that has light and no alpha.
+/// Alpha is the object's share of the pixel, but the colour is that of both. By pixel, both shares.
+std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
+                                                                   std::size_t width) {
+    constexpr int reach = 2;  // px, the radius of the filter
+    constexpr float same = 0.05F, transparent = 0.02F, opaque = 0.998F;
+    std::map<std::size_t, std::array<SurfaceShare, 2>> out;
+    const auto at = [&](int x, int y) -> const StackSample* {
+        if (!picture.stores(x, y)) return nullptr;
+        const auto stack = picture.stack(x, y);
+        return stack.empty() ? nullptr : stack.data();
+    };
+    for (std::size_t i = 0; i + 1 < picture.offsets.size(); ++i) {
+        const int x = picture.x_begin + static_cast<int>(i % width),
+                  y = picture.y_begin + static_cast<int>(i / width);
+        const StackSample* rim = at(x, y);
+        if (rim == nullptr || rim->inverse_z == 0 || rim->alpha <= transparent || rim->alpha >= opaque)
+            continue;
+        bool has_object = false;
+        const StackSample* sky = nullptr;
+        for (int v = y - reach; v <= y + reach; ++v) {
+            for (int u = x - reach; u <= x + reach; ++u) {
+                const StackSample* s = at(u, v);
+                if (s == nullptr) continue;
+                has_object = has_object || (s->alpha >= opaque &&
+                                            std::abs(s->inverse_z - rim->inverse_z) <= same * rim->inverse_z);
+                if (s->alpha <= transparent && s->inverse_z < rim->inverse_z * (1 - same)) sky = s;
+            }
+        }
+        if (has_object && sky != nullptr)
+            out[i] = {{{0, rim->alpha, rim->inverse_z}, {0, 1 - rim->alpha, sky->inverse_z}}};
+    }
+    return out;
 }
 
 }  // namespace
@@ -59,17 +97,24 @@ void ForeignDepths::take(const ForeignPart& part, std::vector<float>& depths,
                          counted(filtered.taken_over, "depth")),
              share(filtered.taken_over)});
     }
-    if (filtered.mixed.empty()) return;
-    picture.repairs.push_back({"repaired",
-                               fmt::format("{} averaged of near and far: each part of the pixel gets its own",
-                                           counted(filtered.mixed.size(), "depth")),
-                               share(filtered.mixed.size())});
+    std::map<std::size_t, std::array<SurfaceShare, 2>> mixed;
+    if (!picture.channels.matte) mixed = rims_before_sky(picture, width);
+    if (!filtered.mixed.empty()) {
+        picture.repairs.push_back(
+            {"repaired",
+             fmt::format("{} averaged of near and far: each part of the pixel gets its own",
+                         counted(filtered.mixed.size(), "depth")),
+             share(filtered.mixed.size())});
+    }
     for (const MixedDepth& m : filtered.mixed) {
         const auto [x, y] = place(m.pixel);
-        picture.mixed.push_back({m.pixel, picture.shares.size(), 2});
-        picture.shares.push_back({0, m.near_share, inverse(m.near, x, y)});
-        picture.shares.push_back({0, 1 - m.near_share, inverse(m.far, x, y)});
-        if (m.near_share < 0.5F) std::swap(picture.shares.back(), *(picture.shares.end() - 2));
+        mixed[m.pixel] = {
+            {{0, m.near_share, inverse(m.near, x, y)}, {0, 1 - m.near_share, inverse(m.far, x, y)}}};
+    }
+    for (auto& [pixel, shares] : mixed) {
+        if (shares[0].share < 0.5F) std::swap(shares[0], shares[1]);
+        picture.mixed.push_back({pixel, picture.shares.size(), 2});
+        picture.shares.insert(picture.shares.end(), shares.begin(), shares.end());
     }
 }
 

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "pictures/foreign/foreign_picture.h"
+#include "pictures/stacks/unmix_edges.h"
 #include "tests/pictures/foreign_files.h"
 #include "tests/support/file_bytes.h"
 
@@ -36,6 +37,38 @@ TEST_F(ForeignPictureTest, AlphasBeyondOneAreCutOff) {
     const ForeignPicture p = read({part});
     EXPECT_TRUE(warns(p, "repaired"));
     for (const StackSample& s : p.samples) EXPECT_EQ(s.alpha, 1);
+}
+
+TEST_F(ForeignPictureTest, ARimBeforeASkyWithoutAlphaShowsBoth) {
+    // A red card of 2 columns, a column that it covers by a quarter, and a blue sky. A renderer that gives
+    // its sky no alpha adds the sky's light to the rim.
+    Part part{rgbz(1, 2)};
+    part.channels["A"] = even(1);
+    for (std::size_t i = 0; i < part.channels["A"].size(); ++i) {
+        const std::size_t column = i % static_cast<std::size_t>(width);
+        const float card = column < 2 ? 1 : column == 2 ? 0.25F : 0;
+        part.channels["A"][i] = card;
+        part.channels["R"][i] = 0.8F * card;
+        part.channels["G"][i] = 0;
+        part.channels["B"][i] = 0.5F * (1 - card);
+        part.channels["Z"][i] = card > 0 ? 2 : 1e10F;
+    }
+    ForeignPicture p = read({part});
+    EXPECT_FALSE(warns(p, "repaired"));
+    EXPECT_EQ(unmix_edges(p), 4U);
+    const auto rim = p.stack(2, 1);
+    ASSERT_EQ(rim.size(), 2U);
+    EXPECT_EQ(rim[0].inverse_z, 0.5F);
+    EXPECT_NEAR(rim[0].alpha, 0.25, 1e-6);
+    EXPECT_NEAR(rim[0].r, 0.2, 1e-6);
+    EXPECT_NEAR(rim[0].b, 0, 1e-6);
+    EXPECT_EQ(rim[1].inverse_z, 0);
+    EXPECT_NEAR(rim[1].alpha, 0, 1e-6);
+    EXPECT_NEAR(rim[1].b, 0.5, 1e-6);
+    // With a black sky, the rim belongs to the card alone.
+    part.channels["B"] = even(0);
+    ForeignPicture black = read({part});
+    EXPECT_EQ(unmix_edges(black), 0U);
 }
 
 TEST_F(ForeignPictureTest, RefusesWhatIsNoWholeFile) {
