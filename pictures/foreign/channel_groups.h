@@ -18,8 +18,8 @@ using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
                                                  "color", "colour", "image",    "ci"};
-inline constexpr std::string_view depth_words[]{"depth",   "z",    "zdepth", "depthz",
-                                                "zbuffer", "zbuf", "pz",     "vrayzdepth"};
+inline constexpr std::string_view depth_words[]{"depth", "z",  "zdepth",     "depthz",    "zbuffer",
+                                                "zbuf",  "pz", "vrayzdepth", "worlddepth"};
 inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};

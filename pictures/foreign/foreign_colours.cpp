@@ -44,7 +44,8 @@ bool holds_data(const ForeignFile& file, std::size_t part, const std::string& la
     const bool matte = std::any_of(words.begin(), words.end(), [](const std::string& w) {
         return w.find("crypto") != std::string::npos;
     });
-    return matte || names_vectors(words) || has_any_word(words, {"depth", "zdepth", "vrayzdepth", "uv"});
+    return matte || names_vectors(words) ||
+           has_any_word(words, {"depth", "zdepth", "vrayzdepth", "worlddepth", "uv"});
 }
 
 /// Priority of a layer as the source of colours; lower is better.

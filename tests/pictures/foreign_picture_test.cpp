@@ -208,6 +208,13 @@ TEST_F(ForeignPictureTest, RenderersNameAlphaAndDepthInTheirOwnWays) {
         EXPECT_EQ(p.stack(0, 0)[0].alpha, 0.5F) << depth;
         EXPECT_EQ(p.stack(0, 0)[0].inverse_z, 0.25F) << depth;
     }
+    // Unreal's passes have three equal channels each.
+    const std::string pass = "FinalImageMovieRenderQueue_WorldDepth.";
+    Part unreal{colours_of(1, "")};
+    unreal.channels.merge(colours_of(4, pass));
+    const ForeignPicture p = read({unreal});
+    EXPECT_EQ(p.stack(0, 0)[0].r, 1);
+    EXPECT_EQ(p.channels.z, pass + "R");
     // A lower-case a beside upper-case colours is something else.
     Part part{rgbz(1, 4)};
     part.channels["a"] = even(0.5F);
