@@ -223,10 +223,10 @@ class Spread {
         // Images of other programs have no separate depths for reflected and transmitted surfaces, so the
         // choice of the depth model has no effect.
         if (method_ == FocusMethod::layers) {
-            return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_), layers);
+            return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
+                          layers);
         }
-        return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_),
-                      scatter);
+        return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
     /// Alpha is coverage, so it must not become smaller where the lens blocks light. Where the lens blocks

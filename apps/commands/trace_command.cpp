@@ -165,8 +165,7 @@ CommandResult run_trace(const TraceOptions& options) {
             counted(scene.lights.size(), "light"));
     }
     if (r.keys_sweep_degrees) {
-        out.text +=
-            fmt::format("\n{}, as {}", counted(r.keys, "key"), r.keys_reason);
+        out.text += fmt::format("\n{}, as {}", counted(r.keys, "key"), r.keys_reason);
     }
     if (r.instants_s.size() > 1)
         out.text += fmt::format("\nrecorded at {:.6g} s", fmt::join(r.instants_s, ", "));
