@@ -88,6 +88,22 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
+/// Selects the tiles with the largest errors of highlights, until that of the remaining tiles is at most a
+/// quarter of the target, from those in which rays can meet the target.
+std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
+                                               double most_mse) {
+    const TileGrid& grid = views.grid();
+    const std::vector<double> noise =
+        highlights_noise(views.half(0), views.half(1), grid, std::vector<int>(grid.count(), most_lens_views));
+    std::vector<TileError> tiles = measured.tiles;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+        if (tiles[t].highlights_mse <= tiles[t].highlights_deviation || noise[t] > most_mse)
+            tiles[t].highlights_mse = 0;
+    }
+    return largest_tiles(tiles, grid, most_mse / 4,
+                         [](const TileError& tile, double share) { return tile.highlights_mse * share; });
+}
+
 /// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
 /// that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The width
 /// is proportional to the standard deviation of the estimate divided by the error. Views are therefore added
@@ -252,9 +268,12 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         views.draw(wanted);
         measured = measure({}, CheckedPixels::Use::deciding);
         if (views.has_rays()) {
+            if (views.leave_to_rays(misplaced_highlights(views, measured, most_mse),
+                                    LeftToRays::samples_and_lights))
+                measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse)))
+            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse), LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
         }
         if (layers) mix = mixed_tiles(measured);
@@ -266,14 +285,14 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // Neither views nor rays reduce the error of highlights. If this error alone, minus its standard
-            // error, is more than twice the target, views only need to reduce their noise to a quarter of
-            // this error.
+            // If the error of the remaining highlights alone, minus its standard error, is more than twice the
+            // target, views only need to reduce their noise to a quarter of this error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
             if (measured.bias_variance > error.variance / 4 &&
-                views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2)))
+                views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
+                                    LeftToRays::samples))
                 continue;
             // With few views, selecting tiles by their estimated errors makes the intervals too narrow. The
             // views of all tiles with an error are therefore doubled first. The intervals then contain the
@@ -299,7 +318,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     AutoResult out;
     out.grid = grid;
     for (std::size_t t = 0; t < grid.count(); ++t) {
-        out.tiles.push_back({wanted[t], views.left_to_rays()[t] != 0, mix[t].weight,
+        out.tiles.push_back({wanted[t], views.left_to_rays()[t] != LeftToRays::unsure, mix[t].weight,
                              std::max(0.0, mix[t].mse(measured.tiles[t]))});
     }
     out.mean_views = samples(wanted, grid) / (static_cast<double>(grid.width) * grid.height);

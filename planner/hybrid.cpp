@@ -95,6 +95,18 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// visible difference.
 constexpr double fine_mse = 1e-5;
 
+/// Returns 1 for tiles in which the highlights have more error than they would have if rays showed them.
+std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
+    const std::vector<double> noise =
+        highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
+    std::vector<std::uint8_t> out;
+    for (std::size_t t = 0; t < noise.size(); ++t) {
+        const TileError& tile = measured.tiles[t];
+        out.push_back(tile.highlights_mse > std::max(tile.highlights_deviation, noise[t]) ? 1 : 0);
+    }
+    return out;
+}
+
 /// Makes the image from records and from rays into the scene. If the check rays show an error of the records,
 /// rays replace the view samples of the tiles with the largest errors. They do so until the remaining error
 /// is an eighth of the noise (the PSNR is then within 0.5 dB of that of an image by as many rays), or until
@@ -108,13 +120,16 @@ HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
         const auto measured = [&](const std::optional<Crop>& crop, CheckedPixels::Use use) {
             return measured_error(views.half(0), views.half(1), crop, views.checked_pixels(), use);
         };
-        const MeasuredError deciding = measured({}, CheckedPixels::Use::deciding);
+        MeasuredError deciding = measured({}, CheckedPixels::Use::deciding);
+        if (views.leave_to_rays(misplaced_highlights(views, deciding), LeftToRays::samples_and_lights))
+            deciding = measured({}, CheckedPixels::Use::deciding);
         const double noise_mse = stated_error(deciding).views_mse;
         const bool is_known = deciding.bias_mse > 2 * std::sqrt(deciding.bias_variance);
         views.leave_to_rays(biased_tiles(deciding, views.grid(),
                                          is_known ? std::max(noise_mse / 8, fine_mse - noise_mse)
                                                   : std::numeric_limits<double>::infinity(),
-                                         fine_mse));
+                                         fine_mse),
+                            LeftToRays::samples);
         stated = stated_error(measured(settings.focus.crop, CheckedPixels::Use::stating));
     }
     HybridResult out = finished(frame, std::move(views), settings.focus.crop);

@@ -120,7 +120,7 @@ class Field {
         fill_pixels(at, w.sum, {});
         fill_pixels(at, w.rays.uses, 0);
         if (set.rays != nullptr) fill_pixels(at, w.rays.sum, {});
-        w.rays.whole_tile = set.left_to_rays && set.left_to_rays(x0, y0);
+        w.rays.left = set.left_to_rays ? set.left_to_rays(x0, y0) : LeftToRays::unsure;
         w.rays.parents_too = bins_.trees() && !w.draws_trees;
         w.rays.with_trees = w.rays.with_sure_trees = 0;
         if (set.checked) w.checked.begin(field_, set, at);
@@ -130,7 +130,8 @@ class Field {
             for (std::size_t i = 0; i < w.patches.primary.size(); ++i)
                 marks_.mark_recorded(i, w.patches.primary[i].mesh, at, w.touched);
         }
-        const bool lights = set.lights != nullptr && set.lights->reach(x0, y0, at.width, at.height);
+        const bool lights = set.lights != nullptr && w.rays.left != LeftToRays::samples_and_lights &&
+                            set.lights->reach(x0, y0, at.width, at.height);
         if (lights) {
             w.views.x = x0;
             w.views.y = y0;
@@ -275,7 +276,7 @@ class Field {
         const PatchView& v = set.views[view];
         // If rays replace all samples of the tile, the reprojected surfaces are only needed to draw
         // highlights.
-        const bool drawn = lights || !w.rays.whole_tile;
+        const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
                 draw_primary(v, v.uses[u], at, w.patches.primary[v.uses[u].instant], w.seen[u]);
@@ -295,13 +296,13 @@ class Field {
         const ShownView shown{field_, v, at, w.seen};
         const bool rays = set.rays != nullptr;
         if (rays) {
-            if (!w.rays.whole_tile) {
+            if (!w.rays.whole_tile()) {
                 for (std::size_t u = 0; u < v.uses.size(); ++u)
                     borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
             }
             w.rays.set_aside(shown, w.sum);
         }
-        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile && !w.rays.parents_too &&
+        const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
         // Where both recorded instants of the view show the same surface, their colours are blended.
         // Elsewhere only the nearer surface counts.

@@ -54,6 +54,13 @@ struct PatchView {
     }
 };
 
+/// What rays replace in a square piece of the image.
+enum class LeftToRays : std::uint8_t {
+    unsure,             ///< samples of views that the records do not determine
+    samples,            ///< all samples of views
+    samples_and_lights  ///< all samples of views and the highlights: no `lights` are added
+};
+
 /// A set of views. Their mean is an image, or some square pieces of an image.
 struct PatchViews {
     std::vector<PatchView> views;
@@ -67,9 +74,9 @@ struct PatchViews {
     /// Traces a ray for each view sample (one view's sample in one pixel) whose colour the records do not
     /// determine. If null, these samples keep their recorded colours.
     const SightRays* rays = nullptr;
-    /// Only with rays: returns whether rays replace all samples of the piece (square of the image) that
-    /// contains the pixel (x, y). If empty, no piece is replaced as a whole.
-    std::function<bool(int x, int y)> left_to_rays;
+    /// Only with rays: returns what rays replace in the piece (square of the image) that contains the pixel
+    /// (x, y). If empty, LeftToRays::unsure.
+    std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
     /// Only with rays: appends the indices of the views whose samples in the pixel (x, y) are compared with a
     /// ray. The results are stored in PatchPicture::checks; the image does not change. If empty, no samples

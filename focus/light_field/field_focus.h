@@ -76,7 +76,7 @@ struct FieldViews {
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
     // Only with rays. All are defined in PatchViews.
-    std::function<bool(int x, int y)> left_to_rays;
+    std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
     /// Index of the image to which this set of views belongs, among the images drawn together. Sets of one

@@ -195,6 +195,9 @@ class TileMeasurement {
         out.error.of_product = std::max(0.0, out.error.of_product);
         out.error.bias_mse = out.views.mean();
         out.error.bias_deviation = std::sqrt(out.views.variance());
+        const double pixels = std::max(out.error.pixels, 1);
+        out.error.highlights_mse = out.highlights.sum / pixels;
+        out.error.highlights_deviation = std::sqrt(out.highlights.variance) / pixels;
         return out;
     }
 
@@ -254,6 +257,37 @@ MeasuredError measured_error(const FieldFocus& a, const FieldFocus& b, const std
     out.bias_mse = bias.mean() + out.highlights_mse;
     const double of_views = views_variance / std::max(bias.count * bias.count, 1.0);
     out.bias_variance = std::max(bias.variance(), of_views) + highlights.variance / (pixels * pixels);
+    return out;
+}
+
+std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, const TileGrid& grid,
+                                     const std::vector<int>& views) {
+    std::vector<double> out(grid.count(), 0);
+    if (a.light_square.empty()) return out;
+    // Variance of the highlights' light along single rays, in the brightest channel.
+    const auto variance = [](const FieldFocus& half, std::size_t k) {
+        const float mean = *std::ranges::max_element(half.checks[k].highlights);
+        return half.light_square[k] - mean * mean;
+    };
+    std::size_t k = 0;
+    for (int y = 0; y < grid.height; ++y) {
+        for (int x = 0; x < grid.width; ++x, ++k) {
+            const std::size_t t = grid.at(x, y);
+            const float of_ray = (variance(a, k) + variance(b, k)) / 2;
+            if (!(of_ray > 0)) continue;
+            // The positions and lens points of each half are stratified in four dimensions. For the outline
+            // of a light, the mean of n rays then has n^(-1 - 1/4) of the variance [mitchell1996].
+            const float deviation =
+                std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
+            for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {
+                const float value = (a.image.rgb[c] + b.image.rgb[c]) / 2;
+                for (const float off : {deviation, -deviation}) {
+                    const double d = encoded(value + off) - encoded(value);
+                    out[t] += d * d / (6 * grid.pixels(t));
+                }
+            }
+        }
+    }
     return out;
 }
 

@@ -24,6 +24,8 @@ struct TileError {
     std::vector<TileError> pieces;  ///< the parts of this tile that have independent noise
     double bias_mse = 0;            ///< error of the records, estimated by check rays; may be negative
     double bias_deviation = 0;      ///< standard error of `bias_mse`
+    double highlights_mse = 0;      ///< error of the highlights, as `bias_mse`; not a part of it
+    double highlights_deviation = 0;
 
     /// For an image that is a mean, in which the views have the weight 1 - w and the other image the weight
     /// w. Its squared error is estimated as (1 - w)^2 noise_mse + w^2 other_mse. The actual squared error is
@@ -86,6 +88,11 @@ template <typename Value>
     }
     return out;
 }
+
+/// Returns an estimate of the squared noise that the highlights of each tile would have if rays showed them,
+/// as many as `views` of the tile. `a` and `b`: the halves, whose highlights are spread by impulse responses.
+[[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
+                                                   const TileGrid& grid, const std::vector<int>& views);
 
 /// Returns 1 for tiles in which rays should replace all view samples, because the records are in error there
 /// (TileError::bias_mse). These are, first, the tiles with the largest errors, until the remaining tiles

@@ -54,7 +54,7 @@ HalvedViews::HalvedViews(FocusFrame& frame, const HybridSettings& settings, int 
     by_field_.piece_px = piece_px(grid_.width, grid_.height);
     focuser_ = std::make_unique<FieldFocuser>(frame, by_field_);
     views_.assign(grid_.count(), 0);
-    left_.assign(grid_.count(), 0);
+    left_.assign(grid_.count(), LeftToRays::unsure);
 }
 
 void HalvedViews::draw(const std::vector<int>& views) {
@@ -86,7 +86,7 @@ void HalvedViews::draw(const std::vector<int>& views) {
                            scramble_of(x, y) == scramble;
                 };
                 if (rays_) {
-                    set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)] != 0; };
+                    set.left_to_rays = [this](int x, int y) { return left_[grid_.at(x, y)]; };
                     set.checked = checked_;
                     if (!checked_) {
                         set.checked = [half, first = first, count = end - first, pixels = checked_pixels_](
@@ -144,13 +144,13 @@ void HalvedViews::take(FieldFocus&& drawn, std::size_t half, const std::vector<i
     }
 }
 
-bool HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles) {
+bool HalvedViews::leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what) {
     const std::vector<int> wanted = views_;
     bool any = false;
     for (std::size_t t = 0; t < tiles.size(); ++t) {
-        if (tiles[t] == 0 || left_[t] != 0) continue;
+        if (tiles[t] == 0 || left_[t] >= what) continue;
         any = true;
-        left_[t] = 1;
+        left_[t] = what;
         views_[t] = 0;
     }
     if (any) draw(wanted);

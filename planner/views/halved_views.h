@@ -30,15 +30,16 @@ class HalvedViews {
     /// halves, whose difference measures the noise. If the number of views is odd, half 0 has one more view
     /// than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Redraws the tiles whose entry in `tiles` is not 0. In these tiles, rays replace all samples, including
-    /// those of views drawn later. Returns whether a tile was redrawn.
-    bool leave_to_rays(const std::vector<std::uint8_t>& tiles);
+    /// Redraws the tiles whose entry in `tiles` is not 0, unless as much is left to rays there already. In
+    /// these tiles, rays replace all samples, or these and the highlights, also in views drawn later. Returns
+    /// whether a tile was redrawn.
+    bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
     [[nodiscard]] const FocusGeometry& geometry() const { return by_field_.geometry; }
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
-    [[nodiscard]] const std::vector<int>& views() const { return views_; }                 ///< per tile
-    [[nodiscard]] const std::vector<std::uint8_t>& left_to_rays() const { return left_; }  ///< per tile
+    [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
+    [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
     /// Half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
@@ -61,7 +62,7 @@ class HalvedViews {
     std::unique_ptr<SceneRays> rays_;
     std::unique_ptr<FieldFocuser> focuser_;
     std::vector<int> views_;
-    std::vector<std::uint8_t> left_;
+    std::vector<LeftToRays> left_;
     std::array<FieldFocus, 2> halves_;
 };
 

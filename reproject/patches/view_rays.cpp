@@ -24,7 +24,7 @@ void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weig
 }
 
 void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
-    const bool all = whole_tile || shown.view.uses.size() != 1;
+    const bool all = whole_tile() || shown.view.uses.size() != 1;
     const SeenTile& seen = shown.seen[0];
     const Texel* texels = shown.mesh(0).sheets->texels.data();
     const std::uint32_t doubts =
@@ -58,7 +58,7 @@ void RaySamples::set_aside(const ShownView& shown, LightSums& recorded) {
     fill_pixels(shown.at, uses, 0);
     find_doubtful(shown, moves || parents_too);
     for (const std::size_t k : doubtful_) {
-        bool sure_of_all = !whole_tile;
+        bool sure_of_all = !whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             sure_of_all = sure_of_all && sure(shown, u, k) && !is_parent(u, k);
         }
@@ -98,7 +98,7 @@ void RaySamples::set_aside_trees(const ShownView& shown, std::size_t u, const Tr
 
 void RaySamples::trace(const PatchViews& set) {
     radiance_.resize(lines_.size());
-    set.rays->trace(lines_, set.less, radiance_);
+    set.rays->trace(lines_, left == LeftToRays::samples_and_lights ? LightElsewhere{} : set.less, radiance_);
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         auto& of = sum[pixel_[i]];
         for (std::size_t c = 0; c < 3; ++c) of[c] += weight_[i] * static_cast<double>(radiance_[i][c]);

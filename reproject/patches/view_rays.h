@@ -63,8 +63,8 @@ inline constexpr std::size_t lines_together = 4096;
 /// View samples of a tile that are replaced by rays.
 class RaySamples {
   public:
-    bool whole_tile = false;   ///< all view samples of the tile are rays
-    bool parents_too = false;  ///< the samples of surfaces that reflect or transmit are rays
+    LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
+    bool parents_too = false;              ///< the samples of surfaces that reflect or transmit are rays
     /// Number of samples whose reflected and transmitted light set_aside_trees has tested, and number of
     /// those whose light the records determine.
     std::size_t with_trees = 0, with_sure_trees = 0;
@@ -79,6 +79,8 @@ class RaySamples {
     /// If the records do not determine the reflected or transmitted light of a view's sample, a ray replaces
     /// the sample. `u`: index of the view's use (recorded instant).
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
+    /// Whether all view samples of the tile are rays.
+    [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
     /// Traces the rays and adds them to `sum`.
     void trace(const PatchViews& set);
