@@ -21,14 +21,15 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise of the mean of the images `a` and `b`, and the product of the two differences `other` - `a`
-/// and `other` - `b`. Both are sums over pixels and means over channels.
+/// Squared noise (measured_error) of the mean of the images `a` and `b`, and the product of the two differences
+/// `other` - `a` and `other` - `b`. Both are sums over pixels and means over channels.
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
         for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
-            const double of_a = encoded(a.image.rgb[c]), of_b = encoded(b.image.rgb[c]);
-            noise += (of_a - of_b) * (of_a - of_b) / 12;
+            const double of_a = encoded(a.image.rgb[c]), of_b = encoded(b.image.rgb[c]),
+                         of_both = encoded((a.image.rgb[c] + b.image.rgb[c]) / 2);
+            noise += ((of_both - of_a) * (of_both - of_a) + (of_both - of_b) * (of_both - of_b)) / 6;
             if (other == nullptr) continue;
             const double value = encoded(other->rgb[c]);
             products += (value - of_a) * (value - of_b) / 3;

@@ -16,7 +16,7 @@ namespace postlens {
 /// Squared errors of a tile: sRGB values clamped to [0, 1], means over pixels and channels.
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
-    double noise_mse = 0;  ///< noise of the mean of the halves: a quarter of their squared difference
+    double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
     /// Estimated squared difference between another image and the expectation of the views; may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of (`noise_mse` minus the actual squared noise)
@@ -49,7 +49,9 @@ struct MeasuredError {
 /// `checked` and `use` select the check rays. `other`: another image of the same scene, which does not depend
 /// on the views; null if there is none. The result is bit-identical for any number of threads.
 ///
-/// Noise: the expectation of (a - b)^2 / 4 is the mean squared noise of (a + b) / 2.
+/// Noise: the mean squared difference of the halves from (a + b) / 2, as sRGB values [mccarthy1969]. It is
+/// (a - b)^2 / 4 where the curve is straight, and more where it is bent or values are clamped: the noise of a
+/// bright outline lies in the pixels that both halves miss.
 ///
 /// Bias: a checked pixel has two mean residuals (ray minus record), one per half. Their noise is independent,
 /// so the expectation of their product is the squared error of the records. The variance of the product is

@@ -186,6 +186,34 @@ TEST(MixedImage, IsKnownBestAsTheMeanOfBoth) {
     EXPECT_GT(weight_with(1000000), 0.85);
 }
 
+// At the outline of a light that is far brighter than white, a pixel is white if any ray meets the light. Its
+// noise is that of rays that all miss. It falls with 1 / n if the covered areas are uniformly distributed,
+// but halves differ as often as that: a quarter of their squared difference would be half of the noise.
+TEST(StatedError, HasTheNoiseOfOutlinesOfBrightLights) {
+    constexpr int views_of_half = 16;
+    constexpr float light = 200, dark = 0.05F;
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> uniform(0, 1);
+    Simulated of{.a = {}, .b = {}, .other = Image(large.width, large.height)};
+    of.a.image = of.b.image = Image(large.width, large.height);
+    double is = 0;
+    for (std::size_t k = 0; k < of.other.rgb.size(); k += 3) {
+        const float covered = uniform(random);
+        const auto seen = [&] {
+            std::binomial_distribution<int> hits(views_of_half, static_cast<double>(covered));
+            return dark + (light - dark) * static_cast<float>(hits(random)) / views_of_half;
+        };
+        const float a = seen(), b = seen();
+        std::fill_n(of.a.image.rgb.begin() + static_cast<std::ptrdiff_t>(k), 3, a);
+        std::fill_n(of.b.image.rgb.begin() + static_cast<std::ptrdiff_t>(k), 3, b);
+        const float error = srgb_from_linear((a + b) / 2) - srgb_from_linear(dark + (light - dark) * covered);
+        is += static_cast<double>(error * error) * 3 / static_cast<double>(of.other.rgb.size());
+    }
+    // If every hit is white, the estimate is 16 / 17 of the noise: 1 / (n + 1) - 1 / (2 n + 1) for
+    // 1 / (2 n + 1). The rays miss some 1500 pixels, a number that varies by 2.6 %.
+    EXPECT_NEAR(stated_error(measured_by(of)).mse() / is, 1, 0.1);
+}
+
 TEST(BiasedTiles, AreTheLargestErrorsUntilTheOthersAreSmall) {
     const TileGrid grid{.width = 4 * TileGrid::edge, .height = TileGrid::edge};
     MeasuredError measured;
