@@ -273,7 +273,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
             // target, replacing views by rays is cheaper.
-            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse), LeftToRays::samples))
+            if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
+                                    LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
         }
         if (layers) mix = mixed_tiles(measured);
@@ -285,8 +286,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // If the error of the remaining highlights alone, minus its standard error, is more than twice the
-            // target, views only need to reduce their noise to a quarter of this error.
+            // If the error of the remaining highlights alone, minus its standard error, is more than twice
+            // the target, views only need to reduce their noise to a quarter of this error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {

@@ -43,7 +43,7 @@ def told_and_measured(program, at, lens, bars, life):
         ("`sweep`, 10 lenses", 3, ["sweep", at("bars.exr"), "--f-number", "1.4:5.6:1", "--focus", "1,5", "--method", "scatter",
                                    "-o", at("sweep")]),
     ]  # fmt: skip
-    lines = ["", "| work | shares | told, s | measured, s | told, MB | measured, MB | `--dry-run` itself, s |", "|---|---|---|---|---|---|---|"]
+    lines = ["", "| work | shares | predicted, s | measured, s | predicted, MB | measured, MB | `--dry-run` itself, s |", "|---|---|---|---|---|---|---|"]
     for name, shares, words in works:
         def run(*more):
             start = time.monotonic()
@@ -98,7 +98,7 @@ def main():
         ("`render`, bars, 480x270, 1024 samples, by samples", 64, ["--share-by", "samples"],
          ["render", bars, "--size", "480x270", "--spp", "1024", *lens]),
     ]  # fmt: skip
-    lines = ["| work | undivided, s | a task before it works, s | merge of each part, s | " +
+    lines = ["| work | undivided, s | fixed cost of a task, s | merge of each part, s | " +
              " | ".join(f"{n} tasks" for n in TASKS) + " | 4 shares: simulated, measured, s |", "|---" * (5 + len(TASKS)) + "|"]  # fmt: skip
     for name, most, by, words in works:
         whole = run(*words, "-o", at("whole.exr"))

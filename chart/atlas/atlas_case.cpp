@@ -96,23 +96,25 @@ std::string sentences(const TomlTable& t, Name key) {
 
 const std::vector<AtlasCause>& atlas_causes() {
     static const std::vector<AtlasCause> causes{
-        {"hidden-surface", "The lens or the shutter sees what the pinhole did not, and nothing recorded it."},
+        {"hidden-surface",
+         "The lens or the shutter sees a surface that the pinhole does not see, and that is not recorded."},
         {"visibility",
-         "What lies before what is settled wrongly: the method mixes surfaces without a depth "
-         "test at each point of the lens."},
+         "Occlusion is computed wrongly: the method mixes surfaces without a depth test at each point of the "
+         "lens."},
         {"curvature-of-W",
-         "What mirrors and glass show moves otherwise than W says, which is the slope at "
-         "the pinhole alone."},
+         "W describes how images in mirrors and glass move with the lens point, linearly from the centre of "
+         "the lens. Far from the centre, the images move differently."},
         {"view-dependent-shading",
-         "The colour of a point depends on where it is seen from, or when; the "
-         "records have it for the pinhole and the frame's instant."},
+         "The colour of a point depends on the lens point and the instant from which it is seen. The records "
+         "have the colour for the pinhole and the frame's instant."},
         {"path-and-depth-correlated",
-         "While an object moves, its depth, its outline or its occluder changes: "
-         "the path alone is not enough."},
+         "While an object moves, its depth, its outline or its occluder changes, so one path is not enough "
+         "to "
+         "blur it."},
         {"frame-edge", "Light comes into the picture from beyond the border of the records."},
         {"kernel-truncation", "An impulse response is too coarse, too small or too large for its raster."},
-        {"record-density", "Too few point samples, views or instants for what they stand for."},
-        {"none", "Limits that look dangerous and must stay right."}};
+        {"record-density", "There are too few point samples, views or instants to represent the scene."},
+        {"none", "Extreme settings and depths, for which the results must still be right."}};
     return causes;
 }
 

@@ -80,10 +80,10 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
 /// Returns the case's view, the share of pixels whose errors are in the column "affected", and the share of
 /// the error that `compare --map-causes` attributes to the case's cause.
 std::string caption(const AtlasEntry& e) {
-    std::string out = fmt::format("{}; the lens or the shutter changes {:.0f} % of the pixels",
+    std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);
     if (e.result.named_share) {
-        out += fmt::format("; {:.0f} % of the squared error attributed to {}", 100 * *e.result.named_share,
+        out += fmt::format("; {:.0f} % of the squared error has the cause {}", 100 * *e.result.named_share,
                            e.what.cause);
     }
     return out;

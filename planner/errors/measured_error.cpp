@@ -21,8 +21,8 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise (measured_error) of the mean of the images `a` and `b`, and the product of the two differences
-/// `other` - `a` and `other` - `b`. Both are sums over pixels and means over channels.
+/// Squared noise (measured_error) of the mean of the images `a` and `b`, and the product of the two
+/// differences `other` - `a` and `other` - `b`. Both are sums over pixels and means over channels.
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
