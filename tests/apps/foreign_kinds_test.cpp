@@ -224,7 +224,7 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
     // to 0.4 %, as at edges from a Cryptomatte.
     const Words lens{"--f-number", "0.5", "--focus", "3", "--method", "layers"};
     const Image image = focus(in("mean.exr"), lens), pinhole = flattened(in("mean.exr"));
-    EXPECT_TRUE(warned("means of near and far"));
+    EXPECT_TRUE(warned("averaged of near and far"));
     for (int y = 0; y < 64; ++y) {
         for (int x = 0; x < 64; ++x) {
             const bool rim = std::fmod(coverage(x, y, 32, 17.3), 1) > 0;
@@ -233,7 +233,7 @@ TEST_F(ForeignKinds, DepthsThatAreMeansGoToBothSides) {
         }
     }
     focus(in("most.exr"), lens);
-    EXPECT_FALSE(warned("means of near and far"));
+    EXPECT_FALSE(warned("averaged of near and far"));
 }
 
 // In front of an empty background, for any depth that stands for it, a mean depth does not determine the
@@ -252,7 +252,7 @@ TEST_F(ForeignKinds, DepthsThatAreMeansWithNothingGetTheirNeighbours) {
         for (const std::string& method : both_methods) {
             const Image image =
                 focus(in("mean.exr"), {"--f-number", "0.5", "--focus", "3", "--method", method});
-            EXPECT_TRUE(warned("means with nothing")) << method << nothing;
+            EXPECT_TRUE(warned("averaged with nothing")) << method << nothing;
             EXPECT_LE(difference(image, flattened(in("mean.exr"))), to) << method << " " << nothing;
         }
     }
