@@ -1,6 +1,7 @@
 #include "core/caught_error.h"
 
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
@@ -13,6 +14,8 @@ Error caught_error() {
         return e;
     } catch (const std::bad_alloc&) {
         return {ExitCode::out_of_memory, "not enough memory"};
+    } catch (const std::filesystem::filesystem_error& e) {
+        return {ExitCode::invalid_input, e.path1().string() + ": " + e.code().message()};
     } catch (const std::system_error& e) {
         return {ExitCode::out_of_memory,
                 "cannot start a thread (" + e.code().message() + "; expected a higher limit)"};

@@ -175,6 +175,10 @@ class Spread {
                         stack = continued;
                     }
                     const Behind* behind = pixel && behind_ ? &behind_row[*pixel % width] : nullptr;
+                    // What is behind a translucent surface that an opaque one hides may be empty space.
+                    if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
+                        transmittance_behind(stack) > opaque_transmittance)
+                        found[task].is_see_through = true;
                     // `scatter` does not estimate hidden surfaces, so translucent samples fill their pixels.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }

@@ -296,7 +296,7 @@ class Field {
         const ShownView shown{field_, v, at, w.seen};
         const bool rays = set.rays != nullptr;
         if (rays) {
-            if (!w.rays.whole_tile()) {
+            if (!w.rays.whole_tile() && !borders_.empty()) {
                 for (std::size_t u = 0; u < v.uses.size(); ++u)
                     borders_[v.uses[u].instant].mark(v, v.uses[u], at, w.seen[u]);
             }

@@ -59,9 +59,10 @@ class BehindSearch::Impl {
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 // A pixel may have further samples behind its first opaque one. The estimated surface must
                 // lie behind the last of them.
-                const auto stack =
-                    std::span(p_.samples).subspan(p_.offsets[i], p_.offsets[i + 1] - p_.offsets[i]);
-                opaque_[i] = transmittance_behind(stack) <= opaque_transmittance ? 1 : 0;
+                const auto stack = stack_at(i);
+                double left = 1;
+                for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
+                opaque_[i] = left <= opaque_transmittance ? 1 : 0;
                 const Radii last = stack.empty() ? Radii() : radii_px(stack.back());
                 set_last(i, last);
                 if (std::isfinite(last.blur)) widest_px[y] = std::max(widest_px[y], std::abs(last.blur));
@@ -86,15 +87,20 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds the translucent pixels with only empty space behind them and around them (`fills_`). The search
-    /// treats these pixels as opaque. All other pixels that are not opaque count as empty space.
+    [[nodiscard]] std::span<const StackSample> stack_at(std::size_t i) const {
+        return std::span(p_.samples).subspan(p_.offsets[i], p_.offsets[i + 1] - p_.offsets[i]);
+    }
+
+    /// Finds the pixels whose last samples are translucent, with only empty space behind and around them
+    /// (`fills_`). The search treats these pixels as opaque. All other pixels that are not opaque count as
+    /// empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                if (opaque_[i] != 0 || last.is_nothing()) continue;
+                if (last.is_nothing() || transmittance_behind(stack_at(i)) <= opaque_transmittance) continue;
                 fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
                     return sees_farther(x, static_cast<int>(y), d, last);
                 });

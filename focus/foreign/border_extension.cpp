@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/threads.h"
 #include "focus/foreign/stack_facets.h"
 
 namespace postlens {
@@ -45,11 +46,11 @@ BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along
               dy = along_y != 0      ? 0
                    : y == p_.y_begin ? 1
                                      : -1;
-    Side out;
-    for (; p_.stores(x, y); x += along_x, y += along_y) {
-        std::vector<Continued>& pixel = out.emplace_back();
-        for (const StackSample& s : p_.stack(x, y)) pixel.push_back(continue_inwards(s, x, y, dx, dy));
-    }
+    Side out(static_cast<std::size_t>(along_x != 0 ? p_.x_end - p_.x_begin : p_.y_end - p_.y_begin));
+    parallel_for(out.size(), [&](std::size_t i) {
+        const int u = x + along_x * static_cast<int>(i), v = y + along_y * static_cast<int>(i);
+        for (const StackSample& s : p_.stack(u, v)) out[i].push_back(continue_inwards(s, u, v, dx, dy));
+    });
     return out;
 }
 

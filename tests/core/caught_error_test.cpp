@@ -1,6 +1,7 @@
 // Any exception as an Error.
 #include "core/caught_error.h"
 
+#include <filesystem>
 #include <gtest/gtest.h>
 #include <new>
 #include <stdexcept>
@@ -27,6 +28,9 @@ TEST(CaughtError, HasTheCodeOfItsKind) {
     is_error(std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again)),
              ExitCode::out_of_memory,
              "cannot start a thread (Resource temporarily unavailable; expected a higher limit)");
+    is_error(std::filesystem::filesystem_error("cannot look", "a.exr",
+                                               std::make_error_code(std::errc::permission_denied)),
+             ExitCode::invalid_input, "a.exr: Permission denied");
     is_error(std::logic_error("odd"), ExitCode::invalid_input, "internal error: odd");
 }
 

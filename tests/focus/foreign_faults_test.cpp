@@ -161,6 +161,19 @@ TEST(ForeignFaults, ASkyWithoutAlphaIsNoDarkFringe) {
     }
 }
 
+TEST(ForeignFaults, AVeilBehindAnOpaqueCardDoesNotHideTheWallBesideIt) {
+    // All surfaces have one colour. What stands behind the card is a veil, and beside them is a wall.
+    const Bench bench{.width = 60, .height = 24, .margin_px = 20};
+    const ForeignPicture p = bench.picture([&](int x, int) {
+        const StackSample wall{bench.inverse_z(6), 0, 0.5F, 0};
+        const StackSample card{bench.inverse_z(-8), 0, 0.5F, 0}, veil{bench.inverse_z(3), 0, 0.15F, 0, 0.3F};
+        return x < 30 ? Stack{wall} : Stack{card, veil};
+    });
+    const Image image = bench.focus(p, FocusMethod::layers).image;
+    EXPECT_TRUE(image.alpha.empty());
+    for (int x = 0; x < 60; ++x) ASSERT_NEAR(value(image, x, 12, 1), 0.5, 1e-3) << x;
+}
+
 TEST(ForeignFaults, WhatTheBorderCutsIsNotTranslucentThere) {
     // A blurred bar that crosses the border, before a wall or before nothing, has at the border the edge that
     // it has in the middle.

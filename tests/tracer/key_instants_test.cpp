@@ -183,7 +183,14 @@ TEST(KeysForVisits, AKeyShowsWhatPassesThroughTheFrame) {
     EXPECT_EQ(keys_of({at(0, 9), at(1, 8)}), 1);   // out of the frame
     EXPECT_EQ(keys_of({at(0, 9), at(1, -9)}), 3);  // the middle
     EXPECT_EQ(keys_of({at(0, 9), at(1, -9)}, 4), 5);
-    EXPECT_EQ(keys_of({at(0, 9), at(0.3, 9), at(0.32, 0), at(0.34, 9), at(1, 9)}), 26);  // 8 / 25 = 0.32
+    EXPECT_EQ(keys_of({at(0, 9), at(0.3, 9), at(0.32, 0), at(0.34, 9), at(1, 9)}), 23);  // 7 / 22 = 0.318
+    // No number of keys has one at the only instant at which it is in view.
+    EXPECT_EQ(keys_of({at(0, 9), at(0.318, 9), at(0.3185, 0), at(0.319, 9), at(1, 9)}), 1);
+    // It passes the camera far beside the frame.
+    const auto along = [](double time_s, double z) {
+        return TransformKey{.time_s = time_s, .translation = {9, 0, z}};
+    };
+    EXPECT_EQ(keys_of({along(0, 14), along(1, -6)}), 1);
 }
 
 TEST(AutomaticKeys, FollowObjectsLightAndCamera) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/job.h"
 #include "core/threads.h"
 #include "records/motion/motion_path.h"
 #include "records/sample_header.h"
@@ -94,18 +95,21 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Whether a sphere, given without its motion, may be seen within the frame.
+// Whether a sphere, given without its motion, may be seen within the frame: whether it reaches in front of
+// the camera, and inside the four planes through the edges of the frame.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
-    const dvec3 at = pose.point(centre), scale = glm::abs(pose.scale);
+    const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
-                 ahead = glm::dot(at - camera.position, camera.forward);
-    const auto place = camera.place(at);
-    if (!place || ahead <= radius) return ahead > -radius;
-    const double radius_px = camera.projection == Camera::Projection::orthographic
-                                 ? 1000 * radius / camera.pixel_pitch_mm
-                                 : radius / (camera.tangent_per_px * ahead);
-    return place->x > -radius_px && place->y > -radius_px && place->x < camera.width + radius_px &&
-           place->y < camera.height + radius_px;
+                 ahead = glm::dot(from_camera, camera.forward);
+    const auto is_between = [&](const dvec3& axis, int size_px) {
+        const double aside = std::abs(glm::dot(from_camera, axis));
+        if (camera.projection == Camera::Projection::orthographic)
+            return aside < radius + camera.pixel_pitch_mm / 1000 * size_px / 2;
+        const double tangent = camera.tangent_per_px * size_px / 2;
+        return aside - tangent * ahead < radius * std::hypot(1, tangent);
+    };
+    return ahead > -radius && is_between(camera.right, camera.width) &&
+           is_between(camera.down, camera.height);
 }
 
 }  // namespace
@@ -160,10 +164,12 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::vector<TimeSpan> visits;
     for (const Object& o : scene.objects) {
+        throw_if_interrupted();
         const MotionPath path(o.keys);
+        if (!path.moves(shutter.open_s, shutter.close_s)) continue;
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
-        if (box.empty() || !std::isfinite(radius_m) || !path.moves(shutter.open_s, shutter.close_s)) continue;
+        if (box.empty() || !std::isfinite(radius_m)) continue;
         bool before = false;
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
             const bool now = may_see(cameras[i], path.at(instants_s[i]), 0.5 * (box.min + box.max), radius_m);
@@ -181,6 +187,13 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
+    // A visit may be so short that no number of keys has one within it.
+    std::erase_if(visits, [&](const TimeSpan& v) {
+        for (int keys = 2; keys <= most; ++keys) {
+            if (has_key(v, keys)) return false;
+        }
+        return true;
+    });
     int keys = std::max(at_least, visits.empty() ? 1 : 2);
     while (keys < most &&
            !std::all_of(visits.begin(), visits.end(), [&](const TimeSpan& v) { return has_key(v, keys); }))
@@ -200,9 +213,11 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
         out.keys = keys;
         out.reason = std::move(reason);
     };
-    const LightKeys light =
-        light_keys(scene, camera, overrides, recorded_s, shutter, rules.light_db, rules.tracing);
-    need(light.keys, fmt::format("light changes: {:.1f} dB of its mean (predicted)", light.psnr_db));
+    if (out.keys < most_light_keys) {
+        const LightKeys light =
+            light_keys(scene, camera, overrides, recorded_s, shutter, rules.light_db, rules.tracing);
+        need(light.keys, fmt::format("light changes: {:.1f} dB of its mean (predicted)", light.psnr_db));
+    }
     need(keys_for_visits(scene, camera, overrides, recorded_s, shutter, out.keys),
          "something is in view for a short time");
     return out;

@@ -21,9 +21,9 @@ using glm::dvec3;
 // Steps of the shutter interval from one instant at which points are observed to the next.
 constexpr int light_steps = 64;
 
-// Smallest number of steps from one key to the next: 33 keys. A file cannot have 65
-// (SampleHeader::most_keys).
-constexpr int fewest_steps = 2;
+// Smallest number of steps from one key to the next. With one step there would be 65 keys, more than a file
+// can have (SampleHeader::most_keys).
+constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // The grid has this many points along the longer side of the frame.
 constexpr int longer_side = 80;

@@ -9,6 +9,9 @@
 
 namespace postlens {
 
+/// Largest number of keys that light_keys returns.
+inline constexpr int most_light_keys = 33;
+
 struct LightKeys {
     int keys = 1;
     double psnr_db = 0;  ///< predicted, with these keys; infinite if no light changes
