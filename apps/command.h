@@ -168,7 +168,7 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// if absent, the exposure in the file, which begins at the instant of the frame
+    /// if absent, the exposure that the sample file states, beginning at the frame's instant
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -191,7 +191,7 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// if absent, the exposure in the file, which begins at the instant of the frame
+    /// if absent, the exposure that the sample file states, beginning at the frame's instant
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;

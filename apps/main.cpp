@@ -81,8 +81,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // The job is static, because a signal may arrive until the process ends. It has one thread, because only
-    // the job of the command, which runs inside it, has work for more.
+    // The job is static, because a signal may arrive until the process ends. It has a single thread. The
+    // command runs in a job of its own inside it, which may have more.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error

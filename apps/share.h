@@ -61,9 +61,9 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// Returns the share in such a description. Empty for any other text.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns the description of a share whose result consists of items, such as the images of a sweep. It is
-/// JSON with the share, the fingerprint of the command, and the words of the command without share and
-/// output. `merge` runs these words to join the results.
+/// Returns the description of a share whose result is a set of items, such as the images of a sweep. It is
+/// JSON with the share, the fingerprint of the command, and the command's arguments (`words`) without those
+/// for share and output. `merge` runs the command with these arguments to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 

@@ -1,4 +1,4 @@
-// Depths at the border of the records, from which the overscan that a lens needs follows.
+// Depths at the border of the records. They determine how much overscan a lens needs.
 #pragma once
 
 #include <cmath>

@@ -19,9 +19,9 @@ namespace {
 
 /// Smaller coverages are omitted from a Cryptomatte, as renderers do.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects per pixel) of a Cryptomatte. This number exceeds the usual one, because
-/// pixels at blurred edges show more objects. All parts of an image use the same number, so that they have
-/// the same channels.
+/// Cryptomattes are written with at least this number of ranks (objects per pixel). It is larger than usual,
+/// because pixels at blurred edges show more objects. All parts of a divided image use the same number, so
+/// that they have the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {

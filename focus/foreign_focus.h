@@ -10,8 +10,8 @@ namespace postlens {
 /// and compositing are those for sample files; each sample lies at the centre of its pixel. If any sample is
 /// transparent, the result has alpha and premultiplied colours. A pixel shared by several objects keeps its
 /// mixed colour, unless `unmix_edges` has separated the objects by Cryptomatte before. The result is
-/// bit-identical for any number of threads. Throws Error(wrong_arguments) if a setting is out of range, and
-/// for all other methods.
+/// bit-identical for any number of threads. Throws Error(wrong_arguments) if a setting is out of range or
+/// another method is chosen.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings);
 
 /// The impulse response in units of the height of a pixel, which is `pixel_aspect` times as wide as tall:

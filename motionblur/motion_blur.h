@@ -14,11 +14,12 @@
 namespace postlens {
 
 /// Method by which moving objects are blurred.
-/// - convolve: convolves the raster of the objects that share a path with the raster of the path.
+/// - convolve: convolves the image of the objects that share a path with the image of that path.
 /// - lightfield: averages views of the surfaces at many instants.
-/// - automatic: convolve for two kinds of objects. The first kind moves parallel to the film as a whole
-///   (within 0.25 px). The second kind has parallax, is one surface, and has no other surface in its range of
-///   depth. All other objects use lightfield.
+/// - automatic: convolve for two kinds of objects, both moving parallel to the film. In the first kind, all
+///   points move alike (within 0.25 px). In the second kind, nearer points move farther (parallax); the
+///   object is a single surface, and no other surface lies in its range of depth. All other objects use
+///   lightfield.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {

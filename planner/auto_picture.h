@@ -33,7 +33,8 @@ struct AutoResult {
     std::vector<AutoTile> tiles;
     double mean_views = 0;
     double layers_share = 0;  ///< mean of `layers_weight` over the pixels of the image or crop
-    /// Share of the view samples that the records do not determine. Set only if no scene is given.
+    /// Share of the view samples (what one view sees in one pixel) that the records do not determine. Set
+    /// only if no scene is given.
     double unsure_share = 0;
     /// noise_mse: measured noise of the views. bound_mse: upper bound of the error from this noise and from
     /// view samples that the records do not determine (planner/errors/records_bound.h). Both are set only if

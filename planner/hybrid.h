@@ -19,8 +19,8 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the shutter. With an open shutter no pixel is scattered: the whole image is a light
-    /// field.
+    /// Motion during the exposure. With a `shutter`, every pixel is computed as a light field, and none by
+    /// `scatter`.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
@@ -30,9 +30,9 @@ struct HybridSettings {
     /// For measurements with a scene: selects, in each half of the views, the view samples that are compared
     /// with rays (FieldViews::checked). If set, the image's error is not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Used without a scene: limit for the unknown share of a pixel's light, and for the radiance that is
-    /// reprojected to wrong positions because W is nonlinear. If a pixel exceeds the limit, its records are
-    /// insufficient.
+    /// Used without a scene. The records of a pixel are insufficient if more than this share of its light is
+    /// not recorded, or if more than this radiance is reprojected to wrong positions, because W is only a
+    /// linear approximation.
     double tolerated = 0.02;
 };
 

@@ -41,10 +41,10 @@ struct StatedError {
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of the mean of the two halves that were measured. If `mix` has elements (one per tile),
-/// it is the error of this mean mixed with the other image: (1 - w)^2 noise + w^2 e^2 + bias. w: weight of
-/// the other image. e: its difference from the expectation of the views. This assumes that e and the bias are
-/// not correlated.
+/// Returns the error of the mean of the two half-images that `measured` compares. Each is made of half of the
+/// views. If `mix` has elements (one per tile), this mean is blended with the other image of `measured`. The
+/// error is then (1 - w)^2 noise + w^2 e^2 + bias. w: weight of the other image. e: its difference from the
+/// expectation of the views. bias: error of the records. This assumes that e and the bias are not correlated.
 ///
 /// The 95 % interval assumes that the error's logarithm is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});

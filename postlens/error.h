@@ -1,5 +1,5 @@
 /// @file
-/// Errors: one exception type, one line of text, one exit code.
+/// Errors: a single exception type for all. Each error has one line of text and an exit code.
 #pragma once
 
 #include <stdexcept>

@@ -56,9 +56,10 @@ struct Records {
     /// transmitted. 0 if the surface is seen directly.
     std::vector<std::uint32_t> path = {};
     std::vector<std::uint32_t> layer = {};  ///< 0: visible from the pinhole; n: the n-th surface behind it.
-    /// The matrix W, 1/m: elements xx, xy, yx and yy of each record. Seen from the lens point q, m, the
-    /// tangent of the node's direction differs by -W q. This difference times film distance / pixel pitch is
-    /// the shift of the node's image, px. For a surface that is seen directly, W = I / z' [Igehy 1999].
+    /// The matrix W, 1/m: elements xx, xy, yx and yy of each record. Seen from the lens point q, in m from
+    /// the lens's centre, the tangent of the direction to the node is less by W q than seen from the centre.
+    /// This difference times film distance / pixel pitch is the shift of the node's image, px. For a surface
+    /// that is seen directly, W = I / z' [Igehy 1999].
     std::vector<float> w = {};
     /// Second-order error of W over the lens, 1/m^2. Infinite if other lens points do not see the node by
     /// this path.

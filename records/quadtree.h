@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// A point sample of layer 0: the consecutive records (nodes of one shading tree) that have the same x and y.
+/// A point sample of layer 0 (what the pinhole sees): consecutive records with the same x and y. They are the
+/// nodes of one shading tree.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records

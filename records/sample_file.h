@@ -58,8 +58,8 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Size, bytes, of the rows [y_begin, y_end) of a band in the file. Includes the tables of these rows, but
-/// not the pinhole image.
+/// Size, bytes, that the rows [y_begin, y_end) of a band take in the file. Includes the rows' entries in
+/// offset tables, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 

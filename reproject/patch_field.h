@@ -111,9 +111,10 @@ struct PatchField {
     /// this rectangle. If both are equal, surfaces are assumed to end at the border. Needed for sets with
     /// rays.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. Only needed
-    /// for sets whose `lights` use TileViews::patches, and for sets with rays, so that rays replace the same
-    /// samples in every call.
+    /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. The search
+    /// for patches then covers all these lens points, not only those of the views. Set it if `lights` use
+    /// TileViews::patches. Also set it with rays: the samples that rays replace then do not depend on which
+    /// views are drawn.
     glm::dvec2 lens_reach_px{0};
 };
 

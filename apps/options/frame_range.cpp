@@ -80,7 +80,8 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Text of the fingerprint. Invalid UTF-8 is allowed, because an option may contain any bytes.
+/// Returns the fingerprint of a command (options and inputs) as text. Invalid UTF-8 is replaced, because an
+/// option may contain any bytes.
 std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? ""
                              : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

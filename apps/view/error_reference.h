@@ -21,8 +21,8 @@ struct ErrorReference {
     std::vector<float> noise;
 };
 
-/// Traces a reference with as many rays per pixel as take about 10 s, but at least 32 and at most 1024.
-/// `trace` makes an image with the given even number of rays per pixel.
+/// Traces a reference for about 10 s, but with at least 32 and at most 1024 rays per pixel. The caller's
+/// `trace` must make an image with the given even number of rays per pixel.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
 /// Sets the pixels of the reference to those of the image where both differ by no more than three standard

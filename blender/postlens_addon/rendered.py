@@ -7,7 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of the slot for the empty images of `rendered`, among those in which Blender keeps images of earlier renders.
+# Name of the render slot for the empty images of `rendered`. Blender stores each render in a slot, so without one of
+# their own these images would replace the user's.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

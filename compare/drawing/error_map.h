@@ -9,8 +9,8 @@ namespace postlens {
 /// compared with each other.
 inline constexpr double map_least_steps = 0.1, map_greatest_steps = 255;
 
-/// Returns the size of the `error_map` for images of this size. The legend adds to the height, and to the
-/// width of narrow images.
+/// Returns the size of the image that `error_map` makes of images of size `pictures`. The legend adds to the
+/// height, and to the width of narrow images.
 [[nodiscard]] ImageSize error_map_size(ImageSize pictures);
 
 /// Shows the largest channel difference of each pixel on a logarithmic scale, for sRGB values clamped to

@@ -11,8 +11,8 @@ namespace postlens {
 /// Texts in rows and columns; the first row is the heading.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// Returns the size of the `side_by_side` of images of this size. `lines` is the number of text lines plus
-/// the table's rows.
+/// Returns the size of the image that `side_by_side` makes of images of size `pictures`. `lines`: number of
+/// text lines below the images, including one for each row of the table.
 [[nodiscard]] ImageSize side_by_side_size(ImageSize pictures, std::size_t lines);
 
 /// Shows image, reference and `error_map` from left to right, each below its name. The table and the lines

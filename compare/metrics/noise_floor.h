@@ -1,5 +1,5 @@
-// Measures the noise of a reference from two independent references, and the error of an image without that
-// noise.
+// Compares an image with two independent, noisy references. Measures the noise of the references, and the
+// error of the image without this noise.
 #pragma once
 
 #include <cstddef>

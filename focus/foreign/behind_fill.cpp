@@ -259,7 +259,8 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Whether a pixel near enough to be disoccluded is farther than the pixel before it, in any direction.
+    /// Whether, in any direction from this pixel, a pixel is farther from the camera than the pixel before
+    /// it, and is near enough in the image that blur may disocclude it.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;

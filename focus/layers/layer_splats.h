@@ -56,8 +56,8 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Lens points of the light, in lens radii per px. Light that arrives d px from the anchor passed, on
-    /// average, through the lens point d * lens_per_px.
+    /// Change of the lens point over the kernel, in lens radii per px. Light that arrives d px from the
+    /// anchor (x, y) passed, on average, through the lens point d * lens_per_px.
     float lens_per_px = 0;
     /// Part of the weight that no lens point sees, because the surface in front moves together with this one
     /// over the lens (Fragment::covered).
@@ -110,8 +110,9 @@ class LayerSplats {
     }
     /// Adds rows of pixel corners. The point samples of `rows` may already have been computed.
     void add_rows(const FrameRows& rows);
-    /// Moves all samples to pixel centres. Call it before add_pixels. `known`: the corners of the image's
-    /// pixels; the source may have estimates around it.
+    /// Places samples at pixel centres instead of pixel corners, for another program's image. Call it before
+    /// add_pixels. `known`: the window of the pixel corners that the image has. The source window may be
+    /// larger: samples outside `known` are estimates.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;

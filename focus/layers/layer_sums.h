@@ -47,9 +47,9 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels per row of the buffers: rows_ plus one, for the last difference
     std::size_t stride_ = 6;  ///< values per pixel
-    /// Per pixel: red, green, blue, weight. With lens moments, twelve more values follow: these four times
-    /// lens_per_px, those products times the anchor's x, and times its y, counted from the corner of rows_.
-    /// The last two values are depth and covered weight.
+    /// Values of each pixel: [0..3] red, green, blue and weight. With lens moments, also: [4..7] the first
+    /// four times LayerSplat::lens_per_px; [8..11] these products times the anchor's x, counted from the
+    /// corner of rows_; [12..15] the products times its y. The last two values are depth and covered weight.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Factor and margin by which a kernel may exceed its CoC: coarsened kernels have rounded sizes, and their
-/// positions have errors of up to a pixel.
+/// Factor and margin by which a highlight's kernel may exceed the highlight's CoC: to save memory, similar
+/// kernels are replaced by one of a rounded size, and kernels may be misplaced by up to a pixel.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
 /// Distance, px. Surfaces that some view displaces farther than this from their square of the raster are kept
 /// in memory, up to a total of most_far_bytes.

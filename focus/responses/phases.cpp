@@ -14,10 +14,10 @@ namespace {
 /// placed inside that pixel. The image for a CoC of 0 is therefore the pinhole image.
 constexpr double one_disc_from_px = 2;
 
-/// Number of subpixel positions per px for kernels of this radius. A sample between these positions is
-/// distributed over its neighbours, which preserves the centroid and adds a variance of at most 1/4 of a
-/// squared step. The profile of a blurred edge changes by about (step / radius)^2 / 8 of the edge's contrast,
-/// which is about 1e-4 or less from 2 px on.
+/// Kernels of this radius are built at this number of subpixel positions per px. A sample between two
+/// positions is distributed over its neighbouring positions. This preserves the centroid and adds a variance
+/// of at most 1/4 of the squared distance (step) between positions. The profile of a blurred edge changes by
+/// about (step / radius)^2 / 8 of the edge's contrast. For radii of 2 px or more, this is about 1e-4 or less.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;

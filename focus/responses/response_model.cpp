@@ -53,8 +53,9 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // The middle of the cell gets no light through the lens, but samples beside it may get some. They use
-        // the response without vignetting.
+        // All samples in a cell (square of the image) share a response. If the cell's centre gets no light
+        // through the lens, other samples in the cell may still get some. The response without vignetting is
+        // used then.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {

@@ -56,7 +56,8 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// Sums of the last few source rows, stored strip by strip. The rows of a strip are contiguous.
+    /// partial_: sums over the last few source rows. total_: sums over all rows before them. Both are stored
+    /// strip by strip; the rows of a strip are contiguous.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

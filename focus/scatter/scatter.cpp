@@ -15,9 +15,9 @@
 namespace postlens {
 namespace {
 
-// Size of a block, px. The rows to which a run adds (twice its CoC radius, 16 B per pixel) fit into the L2
-// cache. Taller blocks share more filtered rows, wider blocks share more running sums, and smaller blocks
-// keep more threads busy. Measured with bench/scatter_bench.cpp.
+// Size of a block, px. A run (adjacent samples that share a disc) adds to as many rows as its disc is high.
+// With 16 B per pixel, these rows fit into the L2 cache. Taller blocks share more filtered rows, wider blocks
+// share more running sums, and smaller blocks keep more threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
 /// Number of rows per call of PointScatter. A call needs 64 B per pixel and tests every splat once.

@@ -28,8 +28,8 @@ struct BandSurfaces {
 inline constexpr int band_rows = 32;
 
 /// Records of one instant in bands of `band_rows` rows of pixels. Each band also contains the row below, with
-/// the records on its lower border. Only some bands are in memory, because objects move over a small part of
-/// a frame's rows.
+/// the records on its lower border. Only the bands that are needed are in memory. These are few, because
+/// moving objects usually cover few rows of a frame.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.

@@ -18,8 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
-/// Largest number of pixels in both windows together. Each pixel has four vertices, whose number must fit
-/// into 32 bits.
+/// Largest number of pixels in the data window and the display window together. Each pixel has four vertices,
+/// whose number must fit into 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {

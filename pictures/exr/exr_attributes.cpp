@@ -102,8 +102,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // Without a window, the library assumes a small one. Tiles are different: the library allocates the tile
-    // size that the file states.
+    // If a scanline part states no window, the OpenEXR library assumes a small one. For tiles, it would
+    // allocate the stated tile size (above).
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

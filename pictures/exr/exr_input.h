@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A regular file. All functions throw Error(invalid_input), which names the file. Several threads may read
-/// at the same time.
+/// A regular file that is read. If a function fails, it throws Error(invalid_input) with the file's name.
+/// Several threads may read at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);

@@ -147,8 +147,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part that has a channel of exactly this name: the part of the colours, or else a part of their
-    /// view, or else any part. If the pass has a separate file, only that file is searched.
+    /// Finds a part of an OpenEXR file that has a channel of exactly this name. Parts are searched in this
+    /// order: the part with the colours, parts of the same stereo view, all other parts. If a separate file
+    /// was given for `use`, only that file is searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;

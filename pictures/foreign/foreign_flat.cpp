@@ -18,7 +18,8 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
     guarded(name, [&] {
         const Imf::Header& h = impl_->header(part);
         const auto width = static_cast<std::size_t>(p.width());
-        // Each band consists of whole tiles or chunks, so that each is decompressed only once.
+        // Each band consists of whole tiles or chunks, so that every tile and chunk is decompressed only
+        // once.
         const int unit = p.tiled ? static_cast<int>(h.tileDescription().ySize) : chunk_rows(h);
         const int rows = std::min(p.height(), unit * std::max(1, 64 / unit));
         require_memory(width * static_cast<std::uint64_t>(rows) * channels.size() * sizeof(float),

@@ -23,8 +23,8 @@ namespace postlens {
 inline constexpr std::array<std::string_view, 6> transform_keys{
     "translate_m", "rotate_degrees", "rotate_axis", "quaternion", "scale", "matrix"};
 
-/// Reads translate * rotate * scale, or the matrix. Returns the identity if the table has none of
-/// transform_keys.
+/// Reads a constant transform from a table: the product translate * rotate * scale, or the key `matrix`.
+/// Returns the identity if the table has none of transform_keys.
 [[nodiscard]] glm::dmat4 read_transform(const TomlTable& table, double metres_per_unit);
 
 /// Reads the array `keys` of the table; its elements must be in order of time. Returns an empty list if the

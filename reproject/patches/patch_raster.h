@@ -125,8 +125,8 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Bounding box of those pixels of a tile whose surface has reflected or transmitted child nodes that are
-/// drawn separately.
+/// Bounding box of those pixels of a tile that show a surface with reflected or transmitted child nodes, if
+/// these nodes are drawn separately from the surface.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
 /// Draws a patch of reflected or transmitted nodes with a depth test. Only pixels are drawn that need a node

@@ -3,8 +3,8 @@
 namespace postlens {
 namespace {
 
-/// Whether the records determine the directly visible surface in pixel `k`, as shown by use `u` of a view. A
-/// use is one recorded instant that is reprojected to the view.
+/// Whether the records determine the directly visible surface in pixel `k` of the view `shown`. A view is
+/// made from one or two recorded instants. `u` is the index of the one that is tested.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -59,8 +59,9 @@ struct SampleSurfaces {
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces of the samples `points`, which were read from the rows of `band` from y_begin on. Skips
-/// layers without a primary node (the surface that the eye ray itself hits).
+/// Finds the surfaces that the point samples `points` show: one in each layer (0: visible from the pinhole;
+/// n: the n-th surface behind it). Skips layers without a primary node (the surface that the eye ray itself
+/// hits). `points` were read from the rows of `band` from y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of some point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of

@@ -29,7 +29,8 @@ class MeshFiles : public Assimp::IOSystem {
     void Close(Assimp::IOStream* stream) override;
 
     [[nodiscard]] const std::vector<ReferredFile>& opened() const { return opened_; }
-    /// The options of pictures in the material libraries, by the name of the material.
+    /// The options of the texture images in the MTL files (such as -s and -o of map_Kd), by the name of the
+    /// material.
     [[nodiscard]] const std::map<std::string, MaterialPictures>& pictures() const { return pictures_; }
     [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
     [[nodiscard]] const std::vector<std::string>& outside() const { return outside_; }

@@ -208,7 +208,7 @@ class MeshReader {
         return found == pictures_.end() ? MaterialPictures{} : found->second;
     }
 
-    // The options that determine how the pictures of a material lie on its surfaces.
+    // The options that determine how the texture images of a material are mapped to its surfaces.
     PictureOptions uv_options(const aiMaterial& material) const {
         const MaterialPictures pictures = pictures_of(material);
         return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;

@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// How a picture of an MTL file lies on a surface: at scale * (u, v) + offset.
+/// How a texture image of an MTL file is mapped to a surface: at scale * (u, v) + offset.
 struct PictureOptions {
     glm::dvec2 scale{1}, offset{0};  ///< values of -s and -o
     bool clamp = false;              ///< of -clamp: outside the unit square, the border colours continue
@@ -19,7 +19,7 @@ struct PictureOptions {
     }
 };
 
-/// The options of a material's pictures.
+/// The options of a material's texture images.
 struct MaterialPictures {
     PictureOptions colour, emission;  ///< options of map_Kd and map_Ke
 };

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-// Greatest length of a line, characters. A longer line is an error. Lines of published files have at most 60
-// characters.
+// Greatest length of a line, characters. A longer line is an error. Lines of published NFF files have at most
+// 60 characters.
 constexpr std::size_t longest_line = std::size_t{1} << 16;
 constexpr std::size_t chunk_bytes = std::size_t{1} << 16;
 constexpr std::string_view blanks = " \t\r\v\f";

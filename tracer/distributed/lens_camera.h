@@ -46,9 +46,9 @@ class LensCamera {
     /// Adds rays through given lens points. Except for rounding, they equal the rays of the other add_rays.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays with unit directions to the batch. The rays have times if the batch has. If
-    /// `loses_rays()`, the transmittance of the lens for each ray is appended to `weights`. Rays of
-    /// transmittance 0 hit nothing.
+    /// Adds one group of 16 rays with unit directions to the batch. The rays have times if the batch has
+    /// times. If `loses_rays()` is true, the transmittance of the lens for each ray is appended to `weights`.
+    /// Rays of transmittance 0 are set to hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
     /// True if the transmittance of the lens may be below 1 for some rays. If false, `weights` stays empty.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }

@@ -21,8 +21,8 @@ struct SubdivisionSettings {
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };
 
-/// The pixels [x_begin, x_end) x [y_begin, y_end) to sample. Their records include those of the corners at
-/// column x_end and row y_end.
+/// The pixels [x_begin, x_end) x [y_begin, y_end) to sample. The pixel corners at column x_end and row y_end
+/// are recorded too.
 struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };

@@ -57,8 +57,8 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Instants at which directions are computed: evenly spaced instants of the shutter interval, and the
-// keyframes within it.
+// Instants at which viewing directions are computed: count + 1 evenly spaced instants of the shutter
+// interval, and the keyframes of `motions` within it.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;

@@ -55,8 +55,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// The PSNR of images from keys `between` steps apart and from the recorded instant; of the latter alone
-    /// if `between` is 0.
+    /// Predicted PSNR of images made from the light at the recorded instant and at keys (further recorded
+    /// instants) every `between` steps. If `between` is 0, only the recorded instant is used.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))

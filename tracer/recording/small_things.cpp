@@ -208,8 +208,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     }
     if (!tapers && glm::length(axes.half[0]) <= 4 * glm::length(axes.half[1])) {
         const double narrower = turn_to_sight(camera, axes);
-        // An object whose image is at most four times as long as wide is treated as a single piece without an
-        // axis.
+        // An object is not divided along an axis if its image is at most four times as long as wide.
         if (!(narrower > 4)) {
             take(axes.centre, axes.centre, axes.half);
             return;

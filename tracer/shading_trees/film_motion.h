@@ -1,5 +1,5 @@
 // Predicts the raster position, at other instants, of a point that was recorded at one instant. The point
-// moves with the object of its id, and the camera moves as well.
+// moves with the object that has its id. The camera may move as well.
 #pragma once
 
 #include <cstdint>

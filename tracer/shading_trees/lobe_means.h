@@ -26,9 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of the node without means over lobes, times throughput. Other nodes of the sample are
-    /// ignored. They would add radiance, and the slope of the sRGB curve decreases with radiance, so ignoring
-    /// them can only cause more rays than necessary.
+    /// Radiance of this node times throughput, without the means over lobes, which are not yet known.
+    /// Radiance of the sample's other nodes is left out: it would make the pixel brighter, where the sRGB
+    /// curve is flatter, so fewer rays would suffice. At worst, too many rays are traced.
     glm::dvec3 beside{0};
 };
 

@@ -76,7 +76,8 @@ struct TracedSamples {
     /// penumbrae the radiance from area lights minus half of its unshadowed value. Empty if no record has
     /// such a part.
     std::vector<glm::vec3> noisy;
-    /// One per record. Empty if the scene has neither textures nor lights nor WhittedSettings::parts.
+    /// One per record. Empty if the scene has neither textures nor lights, and WhittedSettings::parts is
+    /// null.
     std::vector<ColourSource> sources;
     /// One per record; only those of nodes after bounces are set. Empty if the scene has no mirror, no glass,
     /// or nothing brighter than white.
@@ -101,8 +102,8 @@ class WhittedTracer {
     /// small (little_bend_px). Otherwise it is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// The nonlinear W of a node is treated as small if it displaces the node's image by less than this, px,
-    /// for every point on the rim of the lens.
+    /// The nonlinear part of a node's W counts as small if it displaces the node's image by less than this,
+    /// px, for every point on the rim of the lens.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.

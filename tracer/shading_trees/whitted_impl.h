@@ -88,8 +88,8 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // The bounces of each ray, by index of its differentials, and the nodes to measure. Used only if the
-        // nonlinear W of nodes is measured.
+        // Used only if nonlinear W is measured. `bounces`: the bounces of each ray, at the index of the ray's
+        // differentials. `bent`: the nodes whose nonlinear W is to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
