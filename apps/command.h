@@ -269,10 +269,10 @@ void refuse_foreign_options(const ForeignOptions& options, const std::string& in
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// Adds a warning `salvaged` with the lost rows, if the file is damaged, and a warning `part`, if it is a
-/// part of a trace in shares.
+/// Adds a warning `salvaged` with the lost rows if the file is damaged. Adds a warning `part` if the file has
+/// only one machine's share of a divided trace.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
-/// Adds a warning `part`, if an image file is a part of an image in shares.
+/// Adds a warning `part` if an image file has only one machine's share of a divided image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws

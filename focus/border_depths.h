@@ -17,7 +17,7 @@ class BorderDepths {
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Largest distances at which light arrives, for a lens, px.
+    /// Returns, for a lens, the largest distances, px, at which light of the border's surfaces arrives.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

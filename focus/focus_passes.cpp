@@ -52,7 +52,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends the shares of the pinhole image and those of the blurred image by the effect of the lens.
+/// Blends, in each pixel, the objects' shares in the pinhole image and in the blurred image, by the effect of
+/// the lens (0: pinhole image, 1: blurred image).
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];

@@ -14,9 +14,9 @@ namespace postlens {
 /// another method is chosen.
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings);
 
-/// The impulse response in units of the height of a pixel, which is `pixel_aspect` times as wide as tall:
-/// what is round on the film is narrower in px. Throws Error(wrong_arguments) for a response of waves or of a
-/// prescription unless pixels are square.
+/// Returns the impulse response in units of the height of a pixel. Pixels are `pixel_aspect` times as wide as
+/// tall, so a disc on the film is narrower in px than it is tall. Throws Error(wrong_arguments) if pixels are
+/// not square and the response comes from diffraction or from a lens prescription.
 [[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
 
 }  // namespace postlens

@@ -58,9 +58,9 @@ struct AutoResult {
 /// prevents the image from reaching its target, rays replace all view samples of the tile. If no scene is
 /// given, unsure samples keep their recorded colours, and their error is not measured.
 ///
-/// With a scene and a closed shutter, `layers` also makes the image, unless the file has so many records that
-/// this takes longer than the first views. The two halves of the views measure the error of this image. The
-/// image by `layers` is mixed with the views, in each tile with the weight that gives the least error.
+/// With a scene and without a shutter, `layers` also makes the image, unless the file has so many records
+/// that this takes longer than the first views. The two halves of the views measure the error of this image.
+/// The image by `layers` is mixed with the views, in each tile with the weight that gives the least error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

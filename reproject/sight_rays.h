@@ -59,8 +59,8 @@ class SightRays {
     /// Thread-safe. A line's result does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// As `trace`, but writes only radiance that `less` excludes from `trace`, and only of nodes that `of`
-    /// identifies (one element per line).
+    /// As `trace`, but writes only the radiance that `trace` leaves out because of `less`, and only that of
+    /// nodes that `of` identifies (one element per line).
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;

@@ -269,8 +269,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// The first surface in a direction that is farther than the pixel's own surface and near enough to be
-    /// disoccluded.
+    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface,
+    /// and so near in the image that blur can disocclude it.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;

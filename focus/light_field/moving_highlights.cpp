@@ -14,7 +14,7 @@ constexpr int looks = 64;
 /// Largest displacement of a moving highlight from one instant to the next: step_px, in px, or step_of_blur
 /// times the CoC radius, whichever is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// For jittered instants. The exposure is divided into equal intervals with one instant each, and each
+/// Used for jittered instants. The exposure is divided into equal intervals with one instant each, and each
 /// interval into `turns` subintervals. The factors turn_x and turn_y, 1/px, choose the subinterval of the
 /// instant from the raster position, so that highlights a quarter or half a pixel apart get different ones.
 constexpr int turns = 16;

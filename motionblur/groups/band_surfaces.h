@@ -57,7 +57,7 @@ class RecordBands {
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Finds the group to which an object id belongs. A group contains objects with a common path.
+/// Finds the group to which an object id belongs. The objects of a group share a path.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);

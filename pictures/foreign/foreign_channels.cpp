@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the candidates for a pass in all parts that may contain it. `add(part, name, out)` tests one
-/// channel.
+/// Lists the channels that may contain a pass (such as depth or ids), in all parts that may contain it.
+/// `add(part, name, out)` tests one channel.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in any part of the file, so its candidate has the part of the colours.
-            // Only its layer must match the layer of the colours.
+            // A Cryptomatte may be in any part of the file. Only its layer must match the layer of the
+            // colours. Its candidate is therefore listed in the part with the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

@@ -14,9 +14,9 @@
 
 namespace postlens {
 
-/// Provides assimp with whole files from memory, as UTF-8. Material libraries are rewritten. UTF-16 is
+/// Provides assimp with whole files from memory, as UTF-8. MTL files are rewritten (obj_text.h). UTF-16 is
 /// recognised by its byte order mark. Files outside the scene's folder are not opened, and nothing is
-/// written. Requested files that are missing or outside the folder are added to a list.
+/// written. Requested files that are missing or outside the folder are added to lists.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text`: content of the scene file, as `rewritten_obj` returns it.

@@ -279,7 +279,7 @@ class MeshReader {
     Scene scene_;
     SceneNotes notes_;
     std::map<unsigned, std::size_t> materials_;
-    std::map<std::string, MaterialPictures> pictures_;  ///< options of the pictures of an OBJ's materials
+    std::map<std::string, MaterialPictures> pictures_;  ///< texture options of an OBJ's materials
     std::vector<dvec3> corners_;
     std::uint32_t id_ = 0;
 };

@@ -29,9 +29,9 @@ struct MaterialPictures {
 /// decimal point, and with one `mtllib` line per file name.
 [[nodiscard]] std::string rewritten_obj(std::string_view text);
 
-/// Returns the text of an MTL file without comments behind numbers, without `-halo`, and without the options
-/// of map_Kd and map_Ke, which are added to `pictures` by the name of the material. Options that are not read
-/// cause notes.
+/// Returns the text of an MTL file without comments behind numbers and without `-halo`. The options of map_Kd
+/// and map_Ke are removed from the text and stored in `pictures`, by the name of the material. Options that
+/// are not read cause notes.
 [[nodiscard]] std::string rewritten_mtl(std::string_view text,
                                         std::map<std::string, MaterialPictures>& pictures, SceneNotes& notes);
 

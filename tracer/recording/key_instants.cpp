@@ -180,7 +180,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // The keys i / (keys - 1) of the shutter, from the first that is not before the visit.
+    // Whether one of `keys` keys, evenly spaced over the shutter interval, lies within the visit (a time span
+    // in which an object may be in view).
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;

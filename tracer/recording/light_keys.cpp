@@ -18,7 +18,7 @@ namespace {
 
 using glm::dvec3;
 
-// Steps of the shutter interval from one instant at which points are observed to the next.
+// Number of steps into which the shutter interval is divided. Points are observed at the ends of the steps.
 constexpr int light_steps = 64;
 
 // Smallest number of steps from one key to the next. With one step there would be 65 keys, more than a file

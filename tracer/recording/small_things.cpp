@@ -21,7 +21,8 @@ constexpr int tile_px = 16;
 // Long objects are divided along their axis into this many pieces. Each piece is treated as if its width and
 // depth were constant.
 constexpr int pieces = 16;
-// The piece at a tip is halved this often, so that a cone as wide as the largest raster is narrow at its tip.
+// Number of times that the piece at a tip is halved. A cone as wide as the largest raster is then narrow at
+// its tip.
 constexpr int most_halves = 16;
 // Objects narrower than the smallest cells may be missed by all corners.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -46,7 +47,8 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Axes of a box. Its sides have the directions of the columns of `turn`, a rotation, and the ranges `sides`.
+/// Returns the axes of a box. The box extends over the ranges `sides` along the columns of the rotation
+/// `turn`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
