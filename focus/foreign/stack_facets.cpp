@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/memory.h"
 #include "core/sample_hash.h"
@@ -27,25 +28,36 @@ Facets::Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const
       width(border.window().width()),
       height(border.window().height()),
       geometry_(geometry) {
-    const auto known = static_cast<std::size_t>(
-        std::count_if(behind.begin(), behind.end(), [](const Behind& b) { return b.known && b.weight > 0; }));
+    const auto is_seen_behind = [&](std::size_t pixel) {
+        return !behind.empty() && behind[pixel].known && behind[pixel].weight > 0;
+    };
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    require_memory((p.samples.size() + known) * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
+    const auto place = [&](std::size_t i) {
+        return std::pair(x_begin + static_cast<int>(i % static_cast<std::size_t>(width)),
+                         y_begin + static_cast<int>(i / static_cast<std::size_t>(width)));
+    };
+    std::vector<StackSample> continued;
+    std::size_t count = p.samples.size();
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const auto [x, y] = place(i);
+        const bool stored = p.stores(x, y);
+        const auto source = stored ? std::optional(p.pixel_at(x, y)) : border.continued(x, y, continued);
+        if (source) count += (stored ? 0 : continued.size()) + (is_seen_behind(*source) ? 1 : 0);
+    }
+    require_memory(count * sizeof(Facet) + (pixels + 1) * sizeof(std::uint64_t),
                    "the samples as views draw them");
-    facets_.reserve(p.samples.size() + known);
+    facets_.reserve(count);
     offsets_.reserve(pixels + 1);
     offsets_.push_back(0);
-    std::vector<StackSample> continued;
     for (std::size_t i = 0; i < pixels; ++i) {
-        const int x = x_begin + static_cast<int>(i % static_cast<std::size_t>(width)),
-                  y = y_begin + static_cast<int>(i / static_cast<std::size_t>(width));
+        const auto [x, y] = place(i);
         const bool stored = p.stores(x, y);
         const auto source = stored ? std::optional(p.pixel_at(x, y)) : border.continued(x, y, continued);
         if (source) {
             const std::span<const StackSample> stack = stored ? p.stack(x, y) : continued;
             const std::size_t number = stored ? *source : p.offsets.size() + i;
             for (const StackSample& s : stack) add(number, s, !stored);
-            if (!behind.empty() && behind[*source].known && behind[*source].weight > 0) {
+            if (is_seen_behind(*source)) {
                 const Behind& b = behind[*source];
                 add(number,
                     {.inverse_z = b.inverse_z,
