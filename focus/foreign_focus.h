@@ -12,7 +12,7 @@ namespace postlens {
 /// mixed colour, unless `unmix_edges` has separated the objects by Cryptomatte before. The result is
 /// bit-identical for any number of threads. Throws Error(wrong_arguments) if a setting is out of range or
 /// another method is chosen.
-[[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& settings);
+[[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked);
 
 /// Returns the impulse response in units of the height of a pixel. Pixels are `pixel_aspect` times as wide as
 /// tall, so a disc on the film is narrower in px than it is tall. Throws Error(wrong_arguments) if pixels are

@@ -54,7 +54,7 @@ class BorderReach {
         /// Enlarges `deepest_px` and `sideways_px` for every pixel at this side that shows a moving object,
         /// in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
-        [[nodiscard]] bool reaches(const TilePlace& at) const;
+        [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
     /// Position in a view of the centre of pixel `i` of a side of the raster (Side::cells), raster px:
     /// measured along this side, and perpendicular to it.

@@ -62,6 +62,7 @@ class LightChange {
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
             keys.push_back(i);
         std::vector<double> keys_s;
+        keys_s.reserve(keys.size());
         for (const std::size_t k : keys) keys_s.push_back(instants_s_[k]);
         std::vector<std::vector<InstantShare>> around;
         for (std::size_t i = 0; i <= light_steps; ++i)
