@@ -163,15 +163,43 @@ class CostlyRays : public NoRays {
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
 };
 
-// If a piece has too many reflected and transmitted patches per pixel, rays replace the samples of all
-// surfaces that need them, and no others. Sets without rays draw the patches.
-TEST(PatchField, RaysReplaceCrowdedReflections) {
-    const MadeSheets f({.has_w = true}, [](Record& r) {
+MadeSheets reflecting_sheets() {
+    return MadeSheets({.has_w = true}, [](Record& r) {
         r.id = 5;
         r.z = 2;
         r.r = r.g = r.b = 0.5F;
         r.w = Mat2::isotropic(r.path.bits() == 0 ? 0.5F : 0.3F);
     });
+}
+
+/// Two pictures of equal views of one instant: by rays and records, and by records alone.
+std::vector<PatchPicture> by_rays_and_records(const PatchInstant& instant, const glm::dvec2& sample,
+                                              int views, int piece_px) {
+    const CostlyRays rays;
+    PatchField field;
+    field.instants = {instant};
+    field.width = width;
+    field.height = height;
+    field.recorded_end = {width, height};
+    field.piece_px = piece_px;
+    PatchView v;
+    v.sample = sample;
+    v.uses = {{0, 1, {}}};
+    field.sets.resize(2);
+    for (std::size_t i = 0; i < 2; ++i) {
+        field.sets[i].views.assign(static_cast<std::size_t>(views), v);
+        field.sets[i].picture = i;
+    }
+    field.sets[0].rays = &rays;
+    std::vector<PatchPicture> pictures(2, PatchPicture(width, height));
+    patch_field(field, pictures);
+    return pictures;
+}
+
+// If a piece has too many reflected and transmitted patches per pixel, rays replace the samples of all
+// surfaces that need them, and no others. Sets without rays draw the patches.
+TEST(PatchField, RaysReplaceCrowdedReflections) {
+    const MadeSheets f = reflecting_sheets();
     const PatchMesh primary = cut_patches(f.sheets.primary, {6, 0.1}),
                     deeper = cut_patches(f.sheets.deeper, {6, 0.1});
     ASSERT_FALSE(deeper.patches.empty());
@@ -191,25 +219,7 @@ TEST(PatchField, RaysReplaceCrowdedReflections) {
             std::copy_if(deeper.patches.begin(), deeper.patches.end(), std::back_inserter(crowded.patches),
                          [&](const Patch& p) { return deeper.corner(p).x < crowded_to_px; });
         }
-        const CostlyRays rays;
-        PatchField field;
-        field.instants = {{&primary, &crowded}};
-        field.width = width;
-        field.height = height;
-        field.recorded_end = {width, height};
-        field.piece_px = piece_px;
-        PatchView v;
-        v.sample = sample;
-        v.uses = {{0, 1, {}}};
-        field.sets.resize(2);
-        for (std::size_t i = 0; i < 2; ++i) {
-            field.sets[i].views = {v};
-            field.sets[i].picture = i;
-        }
-        field.sets[0].rays = &rays;
-        std::vector<PatchPicture> pictures(2, PatchPicture(width, height));
-        patch_field(field, pictures);
-        return pictures;
+        return by_rays_and_records({&primary, &crowded}, sample, 1, piece_px);
     };
     const auto few = drawn(1), many = drawn(100 * width * height / deeper.patches.size());
     EXPECT_EQ(few[1].image.rgb, many[1].image.rgb);
@@ -232,32 +242,13 @@ TEST(PatchField, RaysReplaceCrowdedReflections) {
 // Where the records determine what less than half of a piece's samples reflect or transmit, rays replace the
 // samples of all surfaces that reflect or transmit from the ninth view on.
 TEST(PatchField, RaysReplaceReflectionsThatAreRarelySure) {
-    const MadeSheets f({.has_w = true}, [](Record& r) {
-        r.id = 5;
-        r.z = 2;
-        r.r = r.g = r.b = 0.5F;
-        r.w = Mat2::isotropic(r.path.bits() == 0 ? 0.5F : 0.3F);
-    });
+    const MadeSheets f = reflecting_sheets();
     const PatchMesh primary = cut_patches(f.sheets.primary, {6, 0.1}),
                     deeper = cut_patches(f.sheets.deeper, {6, 0.1});
     const auto traced = [&](int views, bool bends) {
         PatchMesh reflected = deeper;
         for (Patch& p : reflected.patches) p.bent = p.bent || bends;
-        const NoRays rays;
-        PatchField field;
-        field.instants = {{&primary, &reflected}};
-        field.width = width;
-        field.height = height;
-        field.recorded_end = {width, height};
-        PatchView v;
-        v.sample = glm::dvec2(0.3, 0.6);
-        v.uses = {{0, 1, {}}};
-        field.sets.resize(1);
-        field.sets[0].views.assign(static_cast<std::size_t>(views), v);
-        field.sets[0].rays = &rays;
-        std::vector<PatchPicture> pictures(1, PatchPicture(width, height));
-        patch_field(field, pictures);
-        return pictures[0].traced;
+        return by_rays_and_records({&primary, &reflected}, {0.3, 0.6}, views, SeenTile::edge)[0].traced;
     };
     const auto few = traced(8, false), more = traced(12, false), of_all = traced(12, true);
     int reflecting = 0, sure = 0;
