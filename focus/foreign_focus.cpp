@@ -48,8 +48,10 @@ DepthRange depth_range(const ForeignPicture& picture) {
 /// Returns the window of the corners of all pixels whose content is known: the pixels that the file stores,
 /// and all other pixels of the raster, which count as empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
-    return {std::min(0, p.x_begin), std::max(p.width, p.x_end) + 1, std::min(0, p.y_begin),
-            std::max(p.height, p.y_end) + 1};
+    RasterWindow out = known_pixels(p);
+    ++out.x_end;
+    ++out.y_end;
+    return out;
 }
 
 struct Frame {
@@ -197,8 +199,7 @@ class Spread {
     }
     /// The pixels whose light is spread.
     [[nodiscard]] RasterWindow source_pixels() const {
-        if (border_) return border_->window();
-        return {corners_.x_begin, corners_.x_end - 1, corners_.y_begin, corners_.y_end - 1};
+        return border_ ? border_->window() : known_pixels(picture_);
     }
 
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {

@@ -31,8 +31,8 @@ void shutter_trace_options(CLI::App& app, TraceSettings& t) {
            },
            "Instants recorded, 1 to 64, evenly spread over --for-shutter, besides the frame's own; 1: that "
            "alone; auto: where something turns to the camera by more than 15 degrees, one more for every 15 "
-           "(30 with --for-rays), for pans, for what passes through the frame, and so many that light that "
-           "changes has 43 dB (31 with --for-rays) [default: 1]")
+           "(30 with --for-rays), for pans and for objects that pass through the frame, and enough for "
+           "43 dB where light changes (31 with --for-rays) [default: 1]")
         ->type_name("K|auto");
 }
 

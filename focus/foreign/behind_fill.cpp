@@ -59,7 +59,7 @@ class BehindSearch::Impl {
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 // A pixel may have further samples behind its first opaque one. The estimated surface must
                 // lie behind the last of them.
-                const auto stack = stack_at(i);
+                const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
                 opaque_[i] = left <= opaque_transmittance ? 1 : 0;
@@ -87,10 +87,6 @@ class BehindSearch::Impl {
     }
 
   private:
-    [[nodiscard]] std::span<const StackSample> stack_at(std::size_t i) const {
-        return std::span(p_.samples).subspan(p_.offsets[i], p_.offsets[i + 1] - p_.offsets[i]);
-    }
-
     /// Finds the pixels whose last samples are translucent, with only empty space behind and around them
     /// (`fills_`). The search treats these pixels as opaque. All other pixels that are not opaque count as
     /// empty space.
@@ -100,7 +96,8 @@ class BehindSearch::Impl {
             for (int x = 0; x < width_; ++x) {
                 const std::size_t i = index(x, static_cast<int>(y));
                 const Radii last = last_of(i);
-                if (last.is_nothing() || transmittance_behind(stack_at(i)) <= opaque_transmittance) continue;
+                if (last.is_nothing() || transmittance_behind(p_.stack_of(i)) <= opaque_transmittance)
+                    continue;
                 fills_[i] = std::none_of(directions.begin(), directions.end(), [&](const Direction& d) {
                     return sees_farther(x, static_cast<int>(y), d, last);
                 });
@@ -407,10 +404,8 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Raster pixels that are not stored are empty space. Outside both the raster and the stored window the
-    // content is unknown, and does not count as empty.
-    const RasterWindow known{std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
-                             std::max(p.height, p.y_end)};
+    // Outside the known pixels the content does not count as empty.
+    const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
     require_memory(pixels * 20, "where nothing is in the picture");

@@ -2,6 +2,7 @@
 // disoccludes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -11,6 +12,13 @@
 #include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
+
+/// The pixels whose content is known: those that are stored, and all others of the raster, which are empty
+/// space.
+[[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
+    return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
+            std::max(p.height, p.y_end)};
+}
 
 /// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is near enough to
 /// become visible beside the pixel's edges.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/threads.h"
+#include "focus/foreign/behind_fill.h"
 #include "focus/foreign/stack_facets.h"
 
 namespace postlens {
@@ -16,11 +17,7 @@ constexpr double most_continued_px = 512;
 
 BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeometry& geometry,
                                  double aberration_px)
-    : p_(picture),
-      geometry_(geometry),
-      aberration_px_(aberration_px),
-      window_{std::min(0, picture.x_begin), std::max(picture.width, picture.x_end),
-              std::min(0, picture.y_begin), std::max(picture.height, picture.y_end)} {
+    : p_(picture), geometry_(geometry), aberration_px_(aberration_px), window_(known_pixels(picture)) {
     if (p_.x_begin >= p_.x_end || p_.y_begin >= p_.y_end) return;
     if (p_.x_begin == window_.x_begin) left_ = side(p_.x_begin, p_.y_begin, 0, 1);
     if (p_.x_end == window_.x_end) right_ = side(p_.x_end - 1, p_.y_begin, 0, 1);

@@ -88,9 +88,10 @@ struct ForeignPicture {
         return static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
                static_cast<std::size_t>(x - x_begin);
     }
-    [[nodiscard]] std::span<const StackSample> stack(int x, int y) const {
-        const std::size_t i = pixel_at(x, y);
-        return std::span(samples).subspan(offsets[i], offsets[i + 1] - offsets[i]);
+    [[nodiscard]] std::span<const StackSample> stack(int x, int y) const { return stack_of(pixel_at(x, y)); }
+    /// The stack of the stored pixel with this index.
+    [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
+        return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
     /// The sample at which the composited alpha of a stored pixel reaches one half. Null if alpha stays below
     /// one half.
