@@ -9,6 +9,7 @@
 #include <memory>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace postlens::test::operator_new_test {
@@ -61,6 +62,30 @@ TEST(OperatorNew, LargeBlocksHaveHugePages) {
         if (flags.empty()) GTEST_SKIP() << "this kernel states no flags of mappings";
         EXPECT_NE(flags.find(" hg "), std::string::npos) << pages << " pages: " << flags;
     }
+}
+
+/// Of blocks of 200 KB, those in a mapping for which huge pages were requested.
+int small_blocks_with_huge_pages(int count) {
+    std::vector<std::vector<char>> blocks;
+    for (int i = 0; i < count; ++i) blocks.emplace_back(200'000);
+    int found = 0;
+    for (const std::vector<char>& block : blocks)
+        found += static_cast<int>(flags_of_mapping(block.data() + block.size() / 2).find(" hg ") !=
+                                  std::string::npos);
+    return found;
+}
+
+// The heap of the first thread and those of others are of different kinds. A heap's first page may be a small
+// one.
+TEST(OperatorNew, SmallBlocksHaveHugePagesAsWell) {
+    if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage/enabled"))
+        GTEST_SKIP() << "this kernel has no transparent huge pages";
+    const int local = 0;
+    if (flags_of_mapping(&local).empty()) GTEST_SKIP() << "this kernel states no flags of mappings";
+    EXPECT_GE(small_blocks_with_huge_pages(60), 48);
+    int found = 0;
+    std::thread([&] { found = small_blocks_with_huge_pages(60); }).join();
+    EXPECT_GE(found, 48);
 }
 
 /// The compiler may leave out a call of operator new whose block nobody uses.
