@@ -117,7 +117,12 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
         // Highlights of one surface are merged if they lie in the same small square.
         const PatchLens lens = patch_lens(geometry);
         std::map<std::uint32_t, int> moments;  // instants needed, per moving sheet
-        std::map<std::tuple<std::uint32_t, int, int>, std::pair<Highlight, double>> merged;
+        struct Merged {
+            Highlight light;
+            double energy = 0;
+            std::vector<SourcePart> parts;  ///< positions: raster px
+        };
+        std::map<std::tuple<std::uint32_t, int, int>, Merged> merged;
         for (const Highlight& h : mesh->highlights) {
             const double energy = light_of(h.rgb);
             float side = lens.least_blur_px(h.w) >= spread_from_px ? merged_px : merged_sharp_px;
@@ -131,9 +136,10 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             }
             const auto [found, is_new] = merged.try_emplace(
                 {h.sheet, static_cast<int>(std::floor(h.x / side)), static_cast<int>(std::floor(h.y / side))},
-                h, energy);
+                Merged{h, energy, {}});
+            auto& [sum, weight, parts] = found->second;
+            parts.push_back({{h.x, h.y}, std::sqrt(h.area), (is_new ? 0 : parts.back().area_until) + h.area});
             if (is_new) continue;
-            auto& [sum, weight] = found->second;
             const auto share = static_cast<float>(energy / (weight + energy));
             const auto mix = [share](float& to, float from) { to += share * (from - to); };
             mix(sum.x, h.x);
@@ -150,20 +156,24 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
             weight += energy;
         }
         std::size_t moving = 0;
-        for (const auto& [place, light] : merged) moving += moments.contains(light.first.sheet) ? 1 : 0;
+        for (const auto& [place, of] : merged) moving += moments.contains(of.light.sheet) ? 1 : 0;
         int most = HighlightMotion::most_moments;
         while (most > least_moments && static_cast<std::size_t>(most) * moving > most_moving) most /= 2;
-        for (const auto& [place, light] : merged) {
-            const auto found = moments.find(light.first.sheet);
+        for (const auto& [place, of] : merged) {
+            for (SourcePart part : of.parts) {
+                part.at -= glm::vec2(of.light.x, of.light.y);
+                parts_.push_back(part);
+            }
+            const auto found = moments.find(of.light.sheet);
             if (found == moments.end()) {
-                add_source({light.first, -1, 1}, *mesh, cache);
+                add_source({of.light, -1, 1}, of.parts.size(), *mesh, cache);
                 continue;
             }
-            const SheetKey& key = mesh->sheets[light.first.sheet].key;
+            const SheetKey& key = mesh->sheets[of.light.sheet].key;
             const int count = std::min(most, found->second);
             for (const HighlightMotion::Moment& m :
-                 motion->moments(light.first, key, count, count < found->second))
-                add_source(m, *mesh, cache);
+                 motion->moments(of.light, key, count, count < found->second))
+                add_source(m, of.parts.size(), *mesh, cache);
         }
     }
     kernels_->build();
@@ -184,11 +194,13 @@ FieldHighlights::FieldHighlights(const TreeSheets& sheets, const Aperture& apert
     }
 }
 
-void FieldHighlights::add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh,
+void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                                  KernelNumberCache& cache) {
     const Highlight& h = m.light;
     Source s;
     s.u = m.u;
+    s.first_part = static_cast<std::uint32_t>(parts_.size() - parts);
+    s.parts = static_cast<std::uint32_t>(parts);
     const double scale = patch_lens(geometry_).radius_px_m;
     const glm::dmat2 map = scale * glm::dmat2(geometry_.inverse_focus_per_m - static_cast<double>(h.w.xx),
                                               -static_cast<double>(h.w.yx), -static_cast<double>(h.w.xy),

@@ -49,6 +49,12 @@ class FieldHighlights {
 
   private:
     class OverViews;
+    /// One of the highlights that are merged into a source: a square around `at`, relative to the source's
+    /// position. `area_until`: the sum of the areas of the source's parts up to this one, px^2.
+    struct SourcePart {
+        glm::vec2 at{0};
+        float side = 0, area_until = 0;
+    };
     struct Source {
         int x = 0, y = 0;  ///< anchor of the kernel, image px
         std::uint32_t kernel = 0;
@@ -64,7 +70,8 @@ class FieldHighlights {
         double u = -1;        ///< fraction of the exposure that is over at its instant; -1: always present
         SheetKey key;
         std::uint32_t sheet = 0;
-        std::uint32_t group = 0;  ///< index into groups_
+        std::uint32_t group = 0;                  ///< index into groups_
+        std::uint32_t first_part = 0, parts = 0;  ///< elements of parts_
     };
     /// Neighbouring highlights that share one computation of visibility, at their centre.
     struct Group {
@@ -81,7 +88,11 @@ class FieldHighlights {
         int samples = 0;
     };
     void group_sources();
-    void add_source(const HighlightMotion::Moment& m, const SheetMesh& mesh, KernelNumberCache& cache);
+    /// Position, image px, of a random point of a source. `choice`, `place`: random numbers in [0, 1).
+    [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
+    /// The parts are the last `parts` elements of parts_.
+    void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
+                    KernelNumberCache& cache);
     /// A rectangle of image pixels within a tile. `share` has, for each of its pixels, the fraction of a
     /// group of highlights that the pixel sees unoccluded.
     struct Part {
@@ -103,6 +114,7 @@ class FieldHighlights {
     std::unique_ptr<ResponseModel> model_;
     std::unique_ptr<KernelTable> kernels_;
     std::vector<Source> sources_;  ///< sorted by group
+    std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
     /// A source and the image pixels within its kernel's bounds, or near them (passes_near), which are read
     /// once per piece of the image.

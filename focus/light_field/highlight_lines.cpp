@@ -73,6 +73,14 @@ double FieldHighlights::response(const Source& s, int x, int y) const {
     return column >= row.x_begin && column < row.x_end ? kernel.at(row, column) : 0;
 }
 
+glm::dvec2 FieldHighlights::point_of(const Source& s, double choice, const glm::dvec2& place) const {
+    const std::span parts(parts_.data() + s.first_part, s.parts);
+    const SourcePart& part = *std::lower_bound(
+        parts.begin(), std::prev(parts.end()), choice * static_cast<double>(parts.back().area_until),
+        [](const SourcePart& p, double until) { return static_cast<double>(p.area_until) < until; });
+    return s.at + glm::dvec2(part.at) + static_cast<double>(part.side) * (place - 0.5);
+}
+
 bool FieldHighlights::passes_near(const Source& s, int x, int y) const {
     if (s.u < 0 || !s.by_all) return false;
     const Kernel& k = (*kernels_)[s.kernel];
@@ -150,7 +158,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // lens; if it covers more, few lines through the lens meet the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
-            const glm::dvec2 from = s.at + std::sqrt(s.area) * (random.next_two() - 0.5), pixel(x, y);
+            const double choice = random.next();
+            const glm::dvec2 from = point_of(s, choice, random.next_two()), pixel(x, y);
             glm::dvec2 place, lens;
             if (from_lens) {
                 const glm::dvec2 uv = random.next_two();

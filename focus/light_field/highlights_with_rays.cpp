@@ -103,7 +103,9 @@ LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const Pa
                                                 const glm::dvec2& at) {
         return taken.contains(surface_seen(path, parent_id, id, at, moves));
     };
-    if (!moves) measure_edges(sheets.primary, rays, less);
+    if (!moves) {
+        for (SheetMesh* mesh : {&sheets.primary, &sheets.deeper}) measure_edges(*mesh, rays, less);
+    }
     return less;
 }
 

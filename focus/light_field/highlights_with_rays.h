@@ -17,8 +17,7 @@ namespace postlens {
 /// its path and ids. If it is seen directly and does not move, it is also identified by its square of the
 /// raster.
 ///
-/// Unless something moves, rays then measure the edges of the highlights that are seen directly
-/// (measure_edges).
+/// Unless something moves, rays then measure the edges of the highlights (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,
                                            bool moves, HighlightRule& rule);
 

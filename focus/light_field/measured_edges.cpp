@@ -20,12 +20,19 @@ namespace {
 
 /// Rays per pixel that measure the edge of a highlight, along each axis. One ray in each of n x n squares of
 /// a pixel measures the covered area with a standard deviation of about 0.45 / n^1.5 px^2, here 0.007 px^2.
-constexpr int edge_rays = 16;
-/// A pixel is divided into n x n squares. The rays of one square that hit the light form one highlight.
+constexpr std::size_t edge_rays = 16;
+/// Area of a small light, px^2. The brightness of its circle of confusion is proportional to its area, which
+/// would be known to 1 % or worse. So rays are traced only near its records, as many as finest_rays^2. A
+/// round light is then at least 16 rays wide, and its area is known to 0.8 / 16^1.5, or 1 %; in most cases,
+/// to 0.3 %.
+constexpr float small_light_px2 = 1;
+constexpr std::size_t finest_rays = 64;
+/// The rays' area is divided into n x n squares. The rays of one square that hit the light form one
+/// highlight.
 constexpr int edge_squares = 8;
 /// Largest number of pixels that are measured: a share of the cells of all sheets, but at least
 /// least_measured. If more pixels contain an edge, as in a texture that is brighter than the limit here and
-/// there, none are measured.
+/// there, none are measured. Small lights get fewer rays, if their rays would exceed those of these pixels.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// Area of the highlights of a pixel, px^2, from which they fill it.
@@ -37,20 +44,30 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// The highlights of one surface that is seen directly.
+/// A part of a pixel that rays measure. Positions in the pixel, px.
+struct EdgeArea {
+    Pixel pixel;
+    bool is_small = false;  ///< whether the light is small (small_light_px2)
+    glm::dvec2 begin{0}, end{1};
+};
+
+/// The highlights of one surface on one path.
 struct BrightSurface {
-    std::uint32_t id = 0;
+    NodeIdentity node;
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
     /// Returns, in order, the pixels that an edge of the bright part crosses or may cross. Leaves out pixels
-    /// in which rays through the pinhole do not measure the edge better than the records: those where the
-    /// records of the pixel or a neighbour are closer together than the rays, and those where a nearer
-    /// surface hides a part.
-    [[nodiscard]] std::vector<Pixel> edge(const LightElsewhere& less) const;
-    /// Returns the highlights of a pixel as rays see them.
-    [[nodiscard]] std::vector<Highlight> measured(const Pixel& pixel, const SightRays& rays,
-                                                  const LightElsewhere& less) const;
+    /// in which rays through the pinhole do not measure the edge better than the records: those where a
+    /// nearer surface hides a part, and, of larger lights, those in mirrors and glass, and those where the
+    /// records of the pixel or a neighbour are closer together than the rays.
+    [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
+    /// Returns the part of a pixel into which the light may reach that its records and those of its
+    /// neighbours show.
+    [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
+    /// Returns the highlights of a pixel as `across` x `across` rays see them.
+    [[nodiscard]] std::vector<Highlight> measured(const EdgeArea& area, std::size_t across,
+                                                  const SightRays& rays, const LightElsewhere& less) const;
     /// Returns the highlight nearest to a position in a pixel. The pixel or a neighbour must contain one.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
@@ -63,7 +80,24 @@ std::span<const Highlight> BrightSurface::at(const Pixel& pixel) const {
                                 [&](const Highlight& light) { return pixel_of(light) != pixel; })};
 }
 
-std::vector<Pixel> BrightSurface::edge(const LightElsewhere& less) const {
+EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
+    EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
+    for (int n = 0; n < 9; ++n) {
+        for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
+            // The light ends before the next record, and a record stands for a quarter of its cell.
+            const double margin = 2 * std::sqrt(static_cast<double>(light.area));
+            const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
+                                   light.y - static_cast<float>(pixel.first));
+            out.begin = glm::min(out.begin, place - margin);
+            out.end = glm::max(out.end, place + margin);
+        }
+    }
+    out.begin = glm::max(out.begin, 0.0);
+    out.end = glm::min(out.end, 1.0);
+    return out;
+}
+
+std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
     Pixel first = pixel_of(lights.front()), last = first;
     for (const Highlight& light : lights) {
         const Pixel pixel = pixel_of(light);
@@ -75,8 +109,9 @@ std::vector<Pixel> BrightSurface::edge(const LightElsewhere& less) const {
     const auto width = static_cast<std::size_t>(last.second - first.second) + 5,
                height = static_cast<std::size_t>(last.first - first.first) + 5;
     struct Covered {
-        float area = 0;         ///< px^2
-        bool is_known = false;  ///< whether the records are better than rays
+        float area = 0;          ///< px^2
+        bool is_hidden = false;  ///< whether a nearer surface hides a part
+        bool is_fine = false;    ///< whether the records are closer together than the rays
     };
     std::vector<Covered> covered(width * height);
     for (const Highlight& light : lights) {
@@ -84,23 +119,40 @@ std::vector<Pixel> BrightSurface::edge(const LightElsewhere& less) const {
         Covered& at = covered[static_cast<std::size_t>(pixel.first - origin.first) * width +
                               static_cast<std::size_t>(pixel.second - origin.second)];
         at.area += light.area;
-        at.is_known =
-            at.is_known || light.hides != Hides::nothing || light.area < 1.0F / (edge_rays * edge_rays);
+        at.is_hidden = at.is_hidden || light.hides != Hides::nothing;
+        at.is_fine = at.is_fine || light.area < 1.0F / (edge_rays * edge_rays);
     }
-    std::vector<Pixel> out;
+    std::vector<EdgeArea> out;
     for (std::size_t y = 1; y + 1 < height; ++y) {
         for (std::size_t x = 1; x + 1 < width; ++x) {
             if (covered[y * width + x].area > filled) continue;
-            bool any = false, is_known = false;
+            bool any = false, is_hidden = false, is_fine = false;
             for (std::size_t row = y - 1; row <= y + 1; ++row) {
                 for (std::size_t column = x - 1; column <= x + 1; ++column) {
-                    any = any || covered[row * width + column].area > 0;
-                    is_known = is_known || covered[row * width + column].is_known;
+                    const Covered& of = covered[row * width + column];
+                    any = any || of.area > 0;
+                    is_hidden = is_hidden || of.is_hidden;
+                    is_fine = is_fine || of.is_fine;
                 }
             }
             const Pixel pixel{origin.first + static_cast<int>(y), origin.second + static_cast<int>(x)};
-            if (any && !is_known && less.of({}, 0, id, {pixel.second + 0.5, pixel.first + 0.5}))
-                out.push_back(pixel);
+            if (!any || is_hidden ||
+                !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
+                continue;
+            // A small light has no more than this area within two pixels. Near a large one there is more.
+            float nearby = 0;
+            for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
+                 ++row) {
+                for (std::size_t column = std::max<std::size_t>(x, 2) - 2;
+                     column <= std::min(x + 2, width - 1); ++column)
+                    nearby += covered[row * width + column].area;
+            }
+            if (nearby < small_light_px2) {
+                const EdgeArea area = near_records(pixel);
+                if (area.begin.x < area.end.x && area.begin.y < area.end.y) out.push_back(area);
+            } else if (!is_fine && node.path.bits() == 0) {
+                out.push_back({pixel});
+            }
         }
     }
     return out;
@@ -120,22 +172,26 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRays& rays,
-                                               const LightElsewhere& less) const {
-    constexpr std::size_t count = std::size_t{edge_rays} * edge_rays;
-    constexpr std::uint32_t per_square = edge_rays / edge_squares;
+std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t across,
+                                               const SightRays& rays, const LightElsewhere& less) const {
+    const Pixel& pixel = area.pixel;
+    const auto columns = static_cast<std::uint32_t>(across);
+    const std::uint32_t count = columns * columns, per_square = columns / edge_squares;
+    const glm::dvec2 size = area.end - area.begin;
+    const auto px2_per_ray = static_cast<float>(size.x * size.y / count);
     std::vector<SightLine> lines(count);
-    const std::vector<NodeIdentity> nodes(count, NodeIdentity{.id = id});
+    const std::vector<NodeIdentity> nodes(count, node);
     std::vector<std::array<float, 3>> radiance(count);
     const std::uint64_t seed = mix64((std::uint64_t{static_cast<std::uint32_t>(pixel.first)} << 32U) |
                                      static_cast<std::uint32_t>(pixel.second));
     for (std::uint32_t i = 0; i < count; ++i) {
         const auto within = [&](std::uint32_t square, std::uint32_t counter) {
-            return (square + static_cast<double>(unit_float(random_word(seed, counter)))) / edge_rays;
+            return (square + static_cast<double>(unit_float(random_word(seed, counter)))) / columns;
         };
         lines[i] = {.x = pixel.second,
                     .y = pixel.first,
-                    .place = {within(i % edge_rays, 2 * i), within(i / edge_rays, 2 * i + 1)},
+                    .place = area.begin +
+                             size * glm::dvec2(within(i % columns, 2 * i), within(i / columns, 2 * i + 1)),
                     .view = i};
     }
     rays.trace_elsewhere(lines, nodes, less, radiance);
@@ -148,7 +204,7 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
     std::array<Sum, std::size_t{edge_squares} * edge_squares> sums;
     for (std::uint32_t i = 0; i < count; ++i) {
         if (radiance[i] == std::array<float, 3>{}) continue;
-        Sum& sum = sums[i / edge_rays / per_square * edge_squares + i % edge_rays / per_square];
+        Sum& sum = sums[i / columns / per_square * edge_squares + i % columns / per_square];
         for (std::size_t c = 0; c < 3; ++c) sum.rgb[c] += radiance[i][c];
         sum.at += lines[i].place;
         ++sum.rays;
@@ -163,13 +219,14 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
         Highlight light = nearest(pixel, x, y);
         light.x = x;
         light.y = y;
-        light.area = static_cast<float>(sum.rays) / static_cast<float>(count);
-        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = sum.rgb[c] / static_cast<float>(count);
+        light.area = static_cast<float>(sum.rays) * px2_per_ray;
+        for (std::size_t c = 0; c < 3; ++c) light.rgb[c] = sum.rgb[c] * px2_per_ray;
         out.push_back(light);
         lines.push_back(sum.one);
     }
+    if (node.path.bits() != 0) return out;
     std::vector<glm::dvec3> inverse_z(lines.size());
-    rays.inverse_depths(lines, id, inverse_z);
+    rays.inverse_depths(lines, node.id, inverse_z);
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (inverse_z[i].x == 0) continue;
         Highlight& light = out[i];
@@ -183,36 +240,48 @@ std::vector<Highlight> BrightSurface::measured(const Pixel& pixel, const SightRa
 }  // namespace
 
 void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere& less) {
-    const auto id_of = [&](const Highlight& light) { return mesh.sheets[light.sheet].key.id; };
+    const auto node_of = [&](const Highlight& light) {
+        const SheetKey& key = mesh.sheets[light.sheet].key;
+        return NodeIdentity{key.path, key.parent_id, key.id};
+    };
     std::ranges::stable_sort(mesh.highlights, {}, [&](const Highlight& light) {
-        return std::tuple(id_of(light), pixel_of(light));
+        const NodeIdentity node = node_of(light);
+        return std::tuple(node.path.bits(), node.parent_id, node.id, pixel_of(light));
     });
     struct Edge {
         BrightSurface surface;
-        std::vector<Pixel> pixels;
+        std::vector<EdgeArea> areas;
     };
     std::vector<Edge> edges;
-    std::size_t pixels = 0;
+    std::size_t pixels = 0, small = 0;
     for (auto first = mesh.highlights.begin(); first != mesh.highlights.end();) {
-        const auto last = std::find_if(first, mesh.highlights.end(),
-                                       [&](const Highlight& light) { return id_of(light) != id_of(*first); });
-        const BrightSurface surface{id_of(*first), {first, last}};
+        const auto last = std::find_if(first, mesh.highlights.end(), [&](const Highlight& light) {
+            return node_of(light) != node_of(*first);
+        });
+        const BrightSurface surface{node_of(*first), {first, last}};
         edges.push_back({surface, surface.edge(less)});
-        pixels += edges.back().pixels.size();
+        pixels += edges.back().areas.size();
+        small += static_cast<std::size_t>(std::ranges::count(edges.back().areas, true, &EdgeArea::is_small));
         first = last;
     }
-    if (pixels > least_measured &&
-        static_cast<double>(pixels) > most_measured_share * static_cast<double>(mesh.fine.size()))
-        return;
+    const std::size_t most =
+        std::max(least_measured,
+                 static_cast<std::size_t>(most_measured_share * static_cast<double>(mesh.fine.size())));
+    if (pixels > most) return;
+    std::size_t finest = finest_rays;
+    const auto rays_of = [&](std::size_t across) {
+        return small * across * across + (pixels - small) * edge_rays * edge_rays;
+    };
+    while (finest > edge_rays && rays_of(finest) > most * edge_rays * edge_rays) finest /= 2;
     std::vector<Highlight> out;
     for (const auto& [surface, edge] : edges) {
         std::vector<std::vector<Highlight>> found(edge.size());
         parallel_for(edge.size(), [&, &of = surface, &at = edge](std::size_t i) {
-            found[i] = of.measured(at[i], rays, less);
+            found[i] = of.measured(at[i], at[i].is_small ? finest : edge_rays, rays, less);
         });
         std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out),
                      [&at = edge](const Highlight& light) {
-                         return !std::ranges::binary_search(at, pixel_of(light));
+                         return !std::ranges::binary_search(at, pixel_of(light), {}, &EdgeArea::pixel);
                      });
         for (const std::vector<Highlight>& lights : found)
             out.insert(out.end(), lights.begin(), lights.end());

@@ -1,11 +1,13 @@
 // Rays replace unsure view samples: the result is as accurate as with a ray for every view sample, with few
 // rays.
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <memory>
+#include <numbers>
 #include <random>
 #include <string>
 #include <vector>
@@ -586,6 +588,48 @@ TEST(UnsureViews, MeetTheHighlightsThatTheyAreAimedAt) {
             EXPECT_GT(got.stated->check_rays, 0);
             EXPECT_LT(got.stated->bias_mse, 1e-6);
         }
+    }
+}
+
+// Lamps of 0.08 px are only a few records wide, even where the records are closest. Rays measure their area,
+// which determines the brightness of their circles of confusion. The rays that are aimed at a round lamp meet
+// it wherever they are aimed, so that they state no error. Each lamp shines in one channel.
+TEST(UnsureViews, ShowRoundLampsOfAFewRecordsAsBrightAsTheyAre) {
+    const std::vector<glm::dvec2> at{{-0.5003, 0.2011}, {0.0112, -0.307}, {0.5207, 0.1133}};
+    constexpr double px_per_m = 50 / (36.0 / 64), radius_px = 0.04, radiance = 1000, mirror_m = 2;
+    for (const bool in_mirror : {false, true}) {
+        SCOPED_TRACE(in_mirror ? "in a mirror" : "seen directly");
+        const double depth_m = in_mirror ? 4.5 : 4, radius_m = radius_px / px_per_m * depth_m;
+        SceneBuilder b;
+        for (glm::length_t c = 0; c < 3; ++c) {
+            dvec3 rgb(0);
+            rgb[c] = radiance;
+            b.add(
+                Sphere{dvec3(at[static_cast<std::size_t>(c)], in_mirror ? depth_m - 2 * mirror_m : -depth_m),
+                       radius_m},
+                glowing(rgb));
+        }
+        if (in_mirror) b.add(board(-9, 9, -9, 9, mirror_m), mirror());
+        b.scene.sha256 = std::string(64, 'a');
+        const Case c{"", 0.7, 1};
+        TraceSettings trace = traced_for(c);
+        trace.overscan_px = 8;
+        const TracedFrame frame(b.scene, trace);
+        HybridSettings s = hybrid_of(c, 50, 64);
+        s.scene = &b.scene;
+        const HybridResult got = hybrid_picture(frame.file(), s);
+        dvec3 light(0);
+        for (std::size_t i = 0; i < got.focus.image.rgb.size(); ++i)
+            light[static_cast<glm::length_t>(i % 3)] += static_cast<double>(got.focus.image.rgb[i]);
+        for (glm::length_t channel = 0; channel < 3; ++channel) {
+            // A sphere beside the axis is seen as an ellipse.
+            const double slant =
+                             std::hypot(1.0, glm::length(at[static_cast<std::size_t>(channel)]) / depth_m),
+                         area = std::numbers::pi * radius_px * radius_px * slant;
+            EXPECT_NEAR(light[channel] / (radiance * area), 1, 0.008);
+        }
+        ASSERT_TRUE(got.stated);
+        EXPECT_LT(got.stated->bias_mse, 4e-6);
     }
 }
 
