@@ -32,6 +32,7 @@ void mix_pixel(const FieldFocus& from, std::size_t k, float share, FieldFocus& t
     mix(from.unknown, to.unknown, k, 1, share);
     mix(from.unknown_below, to.unknown_below, k, 1, share);
     mix(from.traced, to.traced, k, 1, share);
+    mix(from.light_square, to.light_square, k, 1, share);
 }
 
 }  // namespace

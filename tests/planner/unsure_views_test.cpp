@@ -15,6 +15,7 @@
 #include "compare/metrics/pixel_errors.h"
 #include "planner/auto_picture.h"
 #include "planner/hybrid.h"
+#include "planner/views/halved_views.h"
 #include "planner/views/tile_grid.h"
 #include "tests/support/motion_frame.h"
 #include "tests/support/quads.h"
@@ -631,6 +632,26 @@ TEST(UnsureViews, ShowRoundLampsOfAFewRecordsAsBrightAsTheyAre) {
         ASSERT_TRUE(got.stated);
         EXPECT_LT(got.stated->bias_mse, 4e-6);
     }
+}
+
+// The variance of the highlights' light tells whether rays can show them. Where rays show them already, none
+// of it is left.
+TEST(UnsureViews, HaveNoHighlightsWhereRaysShowThem) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({12, 8, 4}));
+    b.scene.sha256 = std::string(64, 'b');
+    const Case c{"", 0.7, 2};
+    const TracedFrame frame(b.scene, traced_for(c));
+    FocusFrame light_field(frame.file(), true);
+    HybridSettings s = hybrid_of(c, 50, 16);
+    s.scene = &b.scene;
+    HalvedViews views(light_field, s);
+    const std::size_t tiles = views.grid().count();
+    views.draw(std::vector<int>(tiles, 16));
+    const auto largest = [&] { return *std::ranges::max_element(views.half(0).light_square); };
+    EXPECT_GT(largest(), 0);
+    EXPECT_TRUE(views.leave_to_rays(std::vector<std::uint8_t>(tiles, 1), LeftToRays::samples_and_lights));
+    EXPECT_EQ(largest(), 0);
 }
 
 }  // namespace
