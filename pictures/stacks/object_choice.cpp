@@ -157,11 +157,10 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            const bool shown = x >= 0 && x < picture.width && y >= 0 && y < picture.height;
-            masked.choose(picture.stack(x, y),
-                          shown ? mask[static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) +
-                                       static_cast<std::size_t>(x)]
-                                : 0);
+            // The mask ends at the border of the raster. An object that the border cuts continues beyond it.
+            const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
+                       row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
+            masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);
             samples.insert(samples.end(), masked.samples().begin(), masked.samples().end());
             chosen.insert(chosen.end(), masked.chosen().begin(), masked.chosen().end());
             offsets.push_back(samples.size());

@@ -15,7 +15,8 @@ namespace postlens {
 /// - a mask: an image file of the size of the raster, whose name ends in .exr, .png, .tif, .tiff, .jpg or
 ///   .jpeg. The mean of a mask pixel's channels, 0 to 1, is the share of the pixel that the object covers.
 ///   The object is at the depth of the nearest sample of the pixel's stack. Masks of several files cover
-///   different parts of a pixel, unless their shares add up to more than 1.
+///   different parts of a pixel, unless their shares add up to more than 1. Beyond the raster, the outermost
+///   values of a mask continue.
 struct ObjectChoice {
     std::string option;  ///< the option that names the object, for messages
     std::string object;
