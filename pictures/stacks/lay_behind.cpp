@@ -66,6 +66,17 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
+/// Begin of the result's pixels along an axis. If the front image ends at the border of the raster or beyond,
+/// its content farther out is unknown, and the back image alone would show through its objects there. If it
+/// ends inside the raster, nothing of it is farther out.
+int begin_of_both(int front, int back) {
+    return front > 0 ? std::min(front, back) : front;
+}
+/// End of the result's pixels along an axis on which the raster has `size` pixels (begin_of_both).
+int end_of_both(int front, int back, int size) {
+    return front < size ? std::max(front, back) : front;
+}
+
 /// Joins the manifests of both images' Cryptomattes. If both contain a name, the id in `front` is kept.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
@@ -83,10 +94,10 @@ std::string both_manifests(const std::string& front, const std::string& back) {
 LaidBehind lay_behind(ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
     check_same_view(front, back, name);
     ForeignPicture out;
-    out.x_begin = std::min(front.x_begin, back.x_begin);
-    out.x_end = std::max(front.x_end, back.x_end);
-    out.y_begin = std::min(front.y_begin, back.y_begin);
-    out.y_end = std::max(front.y_end, back.y_end);
+    out.x_begin = begin_of_both(front.x_begin, back.x_begin);
+    out.x_end = end_of_both(front.x_end, back.x_end, front.width);
+    out.y_begin = begin_of_both(front.y_begin, back.y_begin);
+    out.y_end = end_of_both(front.y_end, back.y_end, front.height);
     const auto pixels =
         static_cast<std::size_t>(out.x_end - out.x_begin) * static_cast<std::size_t>(out.y_end - out.y_begin);
     require_memory((front.samples.size() + back.samples.size()) * sizeof(StackSample) +

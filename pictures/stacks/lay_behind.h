@@ -15,7 +15,8 @@ struct LaidBehind {
 };
 
 /// Adds the samples of `back` to the stacks (the samples of one pixel) of `front`. Both images must show the
-/// same view. They may store different pixels; the result stores the pixels of both.
+/// same view. They may store different pixels. The result stores the pixels of both, except on sides where
+/// `front` ends at the border of the raster or beyond: there it stores those of `front` alone.
 ///
 /// At each pixel, the samples of both images are sorted by depth, as in a single deep image. Samples of
 /// `back` are used only if they are behind the last opaque sample of `front`, and if `front` has no sample at

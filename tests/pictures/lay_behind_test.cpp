@@ -127,12 +127,31 @@ TEST(LayBehind, TheNamesOfBothCryptomattesAreKept) {
     EXPECT_EQ(front.channels.matte->manifest, "not JSON");
 }
 
-TEST(LayBehind, StoresThePixelsOfBoth) {
+TEST(LayBehind, StoresThePixelsOfBothWhereTheFrontIsKnown) {
     const Bench narrow{.width = 4, .height = 2}, wide{.width = 4, .height = 2, .margin_px = 3};
-    ForeignPicture front = narrow.picture([](int, int) { return Stack{sample(1, 0.9F)}; });
-    lay_behind(front, wide.picture([](int, int) { return Stack{sample(2, 0.5F)}; }), "b");
+    const auto grey = [](int, int) { return Stack{sample(1, 0.9F)}; };
+    const ForeignPicture back = wide.picture([](int, int) { return Stack{sample(2, 0.5F)}; });
+    // The front ends at the border on all sides, so what it shows beyond is unknown.
+    ForeignPicture front = narrow.picture(grey);
+    lay_behind(front, back, "b");
+    EXPECT_EQ(front.x_begin, 0);
+    EXPECT_EQ(front.y_end, 2);
+    EXPECT_EQ(front.stack(0, 0).size(), 2U);
+    // The front stores the left half only, so nothing of it is on the right.
+    front = narrow.picture(grey);
+    front.x_end = 2;
+    front.samples.resize(4);
+    front.offsets.resize(5);
+    lay_behind(front, back, "b");
+    EXPECT_EQ(front.x_begin, 0);
+    EXPECT_EQ(front.x_end, 7);
+    EXPECT_EQ(front.y_begin, 0);
+    EXPECT_EQ(front.stack(1, 1).size(), 2U);
+    EXPECT_EQ(front.stack(6, 1).size(), 1U);
+    // A front that is larger than the back stores its own pixels.
+    front = wide.picture(grey);
+    lay_behind(front, narrow.picture([](int, int) { return Stack{sample(2, 0.5F)}; }), "b");
     EXPECT_EQ(front.x_begin, -3);
-    EXPECT_EQ(front.y_end, 5);
     EXPECT_EQ(front.stack(-3, 4).size(), 1U);
     EXPECT_EQ(front.stack(0, 0).size(), 2U);
 }
