@@ -234,7 +234,7 @@ class Reader {
                     // nothing was hit, the volume has no known length and becomes a surface: with an infinite
                     // length, its front would be transparent.
                     const float front = depths_.distance(value(z, 0)),
-                                back = depths_.distance(value(z_back, 0));
+                                back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
                     const float end = ForeignDepths::is_hit(back) ? std::copysign(1.0F, front) * back : 0;
                     DeepSample s{std::abs(front),

@@ -194,6 +194,22 @@ TEST_F(ForeignPictureTest, VolumesMayHaveNegativeDepths) {
     EXPECT_EQ(stack_of(-1), stack_of(1));
 }
 
+TEST_F(ForeignPictureTest, WithoutAnEndNoNormalizedDepthIsAVolume) {
+    write_deep_pixel(in("deep.exr"), {{0.5F, 0, 0, 0.5F, 0.5F, 1}, {0, 1, 0, 1, 0.25F, 2}},
+                     {"R", "G", "B", "A", "Z", "id"});
+    for (const auto& [near, far] : {std::pair(20.0F, 4.0F), std::pair(4.0F, 20.0F)}) {
+        const ForeignPicture p = read_foreign_picture(
+            in("deep.exr"), {.depth_encoding = DepthEncoding{DepthEncoding::Kind::normalized, near, far}},
+            {});
+        ASSERT_EQ(p.samples.size(), 2U) << static_cast<double>(near);
+        for (const float z : {12.0F, near + (far - near) / 4}) {
+            EXPECT_TRUE(std::any_of(p.samples.begin(), p.samples.end(), [&](const StackSample& s) {
+                return std::abs(1 / s.inverse_z - z) < 1e-5F;
+            })) << static_cast<double>(z);
+        }
+    }
+}
+
 TEST_F(ForeignPictureTest, VolumesThatEndNowhereAreSurfaces) {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     for (const float back : {0.0F, 1.0F, 1e10F, inf, nan}) {
