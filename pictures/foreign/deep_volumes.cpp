@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 bool is_volume(const DeepSample& s) {
-    return s.z > 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
+    return s.z >= 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
 /// Rates of a volume per unit of length: emission in red, green and blue, and density.

@@ -236,7 +236,10 @@ class Reader {
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    const float end = ForeignDepths::is_hit(back) ? std::copysign(1.0F, front) * back : 0;
+                    // A volume around the camera has a front at 0, which has no sign.
+                    const float end = !ForeignDepths::is_hit(back) ? 0
+                                      : front == 0                 ? std::abs(back)
+                                                                   : std::copysign(1.0F, front) * back;
                     DeepSample s{std::abs(front),
                                  end,
                                  value(r, 0),
@@ -258,11 +261,12 @@ class Reader {
     void add_volume(const DeepSample& from) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};
-        const double ratio = static_cast<double>(z_back) / static_cast<double>(z);
+        const double ratio = static_cast<double>(z_back) / static_cast<double>(z);  // infinite if z is 0
         int slices = 1;
-        if (z > 0 && ratio > slice_ratio && s.alpha < 1)
-            slices =
-                std::min(most_slices, static_cast<int>(std::ceil(std::log(ratio) / std::log(slice_ratio))));
+        if (ratio > slice_ratio && s.alpha < 1) {
+            const double wanted = std::ceil(std::log(ratio) / std::log(slice_ratio));
+            slices = static_cast<int>(std::min<double>(most_slices, wanted));
+        }
         make_room(static_cast<std::size_t>(slices));
         if (slices == 1) {
             add(s);

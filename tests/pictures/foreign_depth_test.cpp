@@ -194,6 +194,23 @@ TEST_F(ForeignPictureTest, VolumesMayHaveNegativeDepths) {
     EXPECT_EQ(stack_of(-1), stack_of(1));
 }
 
+TEST_F(ForeignPictureTest, AVolumeMayBeginAtTheCamera) {
+    for (const float sign : {1.0F, -1.0F}) {
+        write_deep_pixel(in("deep.exr"), {{0, 0.75F, 0, 0.75F, 0, sign * 4},
+                                          {0.5F, 0, 0, 0.5F, sign * 2, sign * 2},
+                                          {1, 0, 0, 1, sign * 9, sign * 9}});
+        const ForeignPicture p = read_foreign_picture(in("deep.exr"), {}, {});
+        // Half of the volume, with a transmittance of 1/2, is on each side of the surface at 2.
+        const Image flat = p.flattened();
+        EXPECT_NEAR(flat.pixel(0, 0)[1], 0.5 + 0.5 * 0.5 * 0.5, 1e-5);
+        EXPECT_NEAR(flat.pixel(0, 0)[0], 0.5 * 0.5 + 0.25 * 0.5, 1e-5);
+        for (std::size_t i = 0; i + 1 < p.samples.size(); ++i)
+            EXPECT_GT(p.samples[i].inverse_z, p.samples[i + 1].inverse_z);
+        EXPECT_GT(p.samples.size(), 40U);
+        EXPECT_TRUE(std::isfinite(p.samples[0].inverse_z));
+    }
+}
+
 TEST_F(ForeignPictureTest, WithoutAnEndNoNormalizedDepthIsAVolume) {
     write_deep_pixel(in("deep.exr"), {{0.5F, 0, 0, 0.5F, 0.5F, 1}, {0, 1, 0, 1, 0.25F, 2}},
                      {"R", "G", "B", "A", "Z", "id"});
