@@ -39,10 +39,17 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Ids that the text of an option can mean: the id of the object with that name; the number itself; and, for
-/// id channels of floats, the bits of that number as a float.
-std::vector<std::uint32_t> ids_of(const std::string& object) {
-    std::vector<std::uint32_t> out{cryptomatte_id(object)};
+/// Ids that the text of an option can mean: the id that the manifest states for that name, and the hash of
+/// the name; the number itself; and, for id channels of floats, the bits of that number as a float.
+std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
+    std::vector<std::uint32_t> out;
+    if (const auto& matte = picture.channels.matte) {
+        for (const ManifestObject& o :
+             manifest_objects(matte->manifest).value_or(std::vector<ManifestObject>())) {
+            if (o.name == object) out.push_back(o.id);
+        }
+    }
+    out.push_back(cryptomatte_id(object));
     std::uint32_t number = 0;
     const char* end = object.data() + object.size();
     if (const auto [at, error] = std::from_chars(object.data(), end, number);
@@ -173,7 +180,7 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
 
 std::vector<std::uint8_t> choose_by_id(const ForeignPicture& picture, const ObjectChoice& choice) {
     std::vector<std::uint8_t> out(picture.samples.size());
-    for (const std::uint32_t id : ids_of(choice.object)) {
+    for (const std::uint32_t id : ids_of(picture, choice.object)) {
         bool found = false;
         for (std::size_t i = 0; i < out.size(); ++i) {
             if (picture.samples[i].id != id || id == 0) continue;

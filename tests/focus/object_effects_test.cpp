@@ -288,6 +288,17 @@ TEST_F(ObjectEffectsTest, NumbersOfAnIdChannelNameObjectsToo) {
     }
 }
 
+// Some programs number their objects; their ids are no hashes of the names.
+TEST_F(ObjectEffectsTest, AManifestStatesTheIdsOfNames) {
+    ForeignPicture p = bench_.picture([&](int x, int) {
+        return Stack{{1, 0, 0, 0, 1, x < x0 ? 0x3f800001U : cryptomatte_id("card")}};
+    });
+    p.channels.matte = Cryptomatte{"CryptoObject", {}, R"({"card":"3f800001"})"};
+    const std::vector<float> pixels = choose_pixels(p, {"--matte", "card"});
+    for (int x = 0; x < bench_.width; ++x)
+        EXPECT_EQ(pixels[static_cast<std::size_t>(x)], x < x0 ? 1 : 0) << x;
+}
+
 TEST_F(ObjectEffectsTest, WhatNoPixelShowsIsRefusedWithTheNamesThereAre) {
     ForeignPicture p = card();
     const auto refused = [&](const std::string& object, ExitCode code, const std::string& text) {
