@@ -5,6 +5,32 @@
 #include "core/memory.h"
 
 namespace postlens {
+namespace {
+
+/// Continues the outermost values of part `from` in a plane of part `onto`: beyond each border of the display
+/// window that `from` reaches without passing it.
+void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
+    const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
+    const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
+              top_y = from.data.y_min + down, last_y = from.data.y_max + down;
+    // The pixels from which values are taken. Where `from` ends inside the display window, it is empty.
+    const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
+              x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
+              y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),
+              y_last = last_y < onto.display.y_max ? onto.data.y_max : std::min(last_y, onto.data.y_max);
+    if (x_begin > x_last || y_begin > y_last) return;
+    const auto at = [&](int x, int y) -> float& {
+        return plane[static_cast<std::size_t>(y - onto.data.y_min) * static_cast<std::size_t>(onto.width()) +
+                     static_cast<std::size_t>(x - onto.data.x_min)];
+    };
+    for (int y = onto.data.y_min; y <= onto.data.y_max; ++y) {
+        const int v = std::clamp(y, y_begin, y_last);
+        for (int x = onto.data.x_min; x <= onto.data.x_max; ++x)
+            at(x, y) = at(std::clamp(x, x_begin, x_last), v);
+    }
+}
+
+}  // namespace
 
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take) {
@@ -38,6 +64,7 @@ std::vector<float> plane_onto(const ForeignFile& file, std::size_t part, const s
             std::copy_n(values[0] + from, count, to);
             if (converts) std::transform(to, to + static_cast<std::ptrdiff_t>(count), to, number_of_bits);
         });
+    continue_beyond_border(file.parts()[part], onto, plane);
     return plane;
 }
 

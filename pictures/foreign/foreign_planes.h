@@ -22,8 +22,9 @@ void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const st
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns one value of the channel for each pixel of `onto`, row by row. Where the part stores no pixel, the
-/// value is `otherwise`. `converts`: whether the channel's values are integers, which are then converted to
-/// floats. Throws Error(out_of_memory).
+/// value is `otherwise`, except beyond a border of the display window at which the part ends: there its
+/// outermost values continue. `converts`: whether the channel's values are integers, which are then converted
+/// to floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

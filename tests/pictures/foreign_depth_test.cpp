@@ -238,6 +238,26 @@ TEST_F(ForeignPictureTest, VolumesThatEndNowhereAreSurfaces) {
     }
 }
 
+TEST_F(ForeignPictureTest, DepthsThatEndAtTheBorderContinueBeyondIt) {
+    const auto shown = [](int x, int y) {
+        return [x, y](Imf::Header& h) { h.displayWindow() = {{x, y}, {x + 2, y + 1}}; };
+    };
+    // Colours are stored from -1,-1 on, relative to the display window, and depths from 0,0 on.
+    write_parts(in("a.exr"), {Part{{{"R", even(1)}, {"G", even(1)}, {"B", even(1)}}, "", "", shown(1, 1)}});
+    Plane depths(static_cast<std::size_t>(width * height));
+    for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = 2 + static_cast<float>(i) / 100;
+    write_parts(in("z.exr"), {Part{{{"Z", depths}}, "", "", shown(0, 0)}});
+    const ForeignPicture p = read_foreign_picture(in("a.exr"), {.depth_file = in("z.exr")}, {});
+    ASSERT_EQ(p.x_begin, -1);
+    ASSERT_EQ(p.y_begin, -1);
+    for (int y = p.y_begin; y < p.y_end; ++y) {
+        for (int x = p.x_begin; x < p.x_end; ++x) {
+            const int i = std::max(y, 0) * width + std::max(x, 0);
+            EXPECT_FLOAT_EQ(1 / p.stack(x, y)[0].inverse_z, 2 + static_cast<float>(i) / 100) << x << "," << y;
+        }
+    }
+}
+
 TEST_F(ForeignPictureTest, WindowsAreKept) {
     const ForeignPicture p = read_foreign_picture(data_folder + "rgbaz.exr", {}, {});
     EXPECT_EQ(p.width, 40);
