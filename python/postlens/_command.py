@@ -50,6 +50,8 @@ def _text(keyword: str, value: object) -> str:
         return str(int(value))
     if isinstance(value, numbers.Real):
         return repr(float(value))
+    if isinstance(value, np.ndarray) and value.ndim < 2:
+        return _text(keyword, value.tolist())
     if isinstance(value, (tuple, list)):
         return _separators.get(keyword, ",").join(_text(keyword, v) for v in value)
     raise ArgumentError(

@@ -72,6 +72,17 @@ def test_crop(frame):
     assert part.geometry["crop"] == {"x": 10, "y": 5, "width": 30, "height": 20}
 
 
+def test_values_may_be_arrays(frame):
+    """A position computed by numpy, or a number without dimensions, is as good as a tuple or a float."""
+    right = frame.focus(f_number=2, focus_at=(40, 30), crop=(5, 6, 20, 10))
+    arrays = frame.focus(f_number=np.array(2.0), focus_at=np.array([40, 30]), crop=np.array([5, 6, 20, 10]))
+    assert np.array_equal(right, arrays)
+    with pytest.raises(postlens.ArgumentError, match="^focus_at: wrong type .got ndarray;"):
+        frame.focus(f_number=2, focus_at=np.zeros((2, 2)))
+    with pytest.raises(postlens.ArgumentError, match="^focus_at: empty"):
+        frame.focus(f_number=2, focus_at=np.zeros(0))
+
+
 def test_alpha_is_the_fourth_channel(command, tmp_path):
     from conftest import SCENES
 
