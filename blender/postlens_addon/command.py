@@ -50,7 +50,8 @@ def run(program, words, folder, cancelled=lambda: False):
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     child = subprocess.Popen(
         [program, *words, "--json"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment, cwd=folder,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, cwd=folder,
+        encoding="utf-8", errors="replace",  # a message may contain the name of a file, which may be any bytes
     )  # fmt: skip
     said = []
     reader = threading.Thread(target=lambda: said.extend(child.communicate()), daemon=True)

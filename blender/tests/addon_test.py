@@ -739,6 +739,11 @@ class Addon(unittest.TestCase):
         self.fails(bpy.ops.postlens.focus, "/nowhere/postlens", "not installed")
         scene.postlens.program = shutil.which("true")
         self.fails(bpy.ops.postlens.focus, "true is not postlens")
+        scene.postlens.program = self.path("latin1")
+        with open(self.path("latin1"), "w") as script:
+            script.write("#!/bin/sh\nprintf 'caf\\351.exr: cannot read\\n' >&2\nexit 3\n")
+        os.chmod(self.path("latin1"), 0o700)
+        self.fails(bpy.ops.postlens.focus, ".exr: cannot read")
         scene.postlens.program, scene.postlens.folder = program.path, ""
         self.fails(bpy.ops.postlens.focus, "no folder")
         scene.postlens.folder = self.folder
