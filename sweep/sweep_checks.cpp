@@ -1,5 +1,6 @@
 #include "sweep/sweep_checks.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -30,7 +31,14 @@ void check_range(const char* option, const std::optional<int>& value, int least,
 
 std::vector<glm::dvec2> sweep_points(const SweepSettings& s, const SampleHeader& h) {
     std::vector<glm::dvec2> out = s.at;
-    for (const glm::dvec2& at : out) {
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const glm::dvec2& at = out[i];
+        // The columns of sweep.csv are named by their points, so equal points would give equal names.
+        if (std::find(out.begin(), out.begin() + static_cast<std::ptrdiff_t>(i), at) !=
+            out.begin() + static_cast<std::ptrdiff_t>(i)) {
+            fail(ExitCode::wrong_arguments,
+                 "--at: twice in the list (got {:.6g},{:.6g}; expected every point once)", at.x, at.y);
+        }
         if (at.x < 0 || at.y < 0 || at.x >= h.width || at.y >= h.height) {
             fail(ExitCode::wrong_arguments,
                  "--at: outside the picture (got {:.6g},{:.6g}; expected 0,0 to "
@@ -51,7 +59,12 @@ std::vector<std::string> sweep_file_names(const SweepSettings& s, const SweepGri
         std::string name = grid.pictures[i].name;
         if (s.frames) {
             const std::optional<std::string> numbered = numbered_name(*s.frames, i + 1);
-            if (!numbered || numbered->find('/') != std::string::npos) {
+            if (numbered && numbered->find('/') != std::string::npos) {
+                fail(ExitCode::wrong_arguments,
+                     "--frames: names a folder (got {}; expected a name, as all pictures are in DIR)",
+                     *s.frames);
+            }
+            if (!numbered) {
                 fail(ExitCode::wrong_arguments,
                      "--frames: not a name with a number (got {}; expected e.g. pull.%04d)", *s.frames);
             }

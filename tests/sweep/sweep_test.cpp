@@ -338,8 +338,10 @@ TEST_F(SweepFolder, NumbersFramesAndRefusesBeforeItWrites) {
     s.frames = "pull";
     expect_refused([&] { static_cast<void>(run(s)); }, "--frames");
     s.frames = "../p%d";
-    expect_refused([&] { static_cast<void>(run(s)); }, "--frames");
+    expect_refused([&] { static_cast<void>(run(s)); }, "--frames: names a folder (got ../p%d;");
     s.frames.reset();
+    s.at = {{6, 1}, {5, 1}, {6, 1}};
+    expect_refused([&] { static_cast<void>(run(s)); }, "--at: twice in the list (got 6,1;");
     s.at = {{64, 1}};
     expect_refused([&] { static_cast<void>(run(s)); }, "--at");
     s.at.clear();
