@@ -109,10 +109,18 @@ Kernel make_kernel(const ResponseGrid& grid, KernelReach reach) {
     return out;
 }
 
+std::int32_t KernelKey::finest(double extent_px) {
+    std::int32_t out = 0;
+    while (out + 1 < std::ssize(fineness_below_px) &&
+           extent_px < fineness_below_px[static_cast<std::size_t>(out) + 1])
+        ++out;
+    return out;
+}
+
 KernelKey KernelKey::ellipse(const Ellipse& e, bool fine) {
     const double extent = std::max(e.half_width(), e.half_height);
     const double shrink = std::min(1.0, largest_ellipse_px / extent);
-    KernelKey out{.is_disc = false, .is_fine = fine && extent < fine_below_px};
+    KernelKey out{.is_disc = false, .fineness = fine ? finest(extent) : 0};
     const double step = out.step_px() / shrink;
     out.half_height = steps(e.half_height, step);
     out.half_chord = steps(e.half_chord, step);
@@ -123,7 +131,7 @@ KernelKey KernelKey::ellipse(const Ellipse& e, bool fine) {
 KernelKey KernelKey::map(const glm::dmat2& m, bool fine) {
     const double extent = std::max({std::abs(m[0].x), std::abs(m[0].y), std::abs(m[1].x), std::abs(m[1].y)});
     const double shrink = std::min(1.0, largest_ellipse_px / std::max(extent, 1.0));
-    KernelKey out{.is_disc = false, .is_fine = fine && extent < fine_below_px, .is_map = true};
+    KernelKey out{.is_disc = false, .fineness = fine ? finest(extent) : 0, .is_map = true};
     const double step = out.step_px() / shrink;
     out.half_height = steps(m[0].x, step);
     out.half_chord = steps(m[0].y, step);
@@ -141,11 +149,11 @@ KernelKey::Packed KernelKey::packed() const {
     // Fields of 17 bits contain a sign and a length up to 16000 px in steps of 1/4 px. Cells range over 2^14
     // in each direction.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
-    const std::uint64_t more =
-        (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
-        (upside_down ? std::uint64_t{1} << 18 : 0) | (is_fine ? std::uint64_t{1} << 63 : 0) |
-        field(std::clamp(cell_x, -cells, cells - 1), cells, 19) |
-        field(std::clamp(cell_y, -cells, cells - 1), cells, 35) | field(cell_log2, 0, 51);
+    const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
+                               (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
+                               field(std::clamp(cell_x, -cells, cells - 1), cells, 19) |
+                               field(std::clamp(cell_y, -cells, cells - 1), cells, 35) |
+                               field(cell_log2, 0, 51);
     if (is_disc) return {phases | static_cast<std::uint64_t>(level) << 12, more};
     const std::int32_t offset = is_map ? sign : 0;
     return {phases | field(half_height, offset, 12) | field(half_chord, offset, 29) |

@@ -2,7 +2,9 @@
 // is built once.
 #pragma once
 
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -66,14 +68,16 @@ struct KernelKey {
     /// Subpixel positions are quantised to 1/16 px.
     static constexpr int phase_steps = 16;
     /// Step to which ellipses are quantised, px. The outline then has an error of at most an eighth of a
-    /// pixel along each axis. `fine` ellipses smaller than `fine_below_px` are quantised to a sixteenth of a
-    /// pixel.
-    static constexpr double ellipse_step_px = 0.25, fine_step_px = 0.0625, fine_below_px = 8;
+    /// pixel along each axis. Each unit of `fineness` divides the step by 4. Highlights have the greatest
+    /// whose limit is above their size, as their discs end abruptly, and as a disc of 2 px that is a
+    /// thirtieth of a pixel too wide is 3 % too dark.
+    static constexpr double ellipse_step_px = 0.25;
+    static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
     static constexpr double largest_ellipse_px = 16000;
 
     bool is_disc = true;
-    bool is_fine = false;
+    std::int32_t fineness = 0;
     std::uint32_t level = 0;                                             ///< depth level of a disc
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, unit 1/phase_steps px
@@ -86,14 +90,13 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell's width is 2^cell_log2 px; 0: one cell for the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Key of an ellipse. `fine` selects the finer quantisation, for highlights: their discs show an error of
-    /// a few percent of the radius as an error of brightness.
+    /// Key of an ellipse. `fine`: the finest steps that its size allows.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
     /// The 2x2 maps from aperture to image keep this many leading bits of their largest entry, but are not
     /// quantised more finely than a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
-    [[nodiscard]] double step_px() const { return is_fine ? fine_step_px : ellipse_step_px; }
+    [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
     /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps (ellipse_bits -
     /// times) leading bits of its largest number. If this number has fewer than ellipse_bits bits, it loses
     /// `times` bits. Its other numbers have the same step, and its phase has half that step. A map keeps
@@ -115,6 +118,7 @@ struct KernelKey {
     friend bool operator==(const KernelKey&, const KernelKey&) = default;
 
   private:
+    [[nodiscard]] static std::int32_t finest(double extent_px);
     void round_to(std::int32_t unit);
     void round_map(int bits);
 };

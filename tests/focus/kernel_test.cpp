@@ -74,12 +74,12 @@ TEST(KernelKey, EllipsesAreRightToAnEighthOfAPixel) {
         EXPECT_LE(std::abs(kept.half_chord - e.half_chord), 0.125);
         EXPECT_LE(std::abs(kept.shear * kept.half_height - e.shear * e.half_height), 0.125 + 1e-9);
     }
-    for (double radius_px = 0.3; radius_px < KernelKey::fine_below_px; radius_px += 0.01) {
+    for (double radius_px = 0.3; radius_px < 5000; radius_px *= 1.01) {
         const Ellipse kept = table.outline(KernelKey::ellipse(Ellipse::disc(radius_px), true));
-        EXPECT_LE(std::abs(kept.half_height - radius_px), KernelKey::fine_step_px / 2 + 1e-12);
+        const double step_px = radius_px < 8 ? 1.0 / 64 : radius_px < 4000 ? 1.0 / 16 : 1.0 / 4;
+        EXPECT_LE(std::abs(kept.half_height - radius_px), step_px / 2 + 1e-12) << radius_px;
         EXPECT_EQ(kept.half_height, kept.half_chord);
     }
-    EXPECT_FALSE(KernelKey::ellipse(Ellipse::disc(KernelKey::fine_below_px), true).is_fine);
     const Ellipse vast = table.outline(KernelKey::ellipse({1e9, 3e9, 0.5}));
     EXPECT_LE(vast.half_width(), KernelKey::largest_ellipse_px + 1);
     EXPECT_LE(table.outline(KernelKey::ellipse(Ellipse::disc(1e-3))).half_width(), 1e-3);
@@ -118,15 +118,17 @@ TEST(KernelTable, PacksKeysWithoutCollision) {
         }
     }
     // In fine steps the same numbers stand for smaller values.
-    for (const std::int32_t size : {0, 1, 2}) {
-        const KernelKey key{.is_disc = false,
-                            .is_fine = true,
-                            .half_height = size,
-                            .half_chord = 64000 - size,
-                            .top_displacement = 1,
-                            .phase_x = 16,
-                            .phase_y = -16};
-        EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
+    for (const std::int32_t fineness : {1, 2}) {
+        for (const std::int32_t size : {0, 1, 2}) {
+            const KernelKey key{.is_disc = false,
+                                .fineness = fineness,
+                                .half_height = size,
+                                .half_chord = 64000 - size,
+                                .top_displacement = 1,
+                                .phase_x = 16,
+                                .phase_y = -16};
+            EXPECT_TRUE(seen.try_emplace(key.packed(), key).second);
+        }
     }
     // Maps that are far apart differ in their leading bits.
     for (const double yy : {-100.0, -0.25, 0.0, 0.25, 100.0}) {
