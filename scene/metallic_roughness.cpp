@@ -9,7 +9,7 @@ using glm::dvec3;
 
 Material whitted_material(const MetallicRoughness& from) {
     Material m;
-    m.emission = from.emission;
+    m.emission = from.alpha * from.emission;
     const double through = 1 - from.alpha;
     if (from.unlit) {
         m.ambient = m.diffuse = dvec3(0);

@@ -36,9 +36,9 @@ struct MetallicRoughness {
 /// The highlight has the centre value D = 1 / (pi a^2) and the width of GGX microfacets. Blinn's exponent for
 /// this width is 2 / a^2 - 2, and the exponent about the mirrored direction is a quarter of that. `diffuse`
 /// includes the light that a rough metal reflects from all directions. If the roughness is above 0.02, the
-/// lobes of reflected and refracted rays have the exponent of the highlight. All coefficients except emission
-/// are multiplied by `alpha`. If `alpha` is below 1, the remaining light passes without refraction, so the
-/// ior is 1.
+/// lobes of reflected and refracted rays have the exponent of the highlight. All coefficients are multiplied
+/// by `alpha`, the emission too, because glTF draws the surface's whole colour over what is behind it. If
+/// `alpha` is below 1, the remaining light passes without refraction, so the ior is 1.
 [[nodiscard]] Material whitted_material(const MetallicRoughness& from);
 
 }  // namespace postlens

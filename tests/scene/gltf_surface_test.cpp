@@ -52,6 +52,9 @@ TEST(MetallicRoughness, HasItsLimitsInWhittedsModel) {
     EXPECT_EQ(half.diffuse, 0.5 * red);
     EXPECT_EQ(half.transmission, dvec3(0.5));
     EXPECT_EQ(half.ior, 1);
+    // What does not exist emits nothing, and what is half there emits half.
+    EXPECT_EQ(whitted_material({.alpha = 0.25, .emission = red}).emission, 0.25 * red);
+    EXPECT_EQ(whitted_material({.alpha = 0, .emission = red}).emission, dvec3(0));
 }
 
 TEST(MetallicRoughness, NeverGivesMoreThanArrives) {
