@@ -1,7 +1,22 @@
 #include "reproject/patches/view_rays.h"
 
+#include <optional>
+
 namespace postlens {
 namespace {
+
+/// Recorded area, px^2, of a pixel of the view that shows a surface parallel to the film at `p`. `motion` is
+/// that from the recorded instant to the view's. Returns nothing where the camera of the recorded instant
+/// does not see `p`.
+std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
+    const RasterMap moved = through_lens(motion, shown.view.lens);
+    const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
+    if (!at) return std::nullopt;
+    const glm::ivec2 begin = shown.field.recorded_begin, end = shown.field.recorded_end;
+    if (begin != end && !(at->at.x >= begin.x && at->at.x < end.x && at->at.y >= begin.y && at->at.y < end.y))
+        return std::nullopt;
+    return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
+}
 
 /// Whether the records determine the directly visible surface in pixel `k` of the view `shown`. A view is
 /// made from one or two recorded instants. `u` is the index of the one that is tested.
@@ -11,6 +26,21 @@ bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
 }
 
 }  // namespace
+
+bool ShownView::has_vague_outline(std::size_t u, std::size_t k) const {
+    const std::vector<RasterMap>&of_mine = view.uses[u].motions, &of_other = view.uses[1 - u].motions;
+    const Texel& texel = mesh(u).sheets->texels[seen[u].texel[k]];
+    if (of_mine.empty() || of_other.empty() || !texel.unsure()) return false;
+    const Sheet& sheet = mesh(u).sheets->sheets[texel.sheet()];
+    const std::size_t motion = field.motion_class(sheet.key.id);
+    const int x = static_cast<int>(k % SeenTile::edge), y = static_cast<int>(k / SeenTile::edge);
+    const RasterPoint p{at.x + x + view.sample.x, at.y + y + view.sample.y,
+                        static_cast<double>(seen[u].inverse_z[k])};
+    const auto mine = recorded_px2(of_mine[motion], *this, p);
+    if (!mine || !(*mine < std::ldexp(1.0, -2 * sheet.depth))) return false;
+    const auto other = recorded_px2(of_other[motion], *this, p);
+    return other && *other > *mine;
+}
 
 void RaySamples::leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded) {
     const auto k = static_cast<std::size_t>(y) * SeenTile::edge + static_cast<std::size_t>(x);

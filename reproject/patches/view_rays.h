@@ -33,15 +33,20 @@ struct ShownView {
         return mesh(u).id_of(seen[u].texel[k]);
     }
     /// Weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the same surface,
-    /// their colours are blended. Otherwise only the nearer surface counts.
+    /// their colours are blended. Otherwise only the nearer surface counts, unless `has_vague_outline`.
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
         const float mine = seen[u].inverse_z[k], other = seen[o].inverse_z[k];
         if (id(u, k) == id(o, k) && std::abs(mine - other) <= same_depth * std::max(mine, other))
             return view.uses[u].share;
-        return mine > other || (mine == other && u == 0) ? 1 : 0;
+        const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
+        return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
+    /// Whether the surface that use `u` shows in pixel `k` ends in a leaf that the view magnifies to more
+    /// than a pixel, while the other use has recorded this part of the object at a larger size. The other use
+    /// then shows more exactly where the object ends.
+    [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);

@@ -418,6 +418,28 @@ TEST(MotionBlur, AutomaticShowsTheSidesThatOnlyOtherKeysRecord) {
     EXPECT_LT(psnr(frame.blur(MotionMethod::convolve).image, reference), 38);
 }
 
+TEST(MotionBlur, WhatGrowsOrVanishesHasTheOutlineOfTheKeyThatShowsItLarge) {
+    // At one of the two keys, a single ray hits the ball. Magnified to its size at other instants, the leaf
+    // of this ray covers much of the picture.
+    constexpr dvec3 at(0, 0, -4);
+    const std::vector<std::vector<TransformKey>> motions{
+        {{.time_s = 0, .translation = at, .scale = dvec3(1e-3)}, {.time_s = 1, .translation = at}},
+        {{.time_s = 0.5, .translation = at}, {.time_s = 0.500001, .translation = at, .scale = dvec3(1e-6)}}};
+    for (const std::vector<TransformKey>& keys : motions) {
+        SceneBuilder b;
+        b.add(Sphere{dvec3(0), 0.4}, glowing({0.9, 0.5, 0.1})).keys = keys;
+        b.add(Rectangle{{-5, -4, -8}, {10, 0, 0}, {0, 8, 0}}, glowing({0.1, 0.2, 0.6}));
+        TraceSettings settings = for_shutter(4);
+        settings.keys = 2;
+        RenderSettings truth;
+        truth.spp = 256;
+        truth.shutter = TimeSpan{0, 1};
+        EXPECT_GT(psnr(TracedFrame(b.scene, settings).blur(MotionMethod::automatic).image,
+                       render_picture(b.scene, truth).image),
+                  42);
+    }
+}
+
 // A plate that moves parallel to the film close to a wall. Light falls on both.
 SceneBuilder lit_plate() {
     SceneBuilder b;
