@@ -193,6 +193,24 @@ TEST(KeysForVisits, AKeyShowsWhatPassesThroughTheFrame) {
     EXPECT_EQ(keys_of({along(0, 14), along(1, -6)}), 1);
 }
 
+TEST(KeysForVisits, AKeyShowsWhatGrowsAtItsSize) {
+    const auto keys_of = [](const std::vector<std::pair<double, dvec3>>& scales) {
+        SceneBuilder b;
+        std::vector<TransformKey>& keys = b.add(Sphere{dvec3(0), 0.1}, glowing(dvec3(1))).keys;
+        for (const auto& [time_s, scale] : scales)
+            keys.push_back({.time_s = time_s, .translation = {0, 0, -4}, .scale = scale});
+        return keys_for_visits(b.scene, b.scene.cameras[0], {}, 0, shutter, 1);
+    };
+    const dvec3 one(1), small(1e-6), flat(1, 1e-3, 1);
+    EXPECT_EQ(keys_of({{0, one}, {1, small}}), 1);  // the frame's instant shows it
+    EXPECT_EQ(keys_of({{0, 0.6 * one}, {1, one}}), 1);
+    EXPECT_EQ(keys_of({{0, small}, {1, one}}), 2);
+    EXPECT_EQ(keys_of({{0, flat}, {1, one}}), 2);
+    EXPECT_EQ(keys_of({{0.5, small}, {0.5001, one}}), 2);            // it appears
+    EXPECT_EQ(keys_of({{0, small}, {0.5, one}, {1, small}}), 3);     // the middle
+    EXPECT_EQ(keys_of({{0, small}, {0.3, one}, {0.69, small}}), 4);  // 1 / 3
+}
+
 TEST(AutomaticKeys, FollowObjectsLightAndCamera) {
     const auto keys_of = [](const Scene& s) { return automatic_keys(s, s.cameras[0], {}, 0, shutter, {}); };
     const KeyCount turns = keys_of(turning_box(60, {0, 1, 0}).scene);

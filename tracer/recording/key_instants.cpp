@@ -25,6 +25,10 @@ using glm::dvec3;
 // added. Between two steps, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
+// A key records an object that grows or shrinks if it shows the object at this share of its largest size or
+// more. Magnified to that size, its records are then as coarse as with one level of subdivision less.
+constexpr double least_size = 0.5;
+
 double angle(const dvec3& a, const dvec3& b) {
     return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
 }
@@ -170,9 +174,19 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
+        // The size of the object at each instant, along its axes; 0 where it is out of view.
+        std::vector<dvec3> sizes;
+        dvec3 largest(0);
+        for (std::size_t i = 0; i < instants_s.size(); ++i) {
+            const MotionPath::Pose pose = path.at(instants_s[i]);
+            const bool in_view = may_see(cameras[i], pose, 0.5 * (box.min + box.max), radius_m);
+            sizes.push_back(in_view ? glm::abs(pose.scale) : dvec3(0));
+            largest = glm::max(largest, sizes.back());
+        }
         bool before = false;
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
-            const bool now = may_see(cameras[i], path.at(instants_s[i]), 0.5 * (box.min + box.max), radius_m);
+            const bool now =
+                sizes[i] != dvec3(0) && glm::all(glm::greaterThanEqual(sizes[i], least_size * largest));
             if (now && !before) visits.push_back({instants_s[i], instants_s[i]});
             if (now) visits.back().close_s = instants_s[i];
             before = now;
@@ -220,7 +234,7 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
         need(light.keys, fmt::format("light changes: {:.1f} dB of its mean (predicted)", light.psnr_db));
     }
     need(keys_for_visits(scene, camera, overrides, recorded_s, shutter, out.keys),
-         "something is in view for a short time");
+         "something is in view or large for a short time");
     return out;
 }
 

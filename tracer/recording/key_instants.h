@@ -42,13 +42,13 @@ struct KeyCount {
 };
 
 /// Returns the smallest number of evenly spaced keys, `at_least` or more, with which a key lies within every
-/// span of time in which the camera's frame shows a moving object, or 64. `recorded_s` is recorded as well.
-/// An object is its bounding sphere, which nothing hides.
+/// span of time in which the camera's frame shows a moving object at half of its largest size in the frame or
+/// more, or 64. `recorded_s` is recorded as well. An object is its bounding sphere, which nothing hides.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
 /// Returns the number of keys for the turns of objects, one for every `degrees_per_key`, for the camera's
-/// pan, for objects that are in view for a short time, and for the light that changes.
+/// pan, for objects that are in view or large for a short time, and for the light that changes.
 [[nodiscard]] KeyCount automatic_keys(const Scene& scene, const Camera& camera,
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
