@@ -38,17 +38,19 @@ void check_subcommand(const CLI::App& app, std::span<const std::string> argument
     const std::vector<const CLI::App*> subcommands =
         app.get_subcommands([](const CLI::App*) { return true; });
     if (subcommands.empty()) return check_flags(app, arguments);
-    if (arguments.empty()) return;
-    if (arguments[0].starts_with('-')) {
+    if (!arguments.empty() && arguments[0].starts_with('-')) {
         if (app.get_option_no_throw(arguments[0]) != nullptr) return;
         fail(ExitCode::wrong_arguments, "unknown option (got {}; expected a subcommand, see {} --help)",
              arguments[0], app.get_name());
     }
     std::string known;
     for (const CLI::App* sub : subcommands) {
-        if (sub->get_name() == arguments[0]) return check_subcommand(*sub, arguments.subspan(1));
+        if (!arguments.empty() && sub->get_name() == arguments[0])
+            return check_subcommand(*sub, arguments.subspan(1));
         known += (known.empty() ? "" : ", ") + sub->get_name();
     }
+    if (arguments.empty())
+        fail(ExitCode::wrong_arguments, "no subcommand (got nothing; expected one of {})", known);
     fail(ExitCode::wrong_arguments, "unknown subcommand (got {}; expected one of {})", arguments[0], known);
 }
 
@@ -61,14 +63,39 @@ std::string full_name(const CLI::App& app) {
 // list all unused words from the last to the first.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
-        if (!word.starts_with("--")) continue;
+        if (word.size() < 2 || word[0] != '-' || (word[1] != '-' && parse_number(word))) continue;
         const std::string name = word.substr(0, word.find('='));
         std::vector<std::string_view> known;
         for (const CLI::Option* option : command.get_options()) {
             for (const std::string& long_name : option->get_lnames()) known.push_back(long_name);
         }
-        fail(ExitCode::wrong_arguments, "unknown option (got {}; expected --{}, see {} --help)", name,
-             nearest_word(name.substr(2), known), full_name(command));
+        // One letter is not similar to any name.
+        const std::string_view nearest =
+            name.size() > 2 ? nearest_word(name.substr(word[1] == '-' ? 2 : 1), known) : "";
+        fail(ExitCode::wrong_arguments, "unknown option (got {}; {}see {} --help)", name,
+             nearest.empty() ? "" : fmt::format("nearest known option: --{}, ", nearest), full_name(command));
+    }
+}
+
+// Reports an option or argument that has no value, or several. CLI11's own messages are "focus is required",
+// "--focus: 1 required M|inf missing" and "--focus: At Most 1 required but received 2".
+void check_values(const CLI::App& command, const CLI::ParseError& error) {
+    const bool missing = error.get_name() == "RequiredError",
+               mismatch = error.get_name() == "ArgumentMismatch";
+    for (const CLI::Option* option : command.get_options()) {
+        const std::string type = option->get_type_name();
+        const std::string name = option->get_positional() ? type : option->get_name();
+        const std::vector<std::string>& values = option->results();
+        if (missing && option->get_required() && values.empty()) {
+            fail(ExitCode::wrong_arguments, "{}: missing (got nothing; expected {}, see {} --help)", name,
+                 option->get_positional() ? "a value" : type, full_name(command));
+        }
+        if (!mismatch || !std::string_view(error.what()).starts_with(option->get_name() + ":")) continue;
+        if (static_cast<int>(values.size()) > option->get_items_expected_max()) {
+            fail(ExitCode::wrong_arguments, "{}: stated {} times (got {}; expected one value)", name,
+                 values.size(), excerpt(fmt::format("{}", fmt::join(values, " and "))));
+        }
+        fail(ExitCode::wrong_arguments, "{}: no value (got nothing; expected {})", name, type);
     }
 }
 
@@ -122,6 +149,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     } catch (const CLI::ParseError& e) {
         CLI::App& command = parsed_subcommand(app);
         check_options(command);
+        check_values(command, e);
         std::string what = e.what();
         std::replace(what.begin(), what.end(), '\n', ' ');
         fail(ExitCode::wrong_arguments, "{} (see {} --help)", what, full_name(command));

@@ -361,10 +361,12 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
         others_help = others_help || used < instants.size();
     }
     if (names.empty()) return;
-    out.push_back({"overscan", 0,
-                   fmt::format("moving objects are cut by the border of the records: {} (expected {})", names,
-                               others_help ? "--method lightfield or auto, which use all keys"
-                                           : "`trace --overscan auto --for-shutter --keys auto`")});
+    const std::string cure = others_help           ? "--method lightfield or auto, which use all keys"
+                             : instants.size() > 1 ? "a trace with more --keys or overscan, or --scene"
+                                                   : "`trace --overscan auto --for-shutter --keys auto`";
+    out.push_back(
+        {"overscan", 0,
+         fmt::format("moving objects are cut by the border of the records: {} (expected {})", names, cure)});
 }
 
 }  // namespace postlens

@@ -15,6 +15,7 @@
 #include "pictures/crop.h"
 #include "pictures/exr/exr_attributes.h"
 #include "pictures/exr/exr_input.h"
+#include "pictures/foreign/foreign_file.h"
 
 namespace postlens {
 namespace {
@@ -63,6 +64,7 @@ std::optional<PicturePart> read_picture_part(const std::filesystem::path& path) 
     const auto bad = [&](const std::string& what) {
         fail(ExitCode::invalid_input, "{}: is a damaged part ({})", path.string(), what);
     };
+    if (!is_openexr(path)) return std::nullopt;
     PicturePart out;
     try {
         Imf::InputFile file(path.c_str());

@@ -22,8 +22,8 @@ struct PicturePart {
     std::string mark;  ///< the caller's JSON object, as given to `mark_as_part`
 };
 
-/// Reads a part of an image. Empty if the file is an OpenEXR file without a mark. Throws Error(invalid_input)
-/// if the file cannot be read or is not OpenEXR, or if its pixels were changed after it was written.
+/// Reads a part of an image. Empty if the file has no mark or is not OpenEXR. Throws Error(invalid_input)
+/// if the file cannot be read, or if its pixels were changed after it was written.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
 /// Attribute in which a part of a render's samples (tracer/distributed/render_state.h) has its mark.

@@ -48,13 +48,13 @@ std::string Sha256::hex() {
 std::string sha256_of_file(const std::filesystem::path& path) {
     check_regular_file(path);
     std::ifstream file(path, std::ios::binary);
-    if (!file) fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    if (!file) fail(ExitCode::invalid_input, "{}: cannot read", path.string());
     Sha256 digest;
     std::vector<char> chunk(std::size_t{1} << 20);
     while (file.read(chunk.data(), static_cast<std::streamsize>(chunk.size())) || file.gcount() > 0) {
         digest.add({chunk.data(), static_cast<std::size_t>(file.gcount())});
     }
-    if (file.bad()) fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    if (file.bad()) fail(ExitCode::invalid_input, "{}: cannot read", path.string());
     return digest.hex();
 }
 

@@ -81,7 +81,8 @@ CommandResult run_focus(const FocusOptions& options) {
     // it.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    check_units(options.retrace);
+    // For any input but a sample file, the reader reports what kind of file it is.
+    if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
                                  exposure_of_samples(options.exposure, options.input, damage), damage);

@@ -51,7 +51,14 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     ForeignChoice choice = options.choice;
     choice.depth_file.clear();
     choice.ids_file.clear();
-    if (!options.behind_layer.empty()) choice.layer = options.behind_layer;
+    if (!options.behind_layer.empty()) {
+        if (options.behind.empty()) {
+            fail(ExitCode::wrong_arguments,
+                 "--behind-layer: of which picture? (got {}; expected --behind with it)",
+                 options.behind_layer);
+        }
+        choice.layer = options.behind_layer;
+    }
     for (const std::string& name : options.behind) {
         ForeignPicture back = read_foreign_picture(name, choice, camera);
         unmixed += unmix_edges(back);

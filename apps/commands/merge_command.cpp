@@ -27,7 +27,7 @@ struct NamedPart {
 NamedPart read_part(const std::string& name) {
     std::optional<PicturePart> part = read_picture_part(name);
     if (!part) {
-        fail(ExitCode::invalid_input, "{}: is no part (got a picture; expected what --share has written)",
+        fail(ExitCode::invalid_input, "{}: is no part (expected an OpenEXR file that --share has written)",
              name);
     }
     NamedPart out{name, std::move(*part), {}, {}, {}};

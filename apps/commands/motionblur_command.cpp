@@ -220,14 +220,17 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     // it.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
-        fail(ExitCode::wrong_arguments,
-             "--vectors, --vectors-file, --vector-scale, --vector-offset, --layer, --depth-channel, "
-             "--depth-encoding, --depth-file, --ids, --ids-file: not for a sample file, which knows its "
-             "motion "
-             "(expected a flat OpenEXR picture)");
+    // For any input but a sample file, the reader reports what kind of file it is.
+    if (SampleFileReader::is_sample_file(options.input)) {
+        if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
+            fail(ExitCode::wrong_arguments,
+                 "--vectors, --vectors-file, --vector-scale, --vector-offset, --layer, --depth-channel, "
+                 "--depth-encoding, --depth-file, --ids, --ids-file: not for a sample file, which knows its "
+                 "motion "
+                 "(expected a flat OpenEXR picture)");
+        }
+        check_units(options.retrace);
     }
-    check_units(options.retrace);
     if (options.settings.views && options.settings.method == MotionMethod::convolve) {
         fail(ExitCode::wrong_arguments,
              "--views: not with the method convolve (expected auto or lightfield)");

@@ -13,18 +13,18 @@ std::uintmax_t check_regular_file(const std::filesystem::path& path) {
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(),
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(),
              error && error.value() != ENOENT ? error.message() : "no such file");
     }
     if (std::filesystem::is_directory(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read (got a folder; expected a file)", path.string());
+        fail(ExitCode::invalid_input, "{}: cannot read (got a folder; expected a file)", path.string());
     }
     if (!std::filesystem::is_regular_file(status)) {
-        fail(ExitCode::invalid_input, "{}: cannot be read (got a device or pipe; expected a file)",
+        fail(ExitCode::invalid_input, "{}: cannot read (got a device or pipe; expected a file)",
              path.string());
     }
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-    if (error) fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(), error.message());
+    if (error) fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), error.message());
     return bytes;
 }
 
@@ -35,10 +35,10 @@ std::string read_text_file(const std::filesystem::path& path, std::uintmax_t lar
              bytes, largest_bytes);
     }
     std::ifstream file(path, std::ios::binary);
-    if (!file) fail(ExitCode::invalid_input, "{}: cannot be read: {}", path.string(), std::strerror(errno));
+    if (!file) fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), std::strerror(errno));
     std::string text(static_cast<std::size_t>(bytes), '\0');
     if (!file.read(text.data(), static_cast<std::streamsize>(bytes)))
-        fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+        fail(ExitCode::invalid_input, "{}: cannot read", path.string());
     return text;
 }
 

@@ -271,7 +271,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
         if (keys_[i].is_disc) level_used[keys_[i].level] = true;
     }
     place_of = {};
-    require_memory(total, "impulse responses");
+    require_memory(total, "the table of impulse responses");
     discs_used_ = static_cast<int>(std::count(level_used.begin(), level_used.end(), true));
     kernels_.resize(channels_ * to_build.size());
     if (model_.has_channels()) {

@@ -87,7 +87,10 @@ class HeaderReader {
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()) {
     // Without O_NONBLOCK, opening a named pipe would wait for a writer.
     fd_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd_ < 0) fail(ExitCode::invalid_input, "{}: cannot read ({})", name_, std::strerror(errno));
+    if (fd_ < 0) {
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", name_,
+             errno == ENOENT ? "no such file" : std::strerror(errno));
+    }
     struct stat status {};
     const bool ok = ::fstat(fd_, &status) == 0;
     if (!ok || !S_ISREG(status.st_mode)) {

@@ -87,8 +87,9 @@ bool ForeignPicture::is_opaque() const {
 double ForeignPicture::depth_at(double x, double y) const {
     const double column = std::floor(x), row = std::floor(y);
     if (!(column >= x_begin && column < x_end && row >= y_begin && row < y_end)) {
-        fail(ExitCode::wrong_arguments, "--focus-at: out of range (got {},{}; expected 0 to {}, 0 to {})", x,
-             y, width, height);
+        fail(ExitCode::wrong_arguments,
+             "--focus-at: outside the stored pixels (got {},{}; expected {} <= X < {}, {} <= Y < {})", x, y,
+             x_begin, x_end, y_begin, y_end);
     }
     const StackSample* seen = seen_sample(static_cast<int>(column), static_cast<int>(row));
     return seen != nullptr && seen->inverse_z > 0 ? 1 / static_cast<double>(seen->inverse_z)

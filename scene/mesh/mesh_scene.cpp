@@ -174,7 +174,7 @@ class MeshReader {
         } catch (const std::exception& e) {  // assimp catches most of its own exceptions, but not all of them
             why = e.what();
         }
-        fail(ExitCode::invalid_input, "{}: cannot be read ({})", path_.string(), one_line(why));
+        fail(ExitCode::invalid_input, "{}: cannot read ({})", path_.string(), one_line(why));
     }
 
     // The depth of the recursion is limited, because node trees of OBJ files have only two levels.

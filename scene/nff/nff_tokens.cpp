@@ -20,13 +20,13 @@ constexpr std::string_view blanks = " \t\r\v\f";
 NffTokens::NffTokens(const std::filesystem::path& path) : path_(path) {
     check_regular_file(path);
     file_.open(path, std::ios::binary);
-    if (!file_) fail(ExitCode::invalid_input, "{}: cannot be read", path.string());
+    if (!file_) fail(ExitCode::invalid_input, "{}: cannot read", path.string());
 }
 
 bool NffTokens::fill() {
     chunk_.resize(chunk_bytes);
     file_.read(chunk_.data(), static_cast<std::streamsize>(chunk_bytes));
-    if (file_.bad()) fail(ExitCode::invalid_input, "{}: cannot be read", path_.string());
+    if (file_.bad()) fail(ExitCode::invalid_input, "{}: cannot read", path_.string());
     chunk_.resize(static_cast<std::size_t>(file_.gcount()));
     chunk_at_ = 0;
     digest_.add(chunk_);

@@ -262,11 +262,24 @@ TEST_F(Cli, WhatIsWrongIsNamed) {
     refused({"--nonsense"}, two, "unknown option (got --nonsense");
     const Words image{"image", frame, "-o", in("x.exr")};
     refused(image + Words{"--explosure=1"}, two,
-            "unknown option (got --explosure; expected --exposure, see postlens image --help)");
+            "unknown option (got --explosure; nearest known option: --exposure, see postlens image --help)");
     refused({"focus", frame, "-o", in("x.exr"), "--methd", "layers"}, two,
-            "unknown option (got --methd; expected --method, see postlens focus --help)");
+            "unknown option (got --methd; nearest known option: --method, see postlens focus --help)");
     refused({"lens", "psf", in("x.exr"), "--focal-lenght", "50", "--f-number"}, two,
-            "unknown option (got --focal-lenght; expected --focal-length, see postlens lens psf --help)");
+            "unknown option (got --focal-lenght; nearest known option: --focal-length, see postlens lens psf "
+            "--help)");
+    refused(image + Words{"-f", "3"}, two, "unknown option (got -f; see postlens image --help)");
+    refused(image + Words{"-exposure", "3"}, two, "(got -exposure; nearest known option: --exposure, see");
+    refused(image + Words{"---"}, two, "unknown option (got ---;");
+    refused({"lens"}, two, "no subcommand (got nothing; expected one of coc, dof");
+    refused({"focus", "-o", in("x.exr")}, two,
+            "FRAME: missing (got nothing; expected a value, see postlens focus --help)");
+    refused({"focus", frame}, two,
+            "--output: missing (got nothing; expected FILE, see postlens focus --help)");
+    refused(image + Words{"--exposure"}, two, "--exposure: no value (got nothing; expected STOPS|auto)");
+    refused(image + Words{"--exposure", "2", "--exposure"}, two, "--exposure: no value (got nothing;");
+    refused(image + Words{"--exposure", "2", "--exposure", "3"}, two,
+            "--exposure: stated 2 times (got '2 and 3'; expected one value)");
     refused(image + Words{"--quiet=maybe"}, two, "--quiet: takes no value (got 'maybe')");
     for (const char* value : {"false", "0", "true", ""}) {
         refused({"focus", frame, "-o", in("x.exr"), "--f-number", "2", std::string("--breathing=") + value},

@@ -267,12 +267,22 @@ TEST_F(ForeignCommand, RefusesInOneLine) {
             "a.png: not a postlens sample file (not an OpenEXR file)");
     refused({"image", in("a.png"), "-o", o, "--layer", "x"}, ExitCode::invalid_input,
             "a.png: not a postlens sample file (not an OpenEXR file)");
+    // Nor is a file that is absent.
+    const std::string none = in("none.exr");
+    refused({"focus", none, "-o", o, "--metres-per-unit", "1"}, ExitCode::invalid_input, "none.exr: cannot");
+    for (const auto& [option, word] : {std::pair("--metres-per-unit", "1"), {"--layer", "x"}}) {
+        refused({"motionblur", none, "-o", o, "--shutter", "0:1", option, word}, ExitCode::invalid_input,
+                "none.exr: cannot");
+    }
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "24", "--salvage"},
             ExitCode::invalid_input, "not a postlens sample file");
     refused({"focus", a, "-o", o, "--focus", "4"}, two, "--f-number");
     refused({"focus", a, "-o", o, "--f-number", "2"}, two, "--focus");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--z", "x"}, two, "--z");
-    refused({"focus", a, "-o", o, "--f-number", "2", "--focus-at", "480,10"}, two, "--focus-at");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus-at", "48,10"}, two,
+            "--focus-at: outside the stored pixels (got 48,10; expected 0 <= X < 48, 0 <= Y < 24)");
+    refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--behind-layer", "x"}, two,
+            "--behind-layer: of which picture? (got x; expected --behind with it)");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--film-width", "0"}, two,
             "--film-width");
     refused({"focus", a, "-o", o, "--f-number", "2", "--focus", "4", "--layer", "x"}, ExitCode::invalid_input,

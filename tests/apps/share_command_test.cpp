@@ -353,6 +353,8 @@ TEST_F(ShareCommand, MissingDoubledForeignAndDamagedPartsAreRefusedByName) {
     refused({"merge", altered("[3,3]"), "-o", out}, bad, "got share 3/3");
     refused({"merge", altered("[0,1]"), "-o", out}, bad, "not those of share 0/1");
     refused({"merge", altered("[0,0]"), "-o", out}, bad, "got share 0/0");
+    std::ofstream(in("no.png")) << "text";
+    refused({"merge", in("no.png"), "-o", out}, bad, "no.png: is no part (expected an OpenEXR file that");
     // One changed byte of a pixel.
     std::string changed = bytes_of(part("p", 1));
     changed[changed.size() - 3] = static_cast<char>(changed[changed.size() - 3] ^ 1);

@@ -151,8 +151,8 @@ TEST_F(PathsFile, KeysFollowTheRulesOfScenes) {
 }
 
 TEST_F(PathsFile, WhatIsNoFileIsRefused) {
-    refused(folder_.path() / "missing.toml", "cannot be read: no such file");
-    refused(folder_.path(), "cannot be read (got a folder");
+    refused(folder_.path() / "missing.toml", "cannot read (no such file)");
+    refused(folder_.path(), "cannot read (got a folder");
     // A sparse file of 256 MB and one byte.
     const fs::path large = folder_.path() / "large.toml";
     std::ofstream(large).close();
@@ -161,7 +161,7 @@ TEST_F(PathsFile, WhatIsNoFileIsRefused) {
     if (::geteuid() != 0) {  // root may read everything
         const fs::path locked = file(knots);
         ::chmod(locked.c_str(), 0);
-        refused(locked, "cannot be read");
+        refused(locked, "cannot read");
     }
 }
 

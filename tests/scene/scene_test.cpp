@@ -401,10 +401,10 @@ TEST(ReadScene, RefusesWhatIsNoFile) {
     const auto code = ExitCode::invalid_input;
     for (const char* ending : {"toml", "nff"}) {
         const auto missing = folder.path() / (std::string("missing.") + ending);
-        EXPECT_EQ(error_of(missing, {}, code), missing.string() + ": cannot be read: no such file");
+        EXPECT_EQ(error_of(missing, {}, code), missing.string() + ": cannot read (no such file)");
         const auto inside = folder.path() / (std::string("folder.") + ending);
         EXPECT_EQ(error_of(inside, {}, code),
-                  inside.string() + ": cannot be read (got a folder; expected a file)");
+                  inside.string() + ": cannot read (got a folder; expected a file)");
     }
     EXPECT_EQ(
         error_of("picture.exr", {}, code),

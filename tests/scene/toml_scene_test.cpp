@@ -143,7 +143,7 @@ TEST_F(TomlText, ImageFilesOutsideTheFolderAreRefused) {
     std::filesystem::remove(folder_.path().parent_path() / "postlens_outside.ppm");
     const std::string here = std::filesystem::canonical(folder_.path()).string();
     EXPECT_EQ(error(start + "none.png" + end),
-              "4:8: texture 'i': " + here + "/none.png: cannot be read: no such file");
+              "4:8: texture 'i': " + here + "/none.png: cannot read (no such file)");
     EXPECT_EQ(error(start + "." + end).rfind("4:8: texture 'i': ", 0), 0U);
     std::ofstream(folder_.path() / "bad.png") << "no picture";
     EXPECT_EQ(error(start + "bad.png" + end).rfind("4:8: texture 'i': ", 0), 0U);
