@@ -30,16 +30,12 @@ target_compile_definitions(cpp_httplib INTERFACE
   "$<BUILD_INTERFACE:CPPHTTPLIB_OPENSSL_SUPPORT;CPPHTTPLIB_ZLIB_SUPPORT;CPPHTTPLIB_BROTLI_SUPPORT>")
 target_link_libraries(cpp_httplib INTERFACE "$<BUILD_INTERFACE:${HTTPLIB_LIBRARY}>" "$<INSTALL_INTERFACE:-lcpp-httplib>")
 
-# FFTW ships none either; single and double precision, one thread a transform.
+# FFTW ships none either; single precision, one thread a transform.
 find_path(FFTW3F_INCLUDE_DIR fftw3.h REQUIRED)
 find_library(FFTW3F_LIBRARY fftw3f REQUIRED)
 add_library(fftw3f INTERFACE)
 target_include_directories(fftw3f SYSTEM INTERFACE "$<BUILD_INTERFACE:${FFTW3F_INCLUDE_DIR}>")
 target_link_libraries(fftw3f INTERFACE "$<BUILD_INTERFACE:${FFTW3F_LIBRARY}>" "$<INSTALL_INTERFACE:-lfftw3f>")
-find_library(FFTW3_LIBRARY fftw3 REQUIRED)
-add_library(fftw3 INTERFACE)
-target_include_directories(fftw3 SYSTEM INTERFACE "$<BUILD_INTERFACE:${FFTW3F_INCLUDE_DIR}>")
-target_link_libraries(fftw3 INTERFACE "$<BUILD_INTERFACE:${FFTW3_LIBRARY}>" "$<INSTALL_INTERFACE:-lfftw3>")
 
 if(POSTLENS_PYTHON)
   # Debian's own: pybind11 and numpy are its packages.

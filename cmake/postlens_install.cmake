@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 set(postlens_installed_libraries api apps chart sweep compare planner tracer scene motionblur focus reproject records pictures
     linked_pictures fits traced prescription wave lommel lens core)
 
-set(targets postlens_options fftw3 fftw3f libdeflate_library cpp_httplib)
+set(targets postlens_options fftw3f libdeflate_library cpp_httplib)
 foreach(name IN LISTS postlens_installed_libraries)
   # Only the public headers are installed, so libraries that consist of headers are needed no more.
   get_target_property(links postlens_${name} INTERFACE_LINK_LIBRARIES)
