@@ -19,15 +19,15 @@ class Misplaced {
     explicit Misplaced(const FocusGeometry& lens)
         : px_per_bend_(lens.gain_px * lens.aperture_radius_m * lens.aperture_radius_m) {}
     [[nodiscard]] bool possible(const SampleHeader& h) const { return h.has_bend && px_per_bend_ > 0; }
-    /// Error of a shading-tree node's position as seen from the lens's rim, px.
-    [[nodiscard]] double px(float bend) const { return px_per_bend_ * static_cast<double>(bend); }
-    [[nodiscard]] bool by_bend(float bend) const { return px(bend) > most_bend_px; }
+    [[nodiscard]] bool by_bend(float bend) const {
+        return px_per_bend_ * static_cast<double>(bend) > most_bend_px;
+    }
     bool operator()(const Record& r) const {
         return r.layer == 0 && std::max({r.r, r.g, r.b}) > darkest_shown && by_bend(r.w_bend);
     }
 
   private:
-    double px_per_bend_;
+    double px_per_bend_;  ///< error of a node's position as seen from the lens's rim, px, per w_bend
 };
 
 /// Half the width of a shading-tree node's blur, px. This width is proportional to the root mean square of
@@ -43,10 +43,8 @@ double blur_px(const Record& r, const FocusGeometry& lens) {
 
 MisplacedLight::MisplacedLight(const SampleHeader& header, const FocusGeometry& lens)
     : lens_(lens), width_(header.width), height_(header.height), possible_(Misplaced(lens).possible(header)) {
-    if (possible_) {
+    if (possible_)
         light_.assign((static_cast<std::size_t>(width_) + 1) * (static_cast<std::size_t>(height_) + 1), 0);
-        moved_ = light_;
-    }
 }
 
 void MisplacedLight::add(const RecordBand& band, int y_begin, int y_end) {
@@ -72,19 +70,16 @@ void MisplacedLight::add(const RecordBand& band, int y_begin, int y_end) {
                               x1 = at(static_cast<double>(r->x) + half, width_),
                               y0 = at(static_cast<double>(r->y) - half, height_),
                               y1 = at(static_cast<double>(r->y) + half, height_);
-            const auto add_square = [&](std::vector<double>& to, double value) {
-                to[y0 * stride + x0] += value;
-                to[y0 * stride + x1] -= value;
-                to[y1 * stride + x0] -= value;
-                to[y1 * stride + x1] += value;
-            };
-            add_square(light_, light);
-            add_square(moved_, light * std::min(misplaced.px(r->w_bend), farthest_px));
+            light_[y0 * stride + x0] += light;
+            light_[y0 * stride + x1] -= light;
+            light_[y1 * stride + x0] -= light;
+            light_[y1 * stride + x1] += light;
         }
     }
 }
 
-std::vector<float> MisplacedLight::summed_up(const std::vector<double>& of) const {
+std::vector<float> MisplacedLight::picture() const {
+    if (!any_) return {};
     const auto width = static_cast<std::size_t>(width_), height = static_cast<std::size_t>(height_),
                stride = width + 1;
     std::vector<float> out(width * height);
@@ -92,7 +87,7 @@ std::vector<float> MisplacedLight::summed_up(const std::vector<double>& of) cons
     for (std::size_t y = 0; y < height; ++y) {
         double row = 0;
         for (std::size_t x = 0; x < width; ++x) {
-            row += of[y * stride + x];
+            row += light_[y * stride + x];
             above[x] += row;
             out[y * width + x] = static_cast<float>(std::max(0.0, above[x]));
         }

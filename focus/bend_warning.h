@@ -23,7 +23,7 @@ namespace postlens {
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Images of the light that W reprojects to wrong positions. They contain the radiance of all nodes that
+/// Image of the light that W reprojects to wrong positions. It contains the radiance of all nodes that
 /// bend_warning counts, each spread over a square as wide as the node's blur.
 class MisplacedLight {
   public:
@@ -32,22 +32,13 @@ class MisplacedLight {
     /// once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Misplaced radiance per pixel, row by row. Empty if no node is misplaced.
-    [[nodiscard]] std::vector<float> picture() const {
-        return any_ ? summed_up(light_) : std::vector<float>();
-    }
-    /// Per pixel, the sum over misplaced nodes of radiance times position error, px. The error is that of a
-    /// view from the rim of the lens, and is limited to farthest_px. Empty if no node is misplaced.
-    [[nodiscard]] std::vector<float> moved_px() const {
-        return any_ ? summed_up(moved_) : std::vector<float>();
-    }
-    static constexpr double farthest_px = 32;
+    [[nodiscard]] std::vector<float> picture() const;
 
   private:
     FocusGeometry lens_;
     int width_, height_;
     bool possible_, any_ = false;
-    [[nodiscard]] std::vector<float> summed_up(const std::vector<double>& of) const;
-    std::vector<double> light_, moved_;  ///< squares, stored as differences in x and y (see summed_up)
+    std::vector<double> light_;  ///< squares, stored as differences in x and y, which `picture` sums up
 };
 
 }  // namespace postlens

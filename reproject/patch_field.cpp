@@ -383,9 +383,7 @@ class Field {
                 }
                 std::array<double, 3> sum{w.sum[k][0], w.sum[k][1], w.sum[k][2]};
                 if (w.draws_trees && recorded > 0) {
-                    const TreeSums::Unknown below = w.trees.sum_up(k, recorded, sum);
-                    out.unknown_below[p] = static_cast<float>(below.all / total);
-                    out.guessed_below[p] = static_cast<float>(below.guessed / total);
+                    out.unknown_below[p] = static_cast<float>(w.trees.sum_up(k, recorded, sum) / total);
                 }
                 if (traced > 0) {
                     for (std::size_t c = 0; c < 3; ++c) sum[c] += w.rays.sum[k][c];
@@ -412,7 +410,6 @@ class Field {
 PatchPicture::PatchPicture(int width, int height) : image(width, height) {
     unknown.assign(image.rgb.size() / 3, 1);
     unknown_below.assign(unknown.size(), 0);
-    guessed_below.assign(unknown.size(), 0);
 }
 
 void patch_field(const PatchField& field, std::span<PatchPicture> out) {

@@ -194,9 +194,6 @@ struct PatchPicture {
     /// Per pixel: share of the views' weight for which a reflected or transmitted surface is not recorded.
     /// Such a surface counts less if it is dim compared with the pixel everywhere in the tile (TreeSums).
     std::vector<float> unknown_below;
-    /// The part of `unknown_below` for which too few other views see the reflected or transmitted surface. In
-    /// this part, the radiance seen from the pinhole is used instead.
-    std::vector<float> guessed_below;
     /// Per pixel: share of the views' weight that comes from rays. Empty for sets without rays.
     std::vector<float> traced;
     /// Per pixel, the sums of residuals (ray minus records). Empty for sets without `checked`.

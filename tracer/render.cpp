@@ -314,13 +314,14 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     }
     const auto start = Clock::now();
     auto saved = start;
-    double interval_s = settings.checkpoint_interval_s;
+    constexpr double least_interval_s = 5;  // at which the unfinished image is saved
+    double interval_s = least_interval_s;
     const auto save = [&] {
         const auto began = Clock::now();
         write_state(partial, state, fingerprint);
         saved = Clock::now();
         // Saving takes at most a twentieth of the time.
-        interval_s = std::max(settings.checkpoint_interval_s, 20 * seconds_since(began));
+        interval_s = std::max(least_interval_s, 20 * seconds_since(began));
     };
     try {
         trace_all(renderer, [&] {

@@ -49,7 +49,6 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    double checkpoint_interval_s = 5;  ///< interval at which the unfinished image is saved
     /// The crop of the image that is rendered. Tiles of 8 px outside the crop stay black. The other tiles are
     /// bit-identical to those without a crop. Files contain only the crop (see write_image). A run may be
     /// resumed with another crop.

@@ -28,11 +28,6 @@ struct Layout {
 
 }  // namespace
 
-ImageSize side_by_side_size(ImageSize pictures, std::size_t lines) {
-    const Layout layout(pictures, lines);
-    return {layout.width, layout.height};
-}
-
 Image side_by_side(const Image& image, const Image& reference, const TextTable& table,
                    const std::vector<std::string>& lines) {
     const Layout at({image.width, image.height}, table.size() + lines.size());

@@ -11,10 +11,6 @@ namespace postlens {
 /// Texts in rows and columns; the first row is the heading.
 using TextTable = std::vector<std::vector<std::string>>;
 
-/// Returns the size of the image that `side_by_side` makes of images of size `pictures`. `lines`: number of
-/// text lines below the images, including one for each row of the table.
-[[nodiscard]] ImageSize side_by_side_size(ImageSize pictures, std::size_t lines);
-
 /// Shows image, reference and `error_map` from left to right, each below its name. The table and the lines
 /// follow below. Lines that are too long are clipped. The result is scene-linear, for `write_image`. Image
 /// and reference must have the same size.

@@ -105,7 +105,6 @@ FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) 
     out.image = std::move(seen.image);
     out.unknown = std::move(seen.unknown);
     out.unknown_below = std::move(seen.unknown_below);
-    out.guessed_below = std::move(seen.guessed_below);
     out.traced = std::move(seen.traced);
     out.checks = std::move(seen.checks);
     out.light_square = std::move(seen.light_square);

@@ -56,7 +56,7 @@ struct FieldFocusSettings {
 struct FieldFocus {
     Image image;
     // One value per pixel of the window, as defined in PatchPicture.
-    std::vector<float> unknown, unknown_below, guessed_below;
+    std::vector<float> unknown, unknown_below;
     std::vector<float> traced;           ///< empty without rays
     std::vector<PixelCheck> checks;      ///< empty unless view samples are compared with rays
     std::vector<float> light_square;     ///< empty without highlights

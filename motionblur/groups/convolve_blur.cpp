@@ -229,8 +229,6 @@ ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& 
         } else {
             blurred.push_back(blur.whole(i1, group));
         }
-        out.direct_groups += blur.direct();
-        out.fft_groups += blur.fft();
     }
     out.crossings = crossings_of(blurred);
     Composite(bands, groups, table, blurred, recorded, still, out).run();

@@ -25,7 +25,6 @@ struct ConvolveBlur {
     std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded in it
     std::vector<float> unknown;         ///< share of a pixel's light that comes from an unrecorded background
     std::vector<Crossing> crossings;    ///< one per group
-    int direct_groups = 0, fft_groups = 0;
 };
 
 /// Blurs groups of objects. The objects of a group share a path. `still`: pinhole image of the records.

@@ -24,11 +24,11 @@ void add(const GroupPicture& part, GroupPicture& to) {
 
 }  // namespace
 
-GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) {
+GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) const {
     return in_pixels(convolved(i1, group.path, {}), cells_per_px_, width_, height_);
 }
 
-GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) {
+GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) const {
     GroupPicture out = nothing_over(slices, group);
     std::vector<std::vector<double>> along;  // per axis and path point: position on the axis minus low_px
     for (const PathAxis& axis : slices.axes()) {
@@ -56,17 +56,14 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 }
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
-                            const std::vector<double>& values) {
+                            const std::vector<double>& values) const {
     // The displacements, in cells, that move a part of the group's raster into the frame.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
     const PathRaster i2 =
         draw_path(path, {0, 0}, exposure_.open_s, exposure_.close_s, curve_, cells_per_px_, reach, values);
-    ConvolutionMethod used = ConvolutionMethod::automatic;
-    Planes moved = convolve(i1, i2, ConvolutionMethod::automatic, &used, frame);
-    (used == ConvolutionMethod::fft ? fft_ : direct_) += 1;
-    return moved;
+    return convolve(i1, i2, ConvolutionMethod::automatic, nullptr, frame);
 }
 
 // Creates an empty image of the part of the frame over which the moving group can pass.

@@ -19,24 +19,19 @@ class GroupBlur {
         : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
 
     /// Moves the whole group along its path.
-    [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group);
+    [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
     /// Moves each depth slice of the group along its own path. Adds up the slices, which are parts of one
     /// opaque surface.
-    [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group);
-
-    /// Numbers of convolutions so far, by method.
-    [[nodiscard]] int direct() const { return direct_; }
-    [[nodiscard]] int fft() const { return fft_; }
+    [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:
     [[nodiscard]] Planes convolved(const Planes& i1, const std::vector<PathPoint>& path,
-                                   const std::vector<double>& values);
+                                   const std::vector<double>& values) const;
     [[nodiscard]] GroupPicture nothing_over(const DepthSlices& slices, const MovingGroup& group) const;
 
     int width_, height_, cells_per_px_;
     const Exposure& exposure_;
     const ShutterCurve& curve_;
-    int direct_ = 0, fft_ = 0;
 };
 
 }  // namespace postlens

@@ -214,7 +214,7 @@ void TreeSums::end_views() {
     }
 }
 
-TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
+double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum) {
     for (const std::size_t i : used_) {
         const Chain& c = chains_[i];
         Sums& s = chains_[i].sums[k];
@@ -234,7 +234,7 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
         for (std::size_t n = 0; n < 3; ++n) sum[n] += scale * s.seen[n] + (1 - by_mean) * s.instead[n];
     }
     const double light = std::max({sum[0], sum[1], sum[2]}) / weight;
-    Unknown unknown;
+    double unknown = 0;
     for (const std::size_t i : used_) {
         const Chain& c = chains_[i];
         const Sums& s = c.sums[k];
@@ -242,9 +242,7 @@ TreeSums::Unknown TreeSums::sum_up(std::size_t k, double weight, std::array<doub
         const bool misses_parent = c.parent != i && chains_[c.parent].sums[k].beside > 0;
         const double missing = s.wanted - s.known - s.beside + (misses_parent ? s.bent : 0);
         if (missing <= 0 || brightest <= 0) continue;
-        const double counts = missing * (brightest < light ? brightest / light : 1);
-        unknown.all = std::max(unknown.all, counts);
-        if (s.known + s.beside < enough_known * s.wanted) unknown.guessed = std::max(unknown.guessed, counts);
+        unknown = std::max(unknown, missing * (brightest < light ? brightest / light : 1));
     }
     return unknown;
 }

@@ -44,16 +44,11 @@ class TreeSums {
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Weight of shading-tree nodes that are not recorded. Nodes that are dim in the whole tile count less.
-    /// `guessed` is that fraction of the weight for which too few other views have the node, so that their
-    /// mean cannot replace it.
-    struct Unknown {
-        double all = 0, guessed = 0;
-    };
-    /// Adds the shading-tree nodes of all views to `sum`, which is a pixel's radiance times `weight`. If
-    /// views lack child nodes, nodes that were drawn with a nonlinear W (Patch::bent) count as unknown as
+    /// Adds the shading-tree nodes of all views to `sum`, which is a pixel's radiance times `weight`. Returns
+    /// the weight of nodes that are not recorded. Nodes that are dim in the whole tile count less. If views
+    /// lack child nodes, nodes that were drawn with a nonlinear W (Patch::bent) count as not recorded as
     /// well.
-    Unknown sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
+    double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {

@@ -172,7 +172,6 @@ TEST_F(CropTest, LightFieldInStripsHasTheBitsOfTheWhole) {
         EXPECT_TRUE(strips.image.rgb == whole.image.rgb);
         EXPECT_TRUE(strips.unknown == whole.unknown);
         EXPECT_TRUE(strips.unknown_below == whole.unknown_below);
-        EXPECT_TRUE(strips.guessed_below == whole.guessed_below);
         EXPECT_TRUE(strips.left_out == whole.left_out);
         EXPECT_EQ(std::find(whole.left_out.begin(), whole.left_out.end(), 1) != whole.left_out.end(),
                   leave_out);

@@ -14,7 +14,6 @@
 #include "tests/planner/bar_scene.h"
 #include "tests/support/motion_frame.h"
 #include "tests/support/reference.h"
-#include "tracer/distributed/eye_rays.h"
 #include "tracer/render.h"
 
 namespace postlens::test::hybrid_test {
@@ -101,22 +100,6 @@ TEST(Hybrid, SameBitsOnAnyThreads) {
         return hybrid_picture(frame.file(), s).focus.image.rgb;
     };
     EXPECT_EQ(with(1), with(3));
-}
-
-TEST(RenderPixels, AreThoseOfTheWholePicture) {
-    const SceneBuilder b = bar_and_wall();
-    RenderSettings s;
-    s.f_number = 1.4;
-    s.focus_m = 2;
-    s.spp = 40;
-    const Image whole = render_picture(b.scene, s).image;
-    const std::vector<std::uint32_t> pixels{0, 63, 64, 700, 1500, 48 * 64 - 1};
-    const RenderedPixels some = render_pixels(b.scene, s, pixels);
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-        for (std::size_t c = 0; c < 3; ++c)
-            EXPECT_NEAR(some.rgb[i][c], whole.rgb[3 * pixels[i] + c], 1e-6F) << pixels[i];
-    }
-    EXPECT_EQ(some.rays.eye, 40 * pixels.size());
 }
 
 // The part of a light's disc that a bar hides is not recorded, and rays through the hole mostly miss the
