@@ -16,20 +16,7 @@ constexpr int even_probes = 33;
 }  // namespace
 
 void IdExtent::add(double x, double y, double inverse_z) {
-    if (records == 0) {
-        x_min = x_max = x;
-        y_min = y_max = y;
-        inverse_z_min = inverse_z_max = inverse_z;
-    } else {
-        x_min = std::min(x_min, x);
-        x_max = std::max(x_max, x);
-        y_min = std::min(y_min, y);
-        y_max = std::max(y_max, y);
-        inverse_z_min = std::min(inverse_z_min, inverse_z);
-        inverse_z_max = std::max(inverse_z_max, inverse_z);
-    }
-    ++records;
-    inverse_z_sum += inverse_z;
+    add({1, x, x, y, y, inverse_z, inverse_z, inverse_z});
 }
 
 void IdExtent::add(const IdExtent& o) {

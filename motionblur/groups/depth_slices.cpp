@@ -47,22 +47,6 @@ bool is_torn(const Leaf& leaf, const std::array<const LayerSurface*, 4>& s, doub
     return low < high && !is_one_surface(low, high, static_cast<double>(leaf.size) * across_per_px, true);
 }
 
-/// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows the group in at least one
-/// corner.
-template <typename OnLeaf>
-void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& pixels,
-                      const OnLeaf& on_leaf) {
-    for (int y = std::max(pixels.y_begin, band.y_begin); y < std::min(pixels.y_end, band.y_end); ++y) {
-        for (int x = pixels.x_begin; x < pixels.x_end; ++x) {
-            band.for_each_leaf(x, y, [&](const Leaf& leaf) {
-                std::array<const LayerSurface*, 4> s{};
-                for (std::size_t k = 0; k < 4; ++k) s[k] = surface_of(band, leaf.corner[k], table, g);
-                if (s != std::array<const LayerSurface*, 4>{}) on_leaf(leaf, s);
-            });
-        }
-    }
-}
-
 }  // namespace
 
 int slices_for(const MovingGroup& group) {
@@ -79,21 +63,22 @@ double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
     };
     std::vector<Sum> sums(bands.size());
     parallel_for(bands.size(), [&](std::size_t b) {
-        for_each_leaf_of(
-            bands[b], table, g, pixels, [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-                const auto size = static_cast<double>(leaf.size);
-                const auto corners = 4 - std::count(s.begin(), s.end(), nullptr);
-                sums[b].all += size * size * static_cast<double>(corners) / 4;
-                if (!is_torn(leaf, s, across_per_px)) return;
-                const dvec2 gradient = gradient_of(leaf, s);
-                double apart_px = 0;  // distance by which the motion separates the leaf's sides
-                for (const PathAxis& axis : axes)
-                    apart_px = std::max(apart_px, size / group.path_inverse_z *
-                                                      std::abs(glm::dot(gradient, axis.direction)) *
-                                                      std::max(axis.high_px, -axis.low_px));
-                constexpr double noticeable_px = 0.5;
-                if (apart_px >= noticeable_px) sums[b].torn += size * apart_px;
-            });
+        for_each_leaf_of(bands[b], table, g, pixels, 1,
+                         [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
+                             const auto size = static_cast<double>(leaf.size);
+                             const auto corners = 4 - std::count(s.begin(), s.end(), nullptr);
+                             sums[b].all += size * size * static_cast<double>(corners) / 4;
+                             if (!is_torn(leaf, s, across_per_px)) return;
+                             const dvec2 gradient = gradient_of(leaf, s);
+                             double apart_px = 0;  // distance by which the motion separates the leaf's sides
+                             for (const PathAxis& axis : axes)
+                                 apart_px =
+                                     std::max(apart_px, size / group.path_inverse_z *
+                                                            std::abs(glm::dot(gradient, axis.direction)) *
+                                                            std::max(axis.high_px, -axis.low_px));
+                             constexpr double noticeable_px = 0.5;
+                             if (apart_px >= noticeable_px) sums[b].torn += size * apart_px;
+                         });
     });
     Sum sum;
     for (const Sum& s : sums) {
@@ -170,41 +155,39 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    const int c = cells_per_px_;
     // Reserves memory for the largest possible number of pieces. The system only provides the part that is
     // written.
     out.pieces.reserve(4 * band.leaves.leaves.size());
-    const CellWindow pixels{window_.x_begin / c, window_.x_end / c, window_.y_begin / c, window_.y_end / c};
-    for_each_leaf_of(
-        band, table, g, pixels, [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
-            const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
-            const Stretch stretch = leaf_stretch(leaf, s);
-            Piece piece;
-            double area = stretch.area;
-            for (std::size_t a = 0; a < axes_.size(); ++a) {
-                const double rate = stretch.rate_per_px[static_cast<int>(a)];
-                area += rate * axes_[a].low_px;
-                piece.rate[a] = static_cast<float>(rate);
-            }
-            piece.area = static_cast<float>(area);
-            for (std::size_t k = 0; k < 4; ++k) {
-                if (s[k] == nullptr) continue;
-                const QuarterCells q = quarter_cells(at, leaf.size, k, c);
-                const double place =
-                    std::clamp((static_cast<double>(s[k]->inverse_z) - far_) / step_, 0.0, count_ - 1.0);
-                const int slice = std::min(static_cast<int>(place), count_ - 2);
-                piece.x = q.x - window_.x_begin;
-                piece.y = q.y - window_.y_begin;
-                piece.n = q.n;
-                piece.share = q.share;
-                piece.r = s[k]->r;
-                piece.g = s[k]->g;
-                piece.b = s[k]->b;
-                piece.nearer = static_cast<float>(place - slice);
-                piece.slice = slice;
-                out.pieces.push_back(piece);
-            }
-        });
+    for_each_leaf_of(band, table, g, window_, cells_per_px_,
+                     [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
+                         const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
+                         const Stretch stretch = leaf_stretch(leaf, s);
+                         Piece piece;
+                         double area = stretch.area;
+                         for (std::size_t a = 0; a < axes_.size(); ++a) {
+                             const double rate = stretch.rate_per_px[static_cast<int>(a)];
+                             area += rate * axes_[a].low_px;
+                             piece.rate[a] = static_cast<float>(rate);
+                         }
+                         piece.area = static_cast<float>(area);
+                         for (std::size_t k = 0; k < 4; ++k) {
+                             if (s[k] == nullptr) continue;
+                             const QuarterCells q = quarter_cells(at, leaf.size, k, cells_per_px_);
+                             const double place = std::clamp(
+                                 (static_cast<double>(s[k]->inverse_z) - far_) / step_, 0.0, count_ - 1.0);
+                             const int slice = std::min(static_cast<int>(place), count_ - 2);
+                             piece.x = q.x - window_.x_begin;
+                             piece.y = q.y - window_.y_begin;
+                             piece.n = q.n;
+                             piece.share = q.share;
+                             piece.r = s[k]->r;
+                             piece.g = s[k]->g;
+                             piece.b = s[k]->b;
+                             piece.nearer = static_cast<float>(place - slice);
+                             piece.slice = slice;
+                             out.pieces.push_back(piece);
+                         }
+                     });
     out.offsets.assign(static_cast<std::size_t>(count_) + 1, 0);
     for (const Piece& piece : out.pieces) ++out.offsets[static_cast<std::size_t>(piece.slice) + 1];
     for (std::size_t k = 1; k < out.offsets.size(); ++k) out.offsets[k] += out.offsets[k - 1];

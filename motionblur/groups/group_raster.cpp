@@ -84,18 +84,13 @@ Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& tabl
     };
     parallel_for(bands.size(), [&](std::size_t b) {
         const BandSurfaces& band = bands[b];
-        for (int y = std::max(window.y_begin / c, band.y_begin); y < std::min(window.y_end / c, band.y_end);
-             ++y) {
-            for (int x = window.x_begin / c; x < window.x_end / c; ++x) {
-                band.for_each_leaf(x, y, [&](const Leaf& leaf) {
-                    const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
-                    for (std::size_t k = 0; k < 4; ++k) {
-                        const LayerSurface* s = surface_of(band, leaf.corner[k], table, g);
-                        if (s != nullptr) add_quarter(quarter_cells(at, leaf.size, k, c), *s);
-                    }
-                });
-            }
-        }
+        for_each_leaf_of(band, table, g, window, c,
+                         [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {
+                             const PointSample& at = band.leaves.points.samples[leaf.corner[0]];
+                             for (std::size_t k = 0; k < 4; ++k) {
+                                 if (s[k] != nullptr) add_quarter(quarter_cells(at, leaf.size, k, c), *s[k]);
+                             }
+                         });
     });
     return out;
 }

@@ -2,7 +2,8 @@
 // cells to pixels.
 #pragma once
 
-#include <optional>
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "motionblur/convolution/convolution.h"
@@ -41,6 +42,24 @@ struct QuarterCells {
 /// The nearest surface at a point sample that belongs to moving group g, or nullptr.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
+
+/// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows moving group g in at least one
+/// corner. `surfaces`: surface_of each corner. `window`: the group's cells (group_window).
+template <typename OnLeaf>
+void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
+                      int cells_per_px, const OnLeaf& on_leaf) {
+    const int y_begin = std::max(window.y_begin / cells_per_px, band.y_begin),
+              y_end = std::min(window.y_end / cells_per_px, band.y_end);
+    for (int y = y_begin; y < y_end; ++y) {
+        for (int x = window.x_begin / cells_per_px; x < window.x_end / cells_per_px; ++x) {
+            band.for_each_leaf(x, y, [&](const Leaf& leaf) {
+                std::array<const LayerSurface*, 4> s{};
+                for (std::size_t k = 0; k < 4; ++k) s[k] = surface_of(band, leaf.corner[k], table, g);
+                if (s != std::array<const LayerSurface*, 4>{}) on_leaf(leaf, s);
+            });
+        }
+    }
+}
 
 /// Draws the raster of moving group g, in cells of 1/cells_per_px px. Every cell shows the nearest recorded
 /// surface of the group in this cell, from any layer.
