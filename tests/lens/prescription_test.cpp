@@ -12,6 +12,7 @@
 #include "lens/prescription/glass_catalogue.h"
 #include "lens/prescription/read_prescription.h"
 #include "tests/lens/lens_files.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::prescription_test {
@@ -43,16 +44,7 @@ class PrescriptionFiles : public testing::Test {
     // Checks that the file is rejected with a one-line message that contains `part`.
     void refused(const std::string& name, const std::string& text, const std::string& part) {
         const std::string path = write(name, text);
-        try {
-            (void)read_prescription(path);
-            ADD_FAILURE() << "accepted: " << text;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::invalid_input);
-            const std::string what = e.what();
-            EXPECT_EQ(what.rfind(path, 0), 0U) << what;
-            EXPECT_NE(what.find(part), std::string::npos) << what;
-            EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-        }
+        expect_refused([&] { (void)read_prescription(path); }, ExitCode::invalid_input, part, path);
     }
     TemporaryFolder folder_;
 };

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::shutter_curve_test {
@@ -120,16 +121,7 @@ class ShutterFile : public testing::Test {
         return path;
     }
     void refused(const fs::path& path, const std::string& part) {
-        try {
-            (void)ShutterCurve::read(path);
-            ADD_FAILURE() << path << " was read; expected: " << part;
-        } catch (const Error& e) {
-            const std::string text = e.what();
-            EXPECT_EQ(e.code(), ExitCode::invalid_input) << text;
-            EXPECT_EQ(text.rfind(path.string(), 0), 0U) << text;
-            EXPECT_NE(text.find(part), std::string::npos) << text << "\nexpected: " << part;
-            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-        }
+        expect_refused([&] { (void)ShutterCurve::read(path); }, ExitCode::invalid_input, part, path.string());
     }
     TemporaryFolder folder_;
 };

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "lens/fits/sharp_range.h"
 #include "lens/thin_lens.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::thin_lens_fit_test {
@@ -122,12 +123,7 @@ TEST(ThinLensFit, SaysWhereDepthsDifferTooLittle) {
 
 TEST(ThinLensFit, RefusesDataOfNoLens) {
     const auto refused = [](const std::vector<CocPair>& pairs, const ThinLensFitRequest& r, ExitCode code) {
-        try {
-            (void)fit_thin_lens(pairs, r);
-            ADD_FAILURE();
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), code) << e.what();
-        }
+        expect_refused([&] { (void)fit_thin_lens(pairs, r); }, code);
     };
     refused({}, {}, ExitCode::invalid_input);
     refused({{1, 0.1}}, {}, ExitCode::invalid_input);
@@ -153,13 +149,7 @@ TEST(CocPairs, AreReadAndRefusedWithTheirLine) {
     for (const char* text : {"", "distance_m,coc_mm\n", "1\n", "1,x\n", "0,1\n", "-1,1\n", "1,-1\n",
                              "nan,1\n", "1,inf\n", "1,2,3\n"}) {
         std::ofstream(path) << text;
-        try {
-            (void)read_coc_pairs(path);
-            ADD_FAILURE() << text;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::invalid_input) << text;
-            EXPECT_NE(std::string(e.what()).find("pairs.csv"), std::string::npos);
-        }
+        expect_refused([&] { (void)read_coc_pairs(path); }, ExitCode::invalid_input, "pairs.csv");
     }
     EXPECT_THROW((void)read_coc_pairs(folder.path() / "missing.csv"), Error);
 }

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/error.h"
+#include "tests/support/refusal.h"
 
 namespace postlens::test::fit_path_test {
 namespace {
@@ -149,14 +150,8 @@ TEST(FitPath, WhatCannotBeFittedIsRefused) {
     const std::vector<PathPoint> good{{0, {0, 0}}, {1, {1, 1}}};
     const auto refused = [](const std::vector<PathPoint>& points, double tolerance_px,
                             const std::string& part) {
-        try {
-            (void)fit_path(points, tolerance_px);
-            ADD_FAILURE() << "expected: " << part;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
-            EXPECT_EQ(std::string(e.what()).rfind("--fit-paths: ", 0), 0U) << e.what();
-            EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-        }
+        expect_refused([&] { (void)fit_path(points, tolerance_px); }, ExitCode::wrong_arguments, part,
+                       "--fit-paths: ");
     };
     for (const double bad : {0.0, -1.0, nan, inf}) refused(good, bad, "out of range (got");
     refused({}, 1, "number of points");

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "motionblur/paths/screen_path.h"
+#include "tests/support/refusal.h"
 
 namespace postlens::test::motion_paths_test {
 namespace {
@@ -113,15 +114,9 @@ TEST(ScreenPaths, CatmullRomMeetsItsKnotsAndMakesParabolasOfUnevenKnots) {
 TEST(ScreenPaths, WhatIsNoPathIsRefused) {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const double inf = std::numeric_limits<double>::infinity();
-    const auto refused = [](std::vector<PathKnot> knots, const std::string& part) {
-        try {
-            (void)ScreenPath(PathKind::bezier, std::move(knots), "here:3");
-            ADD_FAILURE() << "expected: " << part;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::invalid_input);
-            EXPECT_EQ(std::string(e.what()).rfind("here:3: ", 0), 0U) << e.what();
-            EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-        }
+    const auto refused = [](const std::vector<PathKnot>& knots, const std::string& part) {
+        expect_refused([&] { (void)ScreenPath(PathKind::bezier, knots, "here:3"); }, ExitCode::invalid_input,
+                       part, "here:3: ");
     };
     refused({}, "no knots");
     refused({{0, {}}, {0, {}}}, "times do not grow (got 0 s after 0 s at knot 2)");

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "tests/motionblur/drawn_path.h"
+#include "tests/support/refusal.h"
 
 namespace postlens::test::path_raster_test {
 namespace {
@@ -279,13 +280,8 @@ TEST(PathRasters, WhatCannotBeDrawnIsRefused) {
     const double inf = std::numeric_limits<double>::infinity();
     const auto refused = [&](const std::vector<PathPoint>& points, double open_s, double close_s, int cells,
                              const std::string& part) {
-        try {
-            (void)draw_path(points, dvec2(0), open_s, close_s, box, cells);
-            ADD_FAILURE() << "expected: " << part;
-        } catch (const Error& e) {
-            EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-            EXPECT_EQ(std::string(e.what()).find('\n'), std::string::npos);
-        }
+        expect_refused([&] { (void)draw_path(points, dvec2(0), open_s, close_s, box, cells); },
+                       ExitCode::wrong_arguments, part);
     };
     refused({}, 0, 1, 1, "no points");
     refused({{0, {}}}, 1, 0, 1, "must not come before open");

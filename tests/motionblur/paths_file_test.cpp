@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "core/error.h"
+#include "tests/support/refusal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace postlens::test::paths_file_test {
@@ -27,16 +28,7 @@ class PathsFile : public testing::Test {
     }
     // Checks that the error is one line that begins with the path and contains `part`.
     void refused(const fs::path& path, const std::string& part) {
-        try {
-            (void)read_paths(path);
-            ADD_FAILURE() << path << " was read; expected: " << part;
-        } catch (const Error& e) {
-            const std::string text = e.what();
-            EXPECT_EQ(e.code(), ExitCode::invalid_input) << text;
-            EXPECT_EQ(text.rfind(path.string(), 0), 0U) << text;
-            EXPECT_NE(text.find(part), std::string::npos) << text << "\nexpected: " << part;
-            EXPECT_EQ(text.find('\n'), std::string::npos) << text;
-        }
+        expect_refused([&] { (void)read_paths(path); }, ExitCode::invalid_input, part, path.string());
     }
     void refused_text(const std::string& text, const std::string& part) { refused(file(text), part); }
     TemporaryFolder folder_;
