@@ -92,7 +92,7 @@ class Field {
                               std::min(field_.piece_px, field_.height - y0)};
         if (piece.width <= 0 || piece.height <= 0) return;
         if (marks_.any() && !has_wanted_marks(tile)) return;
-        const TileRect rect{x, x + piece.width, y, y + piece.height};
+        const TilePart rect{x, x + piece.width, y, y + piece.height};
         w.gathered = false;
         w.is_crowded.reset();
         for (std::size_t set = 0; set < field_.sets.size(); ++set) {
@@ -105,7 +105,7 @@ class Field {
 
     /// Gathers the patches that a set of views draws in a piece, unless an earlier set has gathered them.
     /// `rays`: those of the set, or null.
-    void gather(std::size_t tile, const TileRect& rect, const SightRays* rays, Workplace& w) const {
+    void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
         if (rays != nullptr && bins_.trees() && !w.is_crowded)

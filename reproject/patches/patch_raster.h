@@ -64,10 +64,13 @@ inline void SeenTile::clear(const TilePlace& at) {
     fill_pixels(at, maybe_inverse_z, nothing);
 }
 
-/// Pixels [x_begin, x_end) x [y_begin, y_end) of a tile.
+/// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, counted from its corner.
 struct TilePart {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
+    [[nodiscard]] std::size_t pixels() const {
+        return static_cast<std::size_t>(x_end - x_begin) * static_cast<std::size_t>(y_end - y_begin);
+    }
 };
 
 /// A bit mask of the 8 x 8 px blocks of a tile that are not empty.

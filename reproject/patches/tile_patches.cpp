@@ -10,7 +10,6 @@
 
 #include "core/threads.h"
 #include "reproject/patches/patch_raster.h"
-#include "reproject/patches/patch_sweep.h"
 #include "reproject/raster_rect.h"
 
 namespace postlens {
@@ -43,17 +42,17 @@ PatchBins::PatchBins(const PatchField& field, const MotionMarks& marks)
         }
     }
     farthest_px_ = glm::max(farthest_px_, field.lens_reach_px);
+    const PatchSweep sweep(field);
     for (std::size_t i = 0; i < field.instants.size(); ++i) {
-        primary_.push_back(sorted(*field.instants[i].primary, i, marks));
-        deeper_.push_back(field.instants[i].deeper != nullptr ? sorted(*field.instants[i].deeper, i, marks)
-                                                              : Bins());
-        trees_ = trees_ || field.instants[i].deeper != nullptr;
+        const PatchMesh* deeper = field.instants[i].deeper;
+        primary_.push_back(sorted(*field.instants[i].primary, i, marks, sweep));
+        deeper_.push_back(deeper != nullptr ? sorted(*deeper, i, marks, sweep) : Bins());
+        trees_ = trees_ || deeper != nullptr;
     }
 }
 
-PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
-                                  const MotionMarks& marks) const {
-    const PatchSweep sweep(field_);
+PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
+                                  const PatchSweep& sweep) const {
     std::vector<RasterRect> swept(mesh.patches.size());
     parallel_for(
         swept.size(),
@@ -118,7 +117,7 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant,
     return bins;
 }
 
-void PatchBins::gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const {
+void PatchBins::gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const {
     out.primary.resize(field_.instants.size());
     out.deeper.resize(field_.instants.size());
     out.chains.assign(field_.instants.size(), {});
@@ -133,7 +132,7 @@ void PatchBins::gather(std::size_t tile, const TileRect& rect, GatheredTile& out
     }
 }
 
-bool PatchBins::has_more_deeper(std::size_t tile, const TileRect& rect, std::size_t most) const {
+bool PatchBins::has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const {
     return std::any_of(deeper_.begin(), deeper_.end(), [&](const Bins& bins) {
         std::size_t count = 0;
         return !bins.empty() && bins[tile].pixels.size() > most &&
@@ -142,7 +141,7 @@ bool PatchBins::has_more_deeper(std::size_t tile, const TileRect& rect, std::siz
     });
 }
 
-void PatchBins::gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const {
+void PatchBins::gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const {
     for (std::size_t i = 0; i < field_.instants.size(); ++i) {
         if (field_.instants[i].deeper == nullptr) continue;
         const PatchMesh& mesh = *field_.instants[i].deeper;

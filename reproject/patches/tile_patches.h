@@ -9,6 +9,7 @@
 #include "reproject/patches/motion_marks.h"
 #include "reproject/patches/patch_raster.h"
 #include "reproject/patches/patch_reach.h"
+#include "reproject/patches/patch_sweep.h"
 #include "reproject/patches/patches.h"
 
 namespace postlens {
@@ -33,14 +34,6 @@ struct GatheredTile {
     std::vector<NodePath> paths;                  ///< paths of all chains
 };
 
-/// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, counted from its corner.
-struct TileRect {
-    int x_begin = 0, x_end = SeenTile::edge, y_begin = 0, y_end = SeenTile::edge;
-    [[nodiscard]] std::size_t pixels() const {
-        return static_cast<std::size_t>(x_end - x_begin) * static_cast<std::size_t>(y_end - y_begin);
-    }
-};
-
 class PatchBins {
   public:
     /// Keeps a reference to `field`.
@@ -57,14 +50,14 @@ class PatchBins {
     }
     /// Copies those directly visible patches of a tile that may appear in a rectangle of it. `out` then has
     /// no chains.
-    void gather(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
+    void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
     /// Whether more than `most` reflected and transmitted patches of an instant may appear in a rectangle of
     /// a tile.
-    [[nodiscard]] bool has_more_deeper(std::size_t tile, const TileRect& rect, std::size_t most) const;
+    [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
     /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
     /// The chains and paths are those of the whole tile, also if they have no patches in the rectangle. A
     /// view that needs a node of such a path then counts as unknown.
-    void gather_chains(std::size_t tile, const TileRect& rect, GatheredTile& out) const;
+    void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
     /// The patches that some view may show in a tile, and the pixels of the tile in which it may show each of
@@ -72,7 +65,7 @@ class PatchBins {
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
-            [[nodiscard]] bool meet(const TileRect& r) const {
+            [[nodiscard]] bool meet(const TilePart& r) const {
                 return x_first < r.x_end && x_last >= r.x_begin && y_first < r.y_end && y_last >= r.y_begin;
             }
         };
@@ -83,7 +76,8 @@ class PatchBins {
     using Bins = std::vector<Bin>;  ///< per tile
     /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
     /// first. Within a path the nearest come first, so that hidden pixels fail the depth test early.
-    [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks) const;
+    [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
+                              const PatchSweep& sweep) const;
     /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
     /// Appends a patch to contiguous memory, because every view reads all patches of the rectangle.
