@@ -196,7 +196,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
     FieldFocusSettings by_field{
         in_traced_px(geometry), read_aperture(settings.impulse), window, settings.views, {}, {}, {}, crop};
     FieldFocus seen = field_focus(frame, by_field);
-    const double unknown_share = seen.unknown_share(crop);
+    const double unknown_share = mean_of(seen.unknown, window.width(), crop);
     const std::vector<float> unknown_below = cut(seen.unknown_below, window.width(), crop);
     FocusResult out;
     out.method = FocusMethod::lightfield;

@@ -1,7 +1,9 @@
 // Crops images.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <numeric>
 #include <optional>
 #include <vector>
 
@@ -30,6 +32,15 @@ template <typename Value>
         out.insert(out.end(), row, row + crop->width);
     }
     return out;
+}
+
+/// Mean over the crop of an array with one value per pixel, as for `cut`; 0 if there are no pixels.
+template <typename Value>
+[[nodiscard]] double mean_of(const std::vector<Value>& of_pixels, int width,
+                             const std::optional<Crop>& crop) {
+    const std::vector<Value> wanted = cut(of_pixels, width, crop);
+    return std::accumulate(wanted.begin(), wanted.end(), 0.0) /
+           static_cast<double>(std::max<std::size_t>(wanted.size(), 1));
 }
 
 }  // namespace postlens

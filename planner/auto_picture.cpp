@@ -356,9 +356,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         }
     } else {
         const RecordsBound bound = records_bound(frame, whole, out.hybrid.focus.image);
-        out.unsure_share = bound.unsure_share(grid.width, crop);
+        out.unsure_share = mean_of(bound.unsure, grid.width, crop);
         out.noise_mse = stated.views_mse;
-        out.bound_mse = together_mse(stated.views_mse, bound.mean_mse(grid.width, crop));
+        out.bound_mse = together_mse(stated.views_mse, mean_of(bound.mse, grid.width, crop));
         out.met = out.noise_mse <= most_mse;
         const std::string said = fmt::format(
             "{:.1f} dB without the error of the records, at least {:.1f} dB with it, as {} % of the view "

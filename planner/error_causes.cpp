@@ -8,16 +8,18 @@
 #include "core/error.h"
 #include "focus/bend_warning.h"
 #include "focus/light_field/field_focus.h"
-#include "pictures/aperture_file.h"
 #include "pictures/srgb.h"
 #include "planner/errors/error_trials.h"
 #include "planner/errors/local_contrast.h"
 #include "planner/errors/record_floor.h"
+#include "planner/views/picture_request.h"
 
 namespace postlens {
 namespace {
 
 constexpr int many_views = 256;
+/// A pixel is in error if a channel differs from the reference by more than this, sRGB values.
+constexpr double wrong_above = 1.0 / 255;
 /// A cause explains a pixel's error if an image without this cause has at most half of the error in this
 /// pixel, that is at most a quarter of the squared error.
 constexpr double explained = 0.25;
@@ -43,11 +45,11 @@ double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
     return sum;
 }
 
-bool is_wrong(const Image& a, const Image& b, std::size_t pixel, double above) {
+bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     for (std::size_t c = 3 * pixel; c < 3 * pixel + 3; ++c) {
         const double d =
             static_cast<double>(srgb_from_linear(a.rgb[c])) - static_cast<double>(srgb_from_linear(b.rgb[c]));
-        if (!(std::abs(d) <= above)) return true;
+        if (!(std::abs(d) <= wrong_above)) return true;
     }
     return false;
 }
@@ -149,14 +151,14 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         }
     }
     const HybridSettings& v = request.view;
-    const FocusGeometry geometry = focus_geometry(v.focus.lens, v.focus.focus_distance_m, Framing::keep,
-                                                  {h.film_distance_mm, h.pixel_pitch_mm});
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
     // The light field of the records resolves visibility. With a shutter, it also resolves the motion.
-    FieldFocusSettings by_field{
-        geometry, read_aperture(v.focus.impulse), {0, h.width, 0, h.height}, many_views, {}, {}};
-    if (moves) by_field.shutter = {v.motion, v.shutter->open_s, v.shutter->close_s, v.curve};
+    FieldFocusSettings by_field = field_settings(h, v);
+    by_field.views = many_views;
+    by_field.crop.reset();
+    if (!moves) by_field.shutter.reset();
+    const FocusGeometry& geometry = by_field.geometry;
     MisplacedLight misplaced_light(h, geometry);
     RecordFloor record_floor(h, geometry);
     BeyondMargin margin(h, geometry);
@@ -192,7 +194,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     if (v.scene != nullptr) {
         double all = 0, left = 0;
         for (std::size_t k = 0; k < floor.size(); ++k) {
-            if (!is_wrong(image, reference, k, request.wrong_above)) continue;
+            if (!is_wrong(image, reference, k)) continue;
             const double error = squared_difference(image, reference, k);
             all += error;
             left += finer_explains(k, error) || views_explain(k, error) ? 0 : error;
@@ -206,7 +208,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     out.causes.assign(floor.size(), ErrorCause::none);
     double all = 0;
     for (std::size_t k = 0; k < floor.size(); ++k) {
-        if (!is_wrong(image, reference, k, request.wrong_above)) continue;
+        if (!is_wrong(image, reference, k)) continue;
         const double error = squared_difference(image, reference, k);
         ErrorCause cause = ErrorCause::view_dependent_shading;
         const ErrorTrial* best = nullptr;

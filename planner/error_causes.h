@@ -30,8 +30,6 @@ struct CauseRequest {
     HybridSettings view;                ///< lens, shutter and motion; the method is ignored
     std::optional<FocusMethod> method;  ///< method that made the image; empty if it is not known
     std::optional<int> depths;          ///< number of depths to which `scatter` was limited
-    /// A pixel is in error if a channel differs from the reference by more than this, sRGB values.
-    double wrong_above = 1.0 / 255;
 };
 
 struct CauseMap {
@@ -40,7 +38,8 @@ struct CauseMap {
     std::array<double, error_causes> error_share{};  ///< per cause, share of the squared error
 };
 
-/// Finds the cause of the error of each pixel in error (CauseRequest::wrong_above), in three steps.
+/// Finds the cause of the error of each pixel in error, in three steps. A pixel is in error if a channel
+/// differs from the reference by more than 1/255, sRGB values.
 ///
 /// 1. Some causes can be removed by making the image again. Finer kernels remove kernel_truncation. A light
 /// field with many views removes visibility, path_and_depth_correlated (with an open shutter), record_density

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <numeric>
 
 #include "core/text.h"
 #include "focus/bend_warning.h"
@@ -17,22 +16,20 @@
 namespace postlens {
 namespace {
 
-/// Returns the pixels with insufficient records, where too much of the light is unknown or misplaced. The
-/// worst pixels come first. Equally bad pixels have the order of the image.
-std::vector<std::uint32_t> insufficient(const FieldFocus& field, const std::vector<float>& misplaced,
-                                        double tolerated, const std::optional<Crop>& crop) {
-    std::vector<std::uint32_t> out;
-    const auto error = [&](std::uint32_t k) {
-        return std::max({field.unknown[k], field.unknown_below[k], misplaced.empty() ? 0.0F : misplaced[k]});
-    };
-    const auto width = static_cast<std::uint32_t>(field.image.width);
-    for (std::uint32_t k = 0; k < field.unknown.size(); ++k) {
-        if (crop && !crop->contains(static_cast<int>(k % width), static_cast<int>(k / width))) continue;
-        if (static_cast<double>(error(k)) > tolerated) out.push_back(k);
+/// The records of a pixel are insufficient if more than this share of its light is not recorded, or if more
+/// than this radiance is reprojected to wrong positions, because W is only a linear approximation.
+constexpr double tolerated = 0.02;
+
+/// Returns the share of the pixels, of the image or its crop, whose records are insufficient.
+double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
+                          const std::optional<Crop>& crop) {
+    std::vector<std::uint8_t> marks(field.unknown.size());
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+        const float error =
+            std::max({field.unknown[k], field.unknown_below[k], misplaced.empty() ? 0.0F : misplaced[k]});
+        marks[k] = static_cast<double>(error) > tolerated ? 1 : 0;
     }
-    std::stable_sort(out.begin(), out.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return error(a) > error(b); });
-    return out;
+    return mean_of(marks, field.image.width, crop);
 }
 
 /// Cost of scattering an image, as the number of views of the whole image that take as long. If an image has
@@ -45,7 +42,6 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     const SampleFileReader& file = frame.file();
     const SampleHeader& h = file.header();
     FocusSettings focus = settings.focus;
-    const auto drawn = static_cast<double>(wanted_pixels(focus.crop, h.width, h.height));
     HybridResult out;
     MisplacedLight misplaced(h, by_field.geometry);
     by_field.also.rows = [&](const RecordBand& band, int y_begin, int y_end) {
@@ -59,27 +55,22 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
         focus.spacing = DepthSpacing::inverse;
         focus.depths.reset();
         out.focus = focus_picture(frame, focus);
-        std::size_t scattered = 0;
         for (std::size_t k = 0; k < field.left_out.size(); ++k) {
             if (field.left_out[k] != 0) {
-                const auto width = static_cast<std::size_t>(h.width);
-                if (!focus.crop ||
-                    focus.crop->contains(static_cast<int>(k % width), static_cast<int>(k / width)))
-                    ++scattered;
                 out.what[k] = 1;
                 continue;
             }
             std::copy_n(field.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k), 3,
                         out.focus.image.rgb.begin() + static_cast<std::ptrdiff_t>(3 * k));
         }
-        out.scattered_share = static_cast<double>(scattered) / drawn;
+        out.scattered_share = mean_of(out.what, h.width, focus.crop);
     } else {
         out.focus.image = field.image;
+        out.focus.image.exposure_stops = file.exposure_stops();
+        out.focus.geometry = by_field.geometry;
         out.focus.largest_coc_px = largest_coc_px(depth_range(file), by_field.geometry);
     }
-    const std::size_t pixels =
-        insufficient(field, misplaced.picture(), settings.tolerated, focus.crop).size();
-    out.wanted_share = static_cast<double>(pixels) / drawn;
+    out.wanted_share = insufficient_share(field, misplaced.picture(), focus.crop);
     if (out.wanted_share > 1e-3) {
         out.focus.warnings.push_back(
             {"uncovered", out.wanted_share,
@@ -147,9 +138,7 @@ HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& 
 HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings) {
     check_request(frame.file(), settings, "hybrid and shoot");
     HybridResult out = settings.scene != nullptr ? with_rays(frame, settings) : from_records(frame, settings);
-    out.focus.image.exposure_stops = frame.file().exposure_stops();
     out.focus.views = settings.focus.views;
-    out.focus.geometry = field_settings(frame.file().header(), settings).geometry;
     return out;
 }
 

@@ -30,10 +30,6 @@ struct HybridSettings {
     /// For measurements with a scene: selects, in each half of the views, the view samples that are compared
     /// with rays (FieldViews::checked). If set, the image's error is not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Used without a scene. The records of a pixel are insufficient if more than this share of its light is
-    /// not recorded, or if more than this radiance is reprojected to wrong positions, because W is only a
-    /// linear approximation.
-    double tolerated = 0.02;
 };
 
 struct HybridResult {

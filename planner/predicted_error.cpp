@@ -86,7 +86,7 @@ PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, cons
                  method = std::max(0.0, all.method_mse / in_all);
     out.predicted_db = stated_db(method);
     out.bound_db = stated_db(together_mse(method, all.bound_mse / in_all));
-    out.unsure_share = bound.unsure_share(h.width, lens.focus.crop);
+    out.unsure_share = mean_of(bound.unsure, h.width, lens.focus.crop);
     return out;
 }
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 
@@ -11,7 +10,6 @@
 #include "focus/light_field/highlights_with_rays.h"
 #include "focus/light_field/lens_views.h"
 #include "focus/light_field/one_surface.h"
-#include "pictures/crop.h"
 #include "reproject/fill_gaps.h"
 #include "reproject/instants_around.h"
 #include "reproject/patch_field.h"
@@ -89,35 +87,23 @@ bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple,
 }
 
 FieldFocus finished(PatchPicture seen, const std::optional<OneSurface>& simple) {
-    FieldFocus out;
-    const auto width = static_cast<std::size_t>(seen.image.width);
+    FieldFocus out{std::move(seen), {}};
+    const auto width = static_cast<std::size_t>(out.image.width);
     if (simple) {
-        out.left_out.resize(seen.unknown.size());
+        out.left_out.resize(out.unknown.size());
         for (std::size_t k = 0; k < out.left_out.size(); ++k) {
             const bool left = simple->at(static_cast<int>(k % width), static_cast<int>(k / width));
             out.left_out[k] = left ? 1 : 0;
-            if (left) seen.unknown[k] = 0;
+            if (left) out.unknown[k] = 0;
         }
     }
-    std::vector<float> known(seen.unknown.size());
-    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - seen.unknown[k];
-    fill_gaps(seen.image, known);
-    out.image = std::move(seen.image);
-    out.unknown = std::move(seen.unknown);
-    out.unknown_below = std::move(seen.unknown_below);
-    out.traced = std::move(seen.traced);
-    out.checks = std::move(seen.checks);
-    out.light_square = std::move(seen.light_square);
+    std::vector<float> known(out.unknown.size());
+    for (std::size_t k = 0; k < known.size(); ++k) known[k] = 1 - out.unknown[k];
+    fill_gaps(out.image, known);
     return out;
 }
 
 }  // namespace
-
-double FieldFocus::unknown_share(const std::optional<Crop>& crop) const {
-    const std::vector<float> asked = cut(unknown, image.width, crop);
-    return std::accumulate(asked.begin(), asked.end(), 0.0) /
-           static_cast<double>(std::max<std::size_t>(asked.size(), 1));
-}
 
 struct FieldFocuser::Prepared {
     std::optional<Motions> motions;

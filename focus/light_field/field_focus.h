@@ -53,16 +53,10 @@ struct FieldFocusSettings {
     const SightRays* rays = nullptr;
 };
 
-struct FieldFocus {
-    Image image;
-    // One value per pixel of the window, as defined in PatchPicture.
-    std::vector<float> unknown, unknown_below;
-    std::vector<float> traced;           ///< empty without rays
-    std::vector<PixelCheck> checks;      ///< empty unless view samples are compared with rays
-    std::vector<float> light_square;     ///< empty without highlights
+/// The mean of the views, with one value per pixel of the window. Pixels that no view knows are filled from
+/// their surroundings.
+struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1: left out (leave_out_from_share); empty if none is
-    /// Mean of `unknown` over the window or `crop`.
-    [[nodiscard]] double unknown_share(const std::optional<Crop>& crop = std::nullopt) const;
 };
 
 /// The views whose mean is an image: views [first, first + count) of a set. The lens points of a set form one

@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-std::vector<float> local_contrast(const Image& image, int radius_px) {
+std::vector<float> local_contrast(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
     // Computes summed-area tables: one of the values for each channel, and one of the squares summed over all
     // channels.
@@ -27,7 +27,7 @@ std::vector<float> local_contrast(const Image& image, int radius_px) {
         }
     }
     std::vector<float> out(width * height);
-    const auto radius = static_cast<std::size_t>(radius_px);
+    constexpr std::size_t radius = 32;  // px, on each side of the pixel
     parallel_for(height, [&](std::size_t y) {
         const std::size_t y0 = y - std::min(y, radius), y1 = std::min(y + radius + 1, height);
         for (std::size_t x = 0; x < width; ++x) {

@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// For each pixel, the variance of the image (sRGB values, mean over channels) within a square of 2 radius_px
-/// + 1 px. The result is bit-identical for any number of threads.
-[[nodiscard]] std::vector<float> local_contrast(const Image& image, int radius_px = 32);
+/// For each pixel, the variance of the image (sRGB values, mean over channels) within a square of 65 px. The
+/// result is bit-identical for any number of threads.
+[[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
 /// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by light of its
 /// surroundings. `variance` is the variance of the surroundings' values.

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "focus/light_field/field_focus.h"
 #include "focus/responses/depth_levels.h"
-#include "pictures/crop.h"
 #include "pictures/srgb.h"
 #include "planner/views/picture_request.h"
 #include "reproject/no_rays.h"
@@ -75,20 +73,7 @@ class Ranges {
     std::vector<Range> ranges_;
 };
 
-double mean_of(const std::vector<float>& values, int width, const std::optional<Crop>& crop) {
-    const std::vector<float> asked = cut(values, width, crop);
-    return std::accumulate(asked.begin(), asked.end(), 0.0) /
-           static_cast<double>(std::max<std::size_t>(asked.size(), 1));
-}
-
 }  // namespace
-
-double RecordsBound::unsure_share(int width, const std::optional<Crop>& crop) const {
-    return mean_of(unsure, width, crop);
-}
-double RecordsBound::mean_mse(int width, const std::optional<Crop>& crop) const {
-    return mean_of(mse, width, crop);
-}
 
 RecordsBound records_bound(FocusFrame& frame, const HybridSettings& lens, const Image& image) {
     const SampleFileReader& file = frame.file();

@@ -19,9 +19,6 @@ namespace postlens {
 struct RecordsBound {
     std::vector<float> unsure;  ///< share of view samples that the records do not determine
     std::vector<float> mse;     ///< bound of the squared error of sRGB values, mean over channels
-    /// Means over the image or its crop.
-    [[nodiscard]] double unsure_share(int width, const std::optional<Crop>& crop) const;
-    [[nodiscard]] double mean_mse(int width, const std::optional<Crop>& crop) const;
 };
 
 /// Bounds the error that unsure view samples cause. These are the samples that the records do not determine

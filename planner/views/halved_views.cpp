@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -13,6 +12,8 @@
 
 namespace postlens {
 namespace {
+
+static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
 /// Number of scrambled sets of lens points, and step of the set's index from one row of pieces to the next.
 /// The square pieces of the image use the sets in turn. Both numbers are prime, so a set repeats along a row,
@@ -193,8 +194,7 @@ HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optiona
     for (std::size_t k = 0; k < out.what.size(); ++k) {
         if (out.traced[k] > 0.5F) out.what[k] = 2;
     }
-    const std::vector<float> asked = cut(out.traced, file.header().width, crop);
-    out.retraced_share = std::accumulate(asked.begin(), asked.end(), 0.0) / static_cast<double>(asked.size());
+    out.retraced_share = mean_of(out.traced, file.header().width, crop);
     return out;
 }
 
