@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "tests/focus/focus_records.h"
+#include "tests/support/refusal.h"
 
 namespace postlens::test::depth_levels_test {
 namespace {
@@ -97,15 +98,11 @@ TEST(DepthLevels, OneDepthOrNoneIsEnough) {
 
 TEST(DepthLevels, RefusesNumbersOutOfRange) {
     for (const int k : {-1, 0, 1, DepthLevels::most_depths + 1}) {
-        try {
-            const DepthLevels levels(lens_geometry, {1.0, 2.0}, DepthSpacing::inverse, k);
-            FAIL() << k;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
-            EXPECT_NE(
-                std::string(e.what()).find("number of depths is out of range (got " + std::to_string(k)),
-                std::string::npos);
-        }
+        expect_refused(
+            [&] {
+                const DepthLevels levels(lens_geometry, {1.0, 2.0}, DepthSpacing::inverse, k);
+            },
+            ExitCode::wrong_arguments, "number of depths is out of range (got " + std::to_string(k));
     }
 }
 

@@ -13,6 +13,7 @@
 #include "pictures/stacks/unmix_edges.h"
 #include "tests/focus/level_radius.h"
 #include "tests/support/edge_response.h"
+#include "tests/support/refusal.h"
 #include "tests/support/stack_bench.h"
 
 namespace postlens::test::foreign_focus_test {
@@ -516,12 +517,7 @@ TEST(ForeignFocus, PixelsThatAreNotSquareShowADiscAsAnEllipse) {
 TEST(ForeignFocus, OtherMethodsAreRefused) {
     const Bench bench;
     const ForeignPicture p = bench.picture([](int, int) { return Stack{}; });
-    try {
-        (void)bench.focus(p, FocusMethod::hybrid);
-        FAIL();
-    } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
-    }
+    expect_refused([&] { (void)bench.focus(p, FocusMethod::hybrid); }, ExitCode::wrong_arguments);
 }
 
 TEST(ForeignFocus, AZoomedFrameKeepsColourAndAlpha) {

@@ -10,6 +10,7 @@
 #include "pictures/foreign/cryptomatte.h"
 #include "tests/focus/level_radius.h"
 #include "tests/support/edge_response.h"
+#include "tests/support/refusal.h"
 #include "tests/support/stack_bench.h"
 #include "tests/support/temporary_folder.h"
 
@@ -302,13 +303,7 @@ TEST_F(ObjectEffectsTest, AManifestStatesTheIdsOfNames) {
 TEST_F(ObjectEffectsTest, WhatNoPixelShowsIsRefusedWithTheNamesThereAre) {
     ForeignPicture p = card();
     const auto refused = [&](const std::string& object, ExitCode code, const std::string& text) {
-        try {
-            (void)choose_samples(p, {"--holdout", object});
-            ADD_FAILURE() << object;
-        } catch (const Error& e) {
-            EXPECT_EQ(e.code(), code);
-            EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
-        }
+        expect_refused([&] { (void)choose_samples(p, {"--holdout", object}); }, code, text);
     };
     refused("cup", ExitCode::wrong_arguments,
             "cup; expected a name of the Cryptomatte CryptoObject: card, wall");

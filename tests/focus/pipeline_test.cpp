@@ -11,6 +11,7 @@
 #include "core/threads.h"
 #include "focus/focus.h"
 #include "lens/ellipse_coverage.h"
+#include "tests/support/refusal.h"
 #include "tests/support/scene_builder.h"
 #include "tests/support/temporary_folder.h"
 #include "tracer/trace.h"
@@ -206,13 +207,11 @@ TEST_F(Pipeline, AnOrthographicFileHasNoLens) {
     const SampleFileReader file(traced(b.scene, {}));
     EXPECT_EQ(focus_picture(file, {.lens = {50, infinity}, .focus_distance_m = 3}).image.rgb,
               file.picture().rgb);
-    try {
-        (void)focus_picture(file, {.lens = {50, 2}, .focus_distance_m = 3});
-        FAIL() << "a lens on an orthographic camera";
-    } catch (const Error& e) {
-        EXPECT_EQ(e.code(), ExitCode::wrong_arguments);
-        EXPECT_NE(std::string(e.what()).find("orthographic"), std::string::npos);
-    }
+    expect_refused(
+        [&] {
+            (void)focus_picture(file, {.lens = {50, 2}, .focus_distance_m = 3});
+        },
+        ExitCode::wrong_arguments, "orthographic");
 }
 
 }  // namespace
