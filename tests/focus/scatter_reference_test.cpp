@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 #include <optional>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "focus/scatter/scatter.h"
@@ -180,8 +181,10 @@ TEST(Scatter, BordersThatLeavesAreDividedForAreNoWiderThanTheirDisc) {
 
 TEST(Scatter, FinePositionsAreSharedOutToNeighbouringPhases) {
     std::mt19937 random(31);
-    for (const double radius : {2.5, 20.0, 300.0}) {
-        RecordBand band = random_band(random, 0, 12, 0, 12, {.levels = 5, .probability = 0.35});
+    // The discs of 2.5 and 20 px end within the image. Those of 300 px cover an image of any size that is
+    // quick to compute, so a few pixels show what a larger image would: that no weight is lost.
+    for (const auto& [radius, size_px] : {std::pair{2.5, 12}, {20.0, 30}, {300.0, 3}}) {
+        RecordBand band = random_band(random, 0, size_px, 0, size_px, {.levels = 5, .probability = 0.35});
         for (Record& r : band.records) r.z = static_cast<float>(1 / radius);
         // The error of an edge is at most (step / radius)^2 / 8, for colours of up to 4.
         EXPECT_LT(difference(scattered(band, 0, {.depths = 2}), exact_scatter(band, unit_geometry)), 1e-3)
