@@ -19,6 +19,18 @@ std::vector<double> times_of(const std::vector<TransformKey>& keys) {
 
 }  // namespace
 
+RasterMap through_lens(const RasterMap& motion, const LensShift& lens) {
+    if (lens.none()) return motion;
+    // The columns multiply x, y, 1 and 1/z'.
+    dmat4 shift(1);
+    const glm::dvec2 still = lens.inverse_focus_per_m * lens.lens_px + lens.offset_px;
+    shift[2][0] = still.x;
+    shift[2][1] = still.y;
+    shift[3][0] = -lens.lens_px.x;
+    shift[3][1] = -lens.lens_px.y;
+    return {shift * motion.matrix(), Projection::perspective};
+}
+
 dmat4 camera_from_raster(const SampleHeader& h) {
     const bool perspective = h.projection == Projection::perspective;
     const double scale =

@@ -43,6 +43,8 @@ class RasterMap {
     /// of the surface's image lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
+    [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
+    [[nodiscard]] Projection projection() const { return projection_; }
     [[nodiscard]] bool identity() const { return identity_; }
 
   private:
@@ -58,7 +60,13 @@ struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
     glm::dvec2 offset_px{0};
+    friend bool operator==(const LensShift&, const LensShift&) = default;
+    [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
+
+/// Returns the map that applies `motion` and then the lens's shift of directly visible surfaces. `motion`
+/// must be perspective, unless the shift is 0.
+[[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
 /// Maps homogeneous raster coordinates to homogeneous coordinates of the camera at the frame's instant (m; x
 /// right, y up, looking along -z). A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z',
