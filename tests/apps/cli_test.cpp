@@ -136,7 +136,7 @@ TEST_F(Cli, WrongArgumentsAreTwo) {
     const ExitCode two = ExitCode::wrong_arguments;
     refused({}, two, "subcommand");
     refused({"nonsense"}, two, "nonsense");
-    refused({"trace"}, two, "scene");
+    refused({"trace"}, two, "SCENE: missing");
     refused({"trace", scene()}, two, "--output");
     refused({"trace", scene(), "-o", in("x.exr"), "--size", "0x5"}, two, "--size");
     refused({"trace", scene(), "-o", in("x.exr"), "--size", "5"}, two, "WxH");

@@ -109,7 +109,7 @@ TEST_F(CompareCommand, AMissedLimitIsOneAndTheResultIsStillThere) {
 
 TEST_F(CompareCommand, WrongArgumentsAreTwo) {
     const std::string a = file("a.exr", waves(16, 16));
-    refused({a}, 2, "reference");
+    refused({a}, 2, "REFERENCE: missing");
     for (const char* option : {"--fail-psnr", "--fail-relmse", "--fail-flip"}) {
         refused({a, a, option, "nan"}, 2, option);
         refused({a, a, option, "-1"}, 2, option);

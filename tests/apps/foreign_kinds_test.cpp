@@ -382,7 +382,7 @@ TEST_F(ForeignKinds, PassesMayHaveFilesOfTheirOwn) {
     Plane{32, 40, [](int, int) { return std::vector<float>{1}; }, {"Z"}}.write(in("narrow.exr"));
     for (const auto& [file, words] : {std::pair("narrow.exr", "displayWindow differs"),
                                       {"vectors.exr", "no depth (got channels forward.u"},
-                                      {"none.exr", "none.exr: cannot read (No such file"}}) {
+                                      {"none.exr", "none.exr: cannot read (no such file)"}}) {
         const Outcome r = run({"focus", in("colours.exr"), "-o", in("o.exr"), "--f-number", "1", "--focus",
                                "2", "--depth-file", in(file)});
         EXPECT_NE(r.exit_code, 0) << file;

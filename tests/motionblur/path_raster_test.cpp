@@ -299,7 +299,12 @@ TEST(PathRasters, WhatCannotBeDrawnIsRefused) {
     for (int i = 0; i < 2'001; ++i) wild.push_back({1.0 * i, {i % 2 * 200'000.0, 0}});
     refused(wild, 0, 2000, 1, "too long a way");
     // 10^12 cells exceed the available memory.
-    refused({{0, {0, 0}}, {1, {999'990, 999'990}}}, 0, 1, 1, "memory");
+    expect_refused(
+        [&] {
+            (void)draw_path(std::vector<PathPoint>{{0, {0, 0}}, {1, {999'990, 999'990}}}, dvec2(0), 0, 1, box,
+                            1);
+        },
+        ExitCode::out_of_memory, "memory");
 }
 
 TEST(PathRasters, ValuesWeighTheLight) {
