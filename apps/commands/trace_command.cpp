@@ -34,15 +34,30 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
                      ids)});
 }
 
-void warn_of_turns(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
-    if (!settings.for_shutter || settings.keys != 1) return;
-    const double sweep_degrees =
-        view_sweep_degrees(scene, find_camera(scene, settings.camera_name), *settings.for_shutter);
-    if (keys_for_sweep(sweep_degrees, settings.degrees_per_key) == 1) return;
-    out.warnings.push_back(
-        {"turns", fmt::format("an object turns by {:.3g} degrees relative to the camera while the shutter is "
-                              "open, but only one instant is recorded (expected --keys auto)",
-                              sweep_degrees)});
+// Warns if the number of recorded instants was stated, and is too small for what moves during the exposure.
+// Light that changes is not among this, because to measure it takes rays.
+void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
+    if (!settings.for_shutter || !settings.keys) return;
+    const int keys = *settings.keys;
+    const Camera& camera = find_camera(scene, settings.camera_name);
+    const std::string recorded =
+        keys == 1 ? "only one instant is recorded" : fmt::format("only {} instants are recorded", keys);
+    const double sweep_degrees = view_sweep_degrees(scene, camera, *settings.for_shutter);
+    if (keys_for_sweep(sweep_degrees, settings.degrees_per_key) > keys) {
+        out.warnings.push_back(
+            {"turns",
+             fmt::format("an object turns by {:.3g} degrees relative to the camera while the shutter is "
+                         "open, but {} (expected --keys auto)",
+                         sweep_degrees, recorded)});
+    }
+    if (keys_for_visits(scene, camera, settings.camera, settings.time_s.value_or(scene.time_s),
+                        *settings.for_shutter, keys) > keys) {
+        out.warnings.push_back(
+            {"visit",
+             fmt::format("an object is in the frame, or large, only between the recorded instants, as {} "
+                         "(expected --keys auto)",
+                         recorded)});
+    }
 }
 
 void check_room(std::uint64_t bytes, const std::string& output) {
@@ -114,7 +129,7 @@ CommandResult run_trace(const TraceOptions& options) {
             out.exit_code = ExitCode::shortfall;
         }
     }
-    warn_of_turns(scene, settings, out);
+    warn_of_keys(scene, settings, out);
     if (!options.plan && !options.force && !has_ample_room(scene, settings, options.output)) {
         settings.on_expected_bytes = [&](std::uint64_t bytes) {
             expected_bytes = bytes;

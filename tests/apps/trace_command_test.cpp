@@ -1,5 +1,6 @@
 // The command `trace` for a shutter: key instants, hidden layers, and their output by `info` and `records`.
 #include <algorithm>
+#include <fstream>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -73,11 +74,35 @@ TEST_F(TraceCommand, WarnsIfMoreKeysWouldShowWhatTurns) {
     EXPECT_EQ(warned({"--for-shutter", "0:0.4"}), 1);  // some 26 degrees
     EXPECT_EQ(warned({"--for-shutter", "0:0.4", "--for-rays"}), 0);
     EXPECT_EQ(warned({}), 0);
+    EXPECT_EQ(warned({"--for-shutter", "0:1", "--keys", "5"}), 1);  // four steps of 16.5 degrees
+    EXPECT_EQ(warned({"--for-shutter", "0:1", "--keys", "6"}), 0);
     const std::string text = traced({"--for-shutter", "0:1"})["warnings"][0]["text"];
     EXPECT_EQ(text,
               "an object turns by 66.1 degrees relative to the camera while the shutter is open, but only "
               "one instant is "
               "recorded (expected --keys auto)");
+}
+
+TEST_F(TraceCommand, WarnsOfWhatNoInstantShows) {
+    std::ofstream(in("passes.toml")) << R"(
+[[camera]]
+focal_length_mm = 50
+[[object]]
+shape = "sphere"
+radius_m = 0.1
+keys = [{ time_s = 0, translate_m = [9, 0, -4] }, { time_s = 1, translate_m = [-9, 0, -4] }]
+)";
+    const auto warned = [&](const char* keys) {
+        const Outcome r = run({"trace", in("passes.toml"), "-o", in("p.exr"), "--size", "32x18",
+                               "--for-shutter", "0:1", "--keys", keys, "--json"});
+        const json warnings = json::parse(r.out)["warnings"];
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [](const json& w) { return w["code"] == "visit"; });
+    };
+    EXPECT_TRUE(warned("1"));
+    EXPECT_TRUE(warned("2"));
+    EXPECT_FALSE(warned("3"));  // the middle
+    EXPECT_FALSE(warned("auto"));
 }
 
 TEST_F(TraceCommand, WithoutAShutterNothingIsAdded) {
