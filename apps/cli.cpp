@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Refuses a value of a flag, for example --breathing=false. CLI11 ignores the value of a flag that calls a
-// function, and would set the flag.
+// Throws if a flag is given a value, for example --breathing=false. CLI11 ignores the value of a flag that
+// calls a function, so that this example would set the flag.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -32,8 +32,7 @@ void check_flags(const CLI::App& command, std::span<const std::string> words) {
     }
 }
 
-// Reports an unknown option or subcommand by its name. CLI11's own message would only say that a subcommand
-// is required.
+// Reports an unknown option or subcommand by its name. CLI11 would only report that a subcommand is required.
 void check_subcommand(const CLI::App& app, std::span<const std::string> arguments) {
     const std::vector<const CLI::App*> subcommands =
         app.get_subcommands([](const CLI::App*) { return true; });
@@ -59,8 +58,8 @@ std::string full_name(const CLI::App& app) {
     return outer == nullptr ? app.get_name() : full_name(*outer) + " " + app.get_name();
 }
 
-// Reports the first unknown option together with the most similar existing option. CLI11's own message would
-// list all unused words from the last to the first.
+// Reports the first unknown option, and suggests the most similar one that exists. CLI11 would list all
+// unused words, beginning with the last.
 void check_options(CLI::App& command) {
     for (const std::string& word : command.remaining()) {
         if (word.size() < 2 || word[0] != '-' || (word[1] != '-' && parse_number(word))) continue;
@@ -77,8 +76,8 @@ void check_options(CLI::App& command) {
     }
 }
 
-// Reports an option or argument that has no value, or several. CLI11's own messages are "focus is required",
-// "--focus: 1 required M|inf missing" and "--focus: At Most 1 required but received 2".
+// Reports an option or argument that has no value, or too many. CLI11's messages are hard to understand, for
+// example "--focus: 1 required M|inf missing" and "--focus: At Most 1 required but received 2".
 void check_values(const CLI::App& command, const CLI::ParseError& error) {
     const bool missing = error.get_name() == "RequiredError",
                mismatch = error.get_name() == "ArgumentMismatch";
@@ -170,7 +169,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     if (state->common.dry_run && app.get_subcommands().front()->get_name() != "sweep")
         state->common.run = [work = dry_run_of(app, *state)] { return dry_run(work); };
     ParsedCommand out = state->common;
-    // The call owns a reference to the parser's state, because the options that it reads are stored there.
+    // The function shares ownership of the parser's state, because it reads its options from there.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -13,10 +13,10 @@ namespace postlens {
 struct ParsedCommand {
     std::function<CommandResult()> run;  ///< empty if only `text` is to be printed (--help, --version)
     std::string text;
-    int threads = 0;  ///< 0: one per core
+    int threads = 0;  ///< 0 means one per core
     bool quiet = false;
     bool json = false;
-    Join join = Join::no;  ///< for `merge`: only join the results of the command's shares (parts of its work)
+    Join join = Join::no;  ///< set by `merge`, to only join the results of the shares (the parts of the work)
     bool dry_run = false;  ///< predict files, memory and time instead of running the command
     int requeue_code = 75;  ///< exit code if a signal of the batch system ends the command (core/signals.h)
 };
@@ -24,12 +24,12 @@ struct ParsedCommand {
 /// Settings for a caller in the same process, such as the viewer.
 struct InProcess {
     bool pictures_stay = false;       ///< makes --output optional; without it the image is returned
-    std::shared_ptr<KeptFrame> kept;  ///< sample file of the command, if it is open already
+    std::shared_ptr<KeptFrame> kept;  ///< the sample file of the command, if it is already open
     Join join = Join::no;             ///< ParsedCommand::join
 };
 
-/// `arguments` does not contain the name of the program. Throws Error(wrong_arguments) with a message of one
-/// line.
+/// Parses the arguments of the program, without the name of the program. Throws Error(wrong_arguments) with a
+/// message of one line.
 [[nodiscard]] ParsedCommand parse_command_line(std::vector<std::string> arguments,
                                                const InProcess& in_process = {});
 

@@ -1,4 +1,4 @@
-// Options and results of the subcommands, and helpers that several subcommands use.
+// Options and results of the subcommands, and functions that several subcommands use.
 #pragma once
 
 #include <functional>
@@ -24,15 +24,15 @@
 
 namespace postlens {
 
-/// A warning, as `--json` lists it. `share` is the fraction of pixels that it concerns, 0 to 1, if that is
-/// known.
+/// A warning, as `--json` lists it. `share` is the fraction of pixels that are affected, from 0 to 1, or 0 if
+/// it is not known.
 struct Warning {
     std::string code;
     std::string text;
     double share = 0;
 };
 
-/// Warnings as `--json` lists them.
+/// Returns warnings as `--json` lists them.
 [[nodiscard]] inline nlohmann::ordered_json warnings_json(const std::vector<Warning>& warnings) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const Warning& w : warnings) out.push_back({{"code", w.code}, {"share", w.share}, {"text", w.text}});
@@ -43,11 +43,12 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image, cut to the crop, if the command writes no output file. `render --halves` adds the two
-    /// halves of the samples as images.
+    /// The image, cut to the crop, if the command does not write it to a file. `render --halves` adds two
+    /// more images, each made from one half of the samples.
     std::vector<Image> pictures;
-    /// For `focus` and `shoot` with a scene and without an output file: the fraction of each pixel, 0 to 1,
-    /// that was computed by traced rays instead of the sample file's records.
+    /// For each pixel, the fraction of its colour that traced rays have computed, from 0 to 1. The rest comes
+    /// from the sample file's records. Only set by `focus` and `shoot`, if they have a scene and no output
+    /// file.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -55,19 +56,19 @@ struct CommandResult {
 class KeptFrame;
 struct OpenFrame;
 
-/// The option `--exposure`: a number of stops, or `auto`. Without the option, a sample file is read at its
-/// own exposure and a scene at 0 stops.
+/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, the exposure is that of
+/// the sample file, or 0 stops for a scene.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
 };
 
-/// A share of the work on an image: the rows or samples that one machine computes. Each share is written to
+/// One share of the work on an image: the rows or samples that one machine computes. Each share is written to
 /// its own file, and `merge` joins these files (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
-    std::string mark;  ///< written to the share's file (mark_of); set by take_share
+    std::string mark;  ///< written to the file of the share (mark_of); set by take_share
 };
 
 struct TraceOptions {
@@ -83,22 +84,23 @@ struct TraceOptions {
     bool force = false;  ///< trace even if the file will probably not fit on its disk
 };
 
-/// Lens options of `focus`, `records` and others. An absent value is read from the sample file.
+/// Lens options of several commands, such as `focus` and `records`. An absent value is read from the sample
+/// file.
 struct LensOptions {
     std::optional<double> focal_length_mm, f_number, focus_m;
     std::optional<std::pair<double, double>> focus_at;
     Framing framing = Framing::keep;
 };
 
-/// The scene in which `hybrid` and `auto` trace rays.
+/// The scene in which the methods `hybrid` and `auto` trace rays, and its units.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
-    std::optional<double> metres_per_unit;  ///< absent: the sample file's
-    std::optional<double> lumens_per_watt;  ///< absent: the sample file's
+    std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
+    std::optional<double> lumens_per_watt;  ///< if absent, the sample file's value
 };
 
-/// Throws Error(wrong_arguments) if units of a scene are given without the scene. Without a scene the units
-/// would have no effect, because the records of a sample file are in metres.
+/// Throws Error(wrong_arguments) if the units of a scene are given without a scene. They would have no
+/// effect, because the records of a sample file are always in metres.
 void check_units(const RetraceOptions& options);
 
 /// Options for reading an image of another program.
@@ -110,14 +112,15 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Names of the files that change from frame to frame: the images of `behind`, and the masks of objects.
+    /// Returns the names of files that may differ between frames: the images of `behind`, and the masks of
+    /// objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// True if a pixel may have several samples. They are composited even if the lens is a pinhole.
+    /// Returns true if a pixel may have several samples. They are composited even if the lens is a pinhole.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
     }
-    /// Names of the options that are given, separated by commas.
+    /// Returns the names of the options that are given, separated by commas.
     [[nodiscard]] std::string given() const;
 };
 
@@ -131,8 +134,9 @@ struct FocusOptions {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
-    std::optional<int> views;  ///< absent: default_lens_views, with a shutter default_shutter_views
-    /// PSNR, dB, that `auto` must reach. Without it, a scene or `explain`, `auto` uses the default method.
+    std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
+    /// PSNR in dB that the method `auto` tries to reach. Without a target, a scene and `explain`, `auto`
+    /// selects the usual method.
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -142,7 +146,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// True for the method `auto` if there is no target PSNR, no scene and no explanation image.
+    /// Returns true if the method `auto` selects the usual method for the file, because it has no target
+    /// PSNR, no scene and no explanation image to write.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -152,8 +157,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command that only joins the results of its shares, the parts that several machines have
-    /// computed (core/share.h).
+    /// Runs a command so that it only joins the results of its shares, which several machines have computed
+    /// (core/share.h).
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -168,7 +173,7 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// if absent, the exposure that the sample file states, beginning at the frame's instant
+    /// If absent, the exposure is the one that the sample file states, beginning at the frame's instant.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -177,7 +182,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    bool share_by_samples = false;  ///< true: a share computes some samples of every pixel; false: some rows
+    /// True if a share has some of the samples of every pixel. False if a share has some of the rows.
+    bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
     ExposureOption exposure;
@@ -191,14 +197,14 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// if absent, the exposure that the sample file states, beginning at the frame's instant
+    /// If absent, the exposure is the one that the sample file states, beginning at the frame's instant.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// Only for sample files: the scene. Rays into it replace samples whose colour cannot be computed from
-    /// the records, for example of surfaces that were not recorded.
+    /// The scene of a sample file. Rays into it replace samples whose colour the records do not determine,
+    /// for example because a surface was not recorded.
     RetraceOptions retrace;
-    std::optional<double> target_db;  ///< with a scene: PSNR, dB, that `auto` must reach
+    std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
     ForeignChoice foreign;            ///< for images of other programs
     MotionBlurSettings settings;
@@ -228,11 +234,11 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// image of error causes to write, and the sample file that it requires
+    /// The file name for the map of error causes, and the sample file that the map requires.
     std::optional<std::string> map_causes, frame;
-    /// scene of the sample file, in which rays test whether they remove an error; `explain` is not used
+    /// The scene of the sample file. Rays into it test which errors they remove. `explain` is not used here.
     RetraceOptions retrace;
-    ExposureOption exposure;  ///< absent: the reference's
+    ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
     std::optional<TimeSpan> shutter;
     std::optional<FocusMethod> method;
@@ -250,74 +256,76 @@ struct CompareCommandOptions {
 [[nodiscard]] CommandResult run_compare(const CompareCommandOptions& options);
 [[nodiscard]] CommandResult run_info(const InfoOptions& options);
 
-/// True for an OpenEXR file from another program, that is, one that is not a sample file.
+/// Returns true for an OpenEXR file that another program has written, that is, one that is not a sample file.
 [[nodiscard]] bool is_foreign(const std::string& input);
-/// Runs `focus`, `image` or `info` for an image of another program.
+/// These functions run `focus`, `image` and `info` for an image of another program.
 [[nodiscard]] CommandResult focus_foreign(const FocusOptions& options);
 [[nodiscard]] CommandResult foreign_image(const ImageOptions& options);
 [[nodiscard]] CommandResult foreign_info(const std::string& input);
-/// Throws Error(wrong_arguments) for options that apply only to images of other programs.
+/// Throws Error(wrong_arguments) if `options` has options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input);
 
-/// Returns how the reader handles a damaged sample file: with --salvage it reads the undamaged rows.
+/// Returns what the reader does about damage. With --salvage, it reads the undamaged rows of a damaged file.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the open sample file of a command: `kept` if that is set, otherwise `input` is opened. The colours
-/// are read at the given exposure.
+/// Returns the open sample file of a command. This is `kept` if it is set. Otherwise, `input` is opened.
+/// Colours are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// Adds a warning `salvaged` with the lost rows if the file is damaged. Adds a warning `part` if the file has
-/// only one machine's share of a divided trace.
+/// Adds a warning `salvaged`, which lists the lost rows, if the file is damaged. Adds a warning `part` if the
+/// file contains only one machine's share of a divided trace.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
-/// Adds a warning `part` if an image file has only one machine's share of a divided image.
+/// Adds a warning `part` if an image file contains only one machine's share of a divided image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws
-/// Error(wrong_arguments) if both are absent. `file` is the word for the kind of file in the error message.
+/// Error(wrong_arguments) if both are absent. `file` says in the error message what kind of file it is.
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// Settings of the lens. Each value comes from the options, or from the sample file if the option is absent.
-/// resolve_lens throws Error(wrong_arguments) if a value is in neither.
+/// Settings of the lens. resolve_lens takes each value from the options, or from the sample file if the
+/// option is absent. It throws Error(wrong_arguments) if neither has the value.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// Reads a lens prescription, and adds each of its notes to `warnings`, with the code `lens`.
+/// Reads a lens prescription. Each of the prescription's notes becomes a warning with the code `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// Copies the focal length of a lens prescription to `lens`, and its f-number if `lens` has none. Throws
+/// Copies the focal length of a lens prescription to `lens`, and also its f-number if `lens` has none. Throws
 /// Error(wrong_arguments) if `lens` already has a focal length.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the given shutter interval, relative to the frame's instant if `from_frame` is set. If no shutter
-/// is given, returns the exposure in the file. Throws Error(wrong_arguments) if both are absent.
+/// Returns the given exposure time. If `from_frame` is set, it is relative to the frame's instant. If no
+/// exposure time is given, returns the one in the file. Throws Error(wrong_arguments) if the file has none
+/// either.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
-/// Adds a warning if the sample file was traced for a smaller aperture or shutter interval than is now used.
+/// Adds a warning if the lens has a larger aperture, or the shutter a longer interval, than the sample file
+/// was traced for.
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Runs the method hybrid with the scene of `retrace` and adds the scene's warnings. Writes the explanation
-/// image if `retrace` names one. Throws an error if the scene refers to the output file `picture`.
+/// Runs the hybrid method with the scene of `retrace`, and adds the warnings of the scene. If `retrace` names
+/// an explanation image, writes it. Throws if the scene refers to the output file `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// The numbers that `focus` and `shoot` report for an image of the method hybrid.
+/// Returns the numbers that `focus` and `shoot` report for an image made by the hybrid method.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
-/// Returns the shutter curve "box" or "triangle", or reads the curve from the file with this name. Throws
-/// Error(invalid_input).
+/// Returns the shutter curve "box" or "triangle". Any other word is the name of a file from which the curve
+/// is read. Throws Error(invalid_input) if that fails.
 [[nodiscard]] ShutterCurve shutter_curve(const std::string& word);
 
-/// The numbers of rays traced, as `--json` lists them.
+/// Returns the numbers of traced rays, as `--json` lists them.
 [[nodiscard]] nlohmann::ordered_json rays_json(const RayCounts& rays);
 
-/// Returns a number for JSON, or null if it is not finite, because JSON has no infinity.
+/// Returns a number for JSON. The result is null if the number is not finite, because JSON has no infinity.
 [[nodiscard]] nlohmann::ordered_json json_number(double value);
 
 }  // namespace postlens

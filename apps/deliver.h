@@ -1,4 +1,4 @@
-// Writes or returns the image that a command has made.
+// Writes the image that a command has made, or returns it to the caller.
 #pragma once
 
 #include <optional>
@@ -9,22 +9,22 @@
 
 namespace postlens {
 
-/// Throws an error if write_image cannot write a file of this name. Commands call it before their work.
+/// Throws if an image cannot be written to a file of this name. Commands call this before they start to work.
 void check_output(const std::string& output);
 
-/// The destination of an image, and the metadata that its file states.
+/// Where an image goes, and the metadata that its file states.
 struct Delivery {
-    std::string output;  ///< empty: into the result
+    std::string output;  ///< if empty, the image is returned in the result
     std::optional<Crop> crop;
     std::string made_by;  ///< Image::made_by
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image to its file, or returns it in the result if there is none. Also calls report_picture.
+/// Writes the image to its file, or adds it to the result if there is no file. Also calls report_picture.
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
-/// Adds crop and exposure to the result. Warns if the image is too bright or too dark for a PNG, TIFF or
-/// JPEG.
+/// Adds the crop and the exposure of an image to the result. Adds a warning if the image is too bright or too
+/// dark for a PNG, TIFF or JPEG file.
 void report_picture(const Image& image, const std::string& output, const std::optional<Crop>& crop,
                     CommandResult& out);
 

@@ -19,24 +19,24 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and a line end. Throws nothing: `check_output` reports a failure of standard output, and a
-/// failure of standard error cannot be reported anywhere.
+/// Writes a text and ends the line. Never throws. `check_output` later reports whether standard output
+/// failed. If standard error fails, there is nowhere to report it.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);
     if (text.back() != '\n') std::fputc('\n', where);
 }
 
-/// Reports an error if writing to standard output failed, for example because the disk is full or the pipe
+/// Reports an error if standard output could not be written, for example because the disk is full or the pipe
 /// is closed.
 void check_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
         postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
 }
 
-/// If a standard stream is closed, a file that is opened later would get the stream's descriptor number, and
-/// would receive what is written to the stream. To prevent this, the number is given to a descriptor that
-/// cannot be written.
+/// Opens a descriptor that cannot be written in place of each closed standard stream. Otherwise, the next
+/// file that is opened would get the number of the stream, and would receive whatever is written to the
+/// stream.
 void take_closed_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", O_RDONLY);
@@ -49,7 +49,7 @@ void report(const CommandResult& result, const ParsedCommand& command) {
     } else if (!command.quiet) {
         say(stdout, result.text);
     }
-    // With --json the warnings are part of the JSON, so standard error contains only errors.
+    // With --json, the warnings are part of the JSON, and standard error contains only errors.
     if (!command.json && !command.quiet) {
         for (const auto& w : result.warnings) say(stderr, "postlens: warning: " + w.text);
     }
@@ -81,12 +81,12 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // The job is static, because a signal may arrive until the process ends. It has a single thread. The
-    // command runs in a job of its own inside it, which may have more.
+    // The job is static, because a signal may arrive at any time until the process ends. It has only one
+    // thread. The command runs in an inner job of its own, which may have more threads.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
-    // Both signals are ignored. A write beyond a size limit or into a closed pipe then fails with an error
-    // message instead of ending the program silently.
+    // If these signals are ignored, a write beyond a size limit or into a closed pipe fails with an error
+    // message. Otherwise, the signals would end the program silently.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);
     int requeue_code = static_cast<int>(ExitCode::interrupted);

@@ -1,5 +1,4 @@
-// Parses numbers from the command line. The rules are the same for every option and do not depend on the
-// locale.
+// Parses numbers from the command line. All options follow the same rules, which do not depend on the locale.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +14,12 @@
 
 namespace postlens {
 
-/// Range of values that an option accepts, with a text for the help and for error messages.
+/// The range of values that an option accepts, and a text that describes the range in help and error
+/// messages.
 struct OptionRange {
     double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
     bool includes_low = true;
-    /// "more than 0", "1 or more" or "0 to 8"; empty if every value is accepted.
+    /// Returns a text such as "more than 0", "1 or more" or "0 to 8". It is empty if every value is accepted.
     [[nodiscard]] std::string text() const;
     [[nodiscard]] bool hold(double value) const {
         return (includes_low ? value >= low : value > low) && value <= high;
@@ -29,30 +29,30 @@ inline constexpr OptionRange any_value{}, above_0{.low = 0, .includes_low = fals
 inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .high = 80},
                              wave_lengths_nm{.low = 100, .high = 1e5}, units_m{.low = 1e-9, .high = 1e9};
 
-/// Throws Error(wrong_arguments), with the name of the option, if `value` is out of range. `text` is the
-/// value as typed.
+/// Throws Error(wrong_arguments), which names the option, if `value` is out of range. `text` is the value as
+/// the user has typed it.
 void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds);
 
-/// Parses a finite number, or "inf" if `infinite` is set. This function and the following ones throw
-/// Error(wrong_arguments) with the name of the option.
+/// Parses a finite number, or also "inf" if `infinite` is set. This function and the following ones throw
+/// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. `bounds` only appear in the error message for numbers that do not fit into an int; the
-/// caller must check them.
+/// Parses an integer. The caller must check the bounds. `bounds` is only used for the error message if the
+/// number does not fit into an int.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
-/// Parses a size, px, such as "960x540".
+/// Parses a size in px, such as "960x540".
 [[nodiscard]] std::pair<int, int> parse_size(std::string_view option, std::string_view text);
 /// Parses two finite numbers such as "0:0.02".
 [[nodiscard]] std::pair<double, double> parse_span(std::string_view option, std::string_view text);
 /// Parses an integer from 0 to 2^64 - 1.
 [[nodiscard]] std::uint64_t parse_seed(std::string_view option, std::string_view text);
-/// Parses a raster position, px, such as "12.5,34".
+/// Parses a raster position in px, such as "12.5,34".
 [[nodiscard]] std::pair<double, double> parse_position(std::string_view option, std::string_view text);
 
 /// Parses two finite numbers such as "2.5,-2.5". A single number such as "2.5" is used for both.
 [[nodiscard]] std::pair<double, double> parse_scale(std::string_view option, std::string_view text);
-/// Parses a depth encoding: "distance", "inverse" or "normalized:NEAR,FAR". NEAR and FAR are different
-/// distances of 0 or more.
+/// Parses a depth encoding: "distance", "inverse" or "normalized:NEAR,FAR". NEAR and FAR are distances of 0
+/// or more, and must differ.
 [[nodiscard]] DepthEncoding parse_depth_encoding(std::string_view option, std::string_view text);
 /// Parses two nonempty names such as "forward.u,forward.v".
 [[nodiscard]] std::pair<std::string, std::string> parse_names(std::string_view option, std::string_view text);
@@ -60,14 +60,15 @@ void check_bounds(std::string_view option, double value, std::string_view text, 
 /// Parses 1 to 1000 integers such as "1,4,16".
 [[nodiscard]] std::vector<int> parse_whole_list(std::string_view option, std::string_view text);
 
-/// Formats a length in px, rounded to a tenth of a px. From 1e7 px on, it has three significant digits.
+/// Formats a length in px, rounded to a tenth of a px. From 1e7 px on, it is rounded to three significant
+/// digits.
 [[nodiscard]] std::string px_text(double px);
 
-/// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, W and H at least 1.
+/// Parses a crop X,Y,W,H in px, such as "10,20,64,48". X and Y must be below 2^31, and W and H at least 1.
 [[nodiscard]] Crop parse_crop(std::string_view option, std::string_view text);
 
-/// Returns `value` if it is above `low`. With `including_low`, `low` itself is also allowed. Any other value
-/// throws Error(wrong_arguments).
+/// Returns `value` if it is above `low`, or equal to `low` and `including_low` is set. Throws
+/// Error(wrong_arguments) otherwise.
 double in_range(std::string_view option, double value, double low, bool including_low, const char* expected);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// An open sample file, from which one image or many images are made.
+// An open sample file, from which one or more images are made.
 #pragma once
 
 #include <memory>
@@ -11,24 +11,26 @@
 
 namespace postlens {
 
-/// The reader of a sample file, and the frame that it reads.
+/// The reader of a sample file, and the frame that uses this reader.
 struct OpenFrame {
-    /// `many`: keep the records in memory for further images (FocusFrame).
+    /// Opens the file. With `many`, the records stay in memory for further images (FocusFrame).
     OpenFrame(const std::string& path, Damage damage, std::optional<double> exposure_stops, bool many)
         : file(path, damage, exposure_stops), frame(file, many) {}
     SampleFileReader file;
     FocusFrame frame;
 };
 
-/// Keeps a sample file and its records open between images. Only one image can be made at a time.
+/// Keeps a sample file and its records open, so that further images need not read them again. Only one image
+/// can be made at a time.
 class KeptFrame {
   public:
     KeptFrame(std::string path, Damage damage) : path_(std::move(path)), damage_(damage) {}
-    /// A caller must hold this lock while it uses the result of `at`. Waits until no other caller holds it.
-    /// Throws Error(interrupted) if the current job is cancelled meanwhile. Locks nothing if `kept` is null.
+    /// Returns a lock that the caller must hold while it uses the result of `at`. Waits until no other caller
+    /// holds the lock. Throws Error(interrupted) if the current job is cancelled while it waits. If `kept` is
+    /// null, the result locks nothing.
     [[nodiscard]] static std::unique_lock<std::timed_mutex> lock(const std::shared_ptr<KeptFrame>& kept);
-    /// Returns the file, read at the given exposure. Opens the file again if the last call had another
-    /// exposure.
+    /// Returns the file, read at the given exposure. If the last call had another exposure, the file is
+    /// opened again.
     [[nodiscard]] std::shared_ptr<OpenFrame> at(std::optional<double> exposure_stops);
 
   private:

@@ -11,15 +11,16 @@
 
 namespace postlens {
 
-/// Calls `command.run` in the calling thread, for the current job, and adds `seconds` to the JSON.
+/// Runs the command in the calling thread and for the current job. Adds the running time to the JSON as
+/// `seconds`.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses and runs a command as run_timed does. `words` are the arguments after the name of the program.
-/// The call waits until no other call uses the file `in_process.kept`.
+/// Parses a command and runs it like run_timed. `words` are the arguments after the name of the program.
+/// Waits until no other call uses the file `in_process.kept`.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
-/// Returns the JSON that `--json` prints: the JSON of the result, the peak memory of the process, and the
-/// warnings.
+/// Returns the JSON that `--json` prints. It contains the JSON of the result, the peak memory of the process,
+/// and the warnings.
 [[nodiscard]] nlohmann::ordered_json report_json(const CommandResult& result);
 
 }  // namespace postlens

@@ -7,8 +7,8 @@
 namespace postlens {
 namespace {
 
-// Returns the unit with which the scene of a sample file is read. Rays in a scene of other units would not
-// agree with the records.
+// Returns the unit with which to read the scene of a sample file. Throws if the option asks for another unit
+// than the trace had, because rays in such a scene would not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -32,8 +32,8 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // A sample file without these values was written by an old version. That version read lengths in metres
-    // unless another unit was given. It did not convert the intensities of light sources, which corresponds
+    // Old versions of postlens did not store these values in the sample file. They read lengths in metres
+    // unless another unit was given. They did not convert the intensities of light sources, which corresponds
     // to 1 lm/W.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(

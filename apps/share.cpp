@@ -40,8 +40,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Caches the SHA-256 of files together with their modification times. The cache helps because the frames of
-/// a film often have the same scene.
+/// Caches the SHA-256 of files, together with the times of their last modification. The frames of a film
+/// often have the same scene, which is then read only once.
 class Digests {
   public:
     [[nodiscard]] std::optional<std::string> of(const std::string& path) {
@@ -61,8 +61,8 @@ class Digests {
         for (const fs::path& file : files) {
             std::error_code none;
             now.files.emplace_back(file, fs::last_write_time(file, none));
-            // A file that was written less than two seconds ago is not cached: a change within the resolution
-            // of its time stamp would not be noticed.
+            // A file that was written less than two seconds ago is not cached. A further change might be too
+            // soon after the first to alter the time stamp, and would not be noticed.
             constexpr std::chrono::seconds long_enough(2);
             if (none || fs::file_time_type::clock::now() - now.files.back().second < long_enough) return;
         }
@@ -84,7 +84,7 @@ Digests& digests() {
     return all;
 }
 
-/// Returns the SHA-256 of a file. For a scene, it includes the files that the scene refers to.
+/// Returns the SHA-256 of a file. For a scene, it includes the files to which the scene refers.
 std::string digest_of(const std::string& path, bool scene) {
     if (fs::is_directory(path)) return "a folder";
     if (const auto known = digests().of(path)) return *known;

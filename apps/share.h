@@ -1,5 +1,5 @@
-// Divides the work of a command into shares for several machines. Selects the share of each machine, and
-// stores a description (mark) in the result of each share, by which `merge` recognises the share.
+// Divides the work of a command into shares for several machines. Each machine computes one share. The result
+// file of a share contains a description (mark), by which `merge` recognises the share.
 #pragma once
 
 #include <cstdint>
@@ -21,21 +21,21 @@ inline constexpr int most_shares = 100000;
     return index >= 0 && index < count && count <= most_shares;
 }
 
-/// Parses a share I/N, with I from 0 to N - 1 and N from 1 to 100000. Throws Error(wrong_arguments) with the
-/// name of the option.
+/// Parses a share I/N, where I is from 0 to N - 1 and N is from 1 to 100000. Throws Error(wrong_arguments),
+/// which names the option.
 [[nodiscard]] Share parse_share(std::string_view option, std::string_view text);
 
-/// Returns the rows of an image, or of a crop of it, that form a share. The shares differ by at most one row.
-/// Throws Error(wrong_arguments) if there are more shares than rows.
+/// Returns the rows that form a share of an image, or of a crop of the image. The numbers of rows in two
+/// shares differ by at most one. Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] Crop rows_of_share(const Share& share, const std::optional<Crop>& crop, int width, int height);
 
-/// The options and input files on which the result of a command depends.
+/// The options and input files that determine the result of a command.
 struct AskedFor {
     std::string command;
     std::vector<std::pair<std::string, std::vector<std::string>>> options;  ///< by name
     struct Input {
         std::string option;
-        std::string before, after;  ///< the option's text before and after the path
+        std::string before, after;  ///< the option's value before and after the path
         std::string path;
         bool numbered =
             false;  ///< with --frames, `path` may contain a placeholder for the frame number (FrameName)
@@ -43,36 +43,36 @@ struct AskedFor {
         bool scene = false;   ///< `path` is a scene; the files that it refers to are inputs as well
     };
     std::vector<Input> inputs;
-    /// Returns JSON with the version of postlens, the options, and the SHA-256 of the input files without
-    /// their paths. `file_of` returns the path of an input. Throws Error(invalid_input) for a file that
-    /// cannot be read.
+    /// Returns JSON that identifies the result: the version of postlens, the options, and the SHA-256 of each
+    /// input file. Input paths are left out. `file_of` returns the path of an input. Throws
+    /// Error(invalid_input) if an input cannot be read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
 
-/// Stores the digest of a scene that the command has read, so that AskedFor::fingerprint does not read the
+/// Stores the digest of a scene that the command has read, so that AskedFor::fingerprint need not read the
 /// scene again.
 void remember_digest(const std::string& path, const Scene& scene);
 
-/// Returns the description that is stored in the result file of a share, so that `merge` recognises it. It is
-/// JSON with the share, the crop of the whole image, and the fingerprint of the command.
+/// Returns the mark that is stored in the result file of a share, so that `merge` recognises the share. The
+/// mark is JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share in such a description. Empty for any other text.
+/// Returns the share that a mark describes. Returns an empty value for any other text.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
-/// Returns the description of a share whose result is a set of items, such as the images of a sweep. It is
-/// JSON with the share, the fingerprint of the command, and the command's arguments (`words`) without those
+/// Returns the mark of a share whose result is a set of items, such as the images of a sweep. The mark is
+/// JSON with the share, the fingerprint of the command, and the command's arguments (`words`), except those
 /// for share and output. `merge` runs the command with these arguments to join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 
-/// Sets `crop` to the rows of the share, and work->mark to the description for its result file. Does nothing
-/// if `work` is empty.
+/// Sets `crop` to the rows of the share, and work->mark to the mark for its result file. Does nothing if
+/// `work` is empty.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
-/// Returns the name of the first setting in which two fingerprints differ, with both values. Empty if the
-/// fingerprints are equal.
+/// Returns the name of the first setting in which two fingerprints differ, with both values. Returns an empty
+/// text if the fingerprints are equal.
 [[nodiscard]] std::string first_difference(const nlohmann::ordered_json& got,
                                            const nlohmann::ordered_json& expected);
 

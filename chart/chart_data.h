@@ -1,4 +1,4 @@
-// The measurements of a chart, and their conversion to JSON, CSV and Markdown.
+// Stores the measurements of a chart and converts them to JSON, CSV and Markdown.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@
 
 namespace postlens {
 
-/// Error of an image. If there is a second reference, the noise of the reference is subtracted. NaN means
-/// unknown.
+/// Error of an image. If there is a second reference, the noise of the reference is subtracted from the
+/// error. NaN means that a value is unknown.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
     double least_psnr_db = 0;  ///< PSNR at two standard errors, dB
     double greatest_psnr_db = 0;
 
-    /// Root mean square error of the sRGB-encoded values, which lie in [0, 1].
+    /// Returns the root mean square error of the sRGB-encoded values, which lie in [0, 1].
     [[nodiscard]] double rms() const;
 };
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// errors against the first reference; the noise of the reference is subtracted only from relmse
+    /// Errors against the first reference. The noise of the reference is subtracted only from `relmse`.
     double relmse = 0, ssim = 0, flip = 0;
 };
 
-/// A sample file that methods read, and the time, s, of its trace.
+/// A sample file that methods read, and the time of its trace in seconds.
 struct ChartTrace {
     std::string name;
     std::vector<double> seconds;  ///< one value per round
@@ -39,15 +39,15 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// name of the method; followed by that of the sample file, unless best_trace made the file
+    /// Name of the method. The name of the sample file follows unless best_trace made the file.
     std::string curve;
-    std::string name;   ///< unique name: curve and amount
-    int amount = 0;     ///< depths K, views M or samples per pixel; 0: the method has no such setting
-    std::string trace;  ///< name of the sample file; empty for rays
+    std::string name;             ///< unique name: curve and amount
+    int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
+    std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds in a sweep, one value per round. first_of_many_s: for the first image, including the reading
-    /// of the file; further_s: for each further image with another lens. Both are empty if the images of a
-    /// sweep have no work in common.
+    /// Seconds per image in a sweep, one value per round. `first_of_many_s` is the time of the first image,
+    /// including the reading of the file. `further_s` is the time of each further image with another lens.
+    /// Both are empty if the images of a sweep share no work.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -56,36 +56,36 @@ struct ChartPoint {
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
     /// Returns the seconds per image if `pictures` images (may be infinite) are made from one sample file.
-    /// Each image bears its part of the time of the trace. The images are made by single calls or by a sweep,
-    /// whichever is faster.
+    /// The time of the trace is divided equally among the images. The images are made by single calls or by a
+    /// sweep, whichever is faster.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 
 struct ChartData {
-    /// key of scene, view and reference; only points of charts with the same key can be compared
+    /// Identifies scene, view and reference. Only points of charts with the same key can be compared.
     std::string key;
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// error of the pinhole image made from the records, against rays
+    /// Error of the pinhole image made from the records, compared with an image made by rays.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;
     std::vector<ChartTrace> traces;
     std::vector<ChartPoint> points;
-    nlohmann::ordered_json part;  ///< ChartRequest::part; null: not a share
+    nlohmann::ordered_json part;  ///< ChartRequest::part; null if not a share
 
     [[nodiscard]] const ChartTrace* trace_of(const ChartPoint& point) const;
 };
 
-/// Returns the median. For an even number of values it is the mean of the two middle values, and NaN if there
-/// are none.
+/// Returns the median. For an even number of values, it is the mean of the two middle values. NaN if there
+/// are no values.
 [[nodiscard]] double median(std::vector<double> values);
 
 [[nodiscard]] ChartError chart_error(const PixelErrors& plain, const std::optional<NoiseFloor>& noise);
 [[nodiscard]] ChartFigures chart_figures(const Comparison& comparison);
 
-/// JSON has neither NaN nor infinity. NaN becomes null, and an infinity the string "inf" or "-inf".
+/// JSON has neither NaN nor infinity. NaN becomes null, and infinity becomes the string "inf" or "-inf".
 [[nodiscard]] nlohmann::ordered_json exact_number(double value);
 /// Inverse of exact_number.
 [[nodiscard]] double number_from(const nlohmann::ordered_json& json);
@@ -93,12 +93,13 @@ struct ChartData {
 /// Inverse of to_json.
 [[nodiscard]] ChartError error_from(const nlohmann::ordered_json& json);
 [[nodiscard]] nlohmann::ordered_json to_json(const ChartData& data);
-/// Inverse of to_json. Throws Error(invalid_input) with the name `path`.
+/// Inverse of to_json. Throws Error(invalid_input), whose message names the file `path`.
 [[nodiscard]] ChartData chart_from_json(const std::string& text, const std::filesystem::path& path);
 
-/// CSV with one row per point: settings, seconds (median, least, greatest), errors.
+/// Returns CSV with one row per point. The columns are settings, seconds (median, least, greatest) and
+/// errors.
 [[nodiscard]] std::string chart_csv(const ChartData& data);
-/// Markdown table with the columns of chart_csv and one row per point.
+/// Returns a Markdown table with the columns of chart_csv and one row per point.
 [[nodiscard]] std::string chart_markdown(const ChartData& data);
 
 }  // namespace postlens

@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden layers, and one with coarse subdivision. Their
-// comparison shows how much hidden layers and subdivision contribute.
+// Plans three traces: the best one, one without hidden layers, and one with coarse subdivision. Comparing
+// them shows how much hidden layers and subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -50,7 +50,8 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Coarse records suffice, because rays replace the view samples that they do not determine.
+    // Coarse records suffice for this method, because it traces rays wherever the records do not determine a
+    // view.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
@@ -76,8 +77,8 @@ void add_shoot(const ChartRequest& request, Points& out) {
         out.add(Kind::shoot, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }
 
-// Checks the lens before the trace does, so that error messages name the options of `chart` instead of those
-// of `trace`.
+// Checks the lens before the trace does, so that error messages name the options of `chart` and not those of
+// `trace`.
 void check_lens(const ChartView& view) {
     const auto positive = [](const char* option, double value, bool infinite) {
         if (value > 0 && (infinite || std::isfinite(value))) return;

@@ -1,4 +1,4 @@
-// The plan of a chart: the sample files that it traces, and the methods that it runs with their settings.
+// The plan of a chart. It lists the sample files to trace and the methods to run, with their settings.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Lens, shutter and camera of a chart. Values that the request does not contain are taken from the scene.
+/// Lens, shutter and camera of a chart. Values that are absent in the request are taken from the scene.
 struct ChartView {
     ThinLens lens;  ///< f_number is infinite for a pinhole
     double focus_m = 1;
@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// The f-number to pass to the trace. It differs from that of the lens, because the trace computes the
-    /// diameter of the lens from the film distance instead of the focal length.
+    /// Returns the f-number to pass to the trace. It differs from the f-number of the lens, because the trace
+    /// computes the diameter of the lens from the film distance instead of the focal length.
     [[nodiscard]] double traced_f_number() const;
 };
 
@@ -47,16 +47,17 @@ struct ChartPlan {
     std::vector<PlannedPoint> points;
 };
 
-/// Throws Error(wrong_arguments) if neither the request nor the scene defines the lens, or if the view has no
-/// finite f-number and no shutter.
+/// Throws Error(wrong_arguments) if neither the request nor the scene defines the lens. Also throws it if
+/// nothing would blur the image, because the f-number is infinite and there is no shutter.
 [[nodiscard]] ChartView chart_view(const ChartRequest& request, const Scene& scene);
 
-/// Settings of a trace that records every surface visible through the lens and shutter of this view.
+/// Returns settings of a trace that records every surface visible through the lens and during the shutter of
+/// this view.
 [[nodiscard]] TraceSettings best_trace(const ChartRequest& request, const ChartView& view);
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Settings of distributed ray tracing for this view. The caller must set spp, seed and halves.
+/// Returns settings of distributed ray tracing for this view. The caller must set spp, seed and halves.
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

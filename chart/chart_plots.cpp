@@ -24,8 +24,8 @@ struct Range {
     }
 };
 
-// The colours of Okabe and Ito can be distinguished by colour-blind readers. The marks differ in shape, so
-// that curves can also be distinguished in greyscale.
+// These colours (by Okabe and Ito) can be distinguished by colour-blind readers. The marks differ in shape,
+// so the curves can also be distinguished in greyscale.
 struct Style {
     const char* colour;
     int mark, dash;
@@ -39,8 +39,8 @@ Style style_of(const std::string& curve, const std::map<std::string, int>& varia
     const std::string base = curve.substr(0, curve.find(','));
     const auto it = known.find(base);
     Style out = it == known.end() ? Style{"#56b4e9", 3, 1} : it->second;
-    // Curves of one method with different sample files have the same colour. Those of files with fewer
-    // records have dashed lines and hollow marks.
+    // Curves of one method have the same colour, even if they read different sample files. Curves of files
+    // with fewer records have dashed lines and hollow marks.
     if (const int v = variants.at(curve); v > 0) {
         out.dash = 1 + v;
         out.mark -= 1;
@@ -64,7 +64,7 @@ bool is_drawn(const ChartPoint& p, bool affected) {
     return p.figures && std::isfinite(error_of(p, affected).psnr_db) && p.median_s() > 0;
 }
 
-// Tick marks of the axis of the RMS error. Their labels are the PSNR in dB.
+// Returns the tick marks of the axis that shows the RMS error. Their labels are the PSNR in dB.
 std::string decibel_tics(const Range& y) {
     std::string out;
     for (int db = 0; db <= 120; db += 5) {

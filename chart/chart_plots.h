@@ -1,5 +1,5 @@
-// The plots of a chart: error against the time of a single image, and error against the cost per image if
-// many images share a trace.
+// The plots of a chart. One shows error against the time of a single image. The other shows error against the
+// cost per image if many images share a trace.
 #pragma once
 
 #include <string>
@@ -8,14 +8,15 @@
 
 namespace postlens {
 
-/// Returns a gnuplot script that plots, for each method, the error against the seconds of one image without
-/// the trace. It also plots the Pareto frontier of all points, the noise floor of the reference, and the
-/// error of the records. If `affected` is set, it plots only the errors of the affected pixels, without the
-/// noise floor and the error of the records.
+/// Returns a gnuplot script that plots, for each method, the error against the seconds of one image. The time
+/// of the trace is not included. The plot also shows the Pareto frontier of all points, the noise floor of
+/// the reference, and the error of the records. If `affected` is set, only the errors of the affected pixels
+/// are plotted, without the noise floor and the error of the records.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
-/// Returns a gnuplot script for the cost per image if 1, 10 or 100 images share one trace. It plots the
-/// Pareto frontiers of the methods that read sample files, and the curve of distributed rays.
+/// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share one
+/// trace. It shows the Pareto frontiers of the methods that read sample files, and the curve of distributed
+/// rays.
 [[nodiscard]] std::string cost_script(const ChartData& data);
 
 }  // namespace postlens

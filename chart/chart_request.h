@@ -15,7 +15,8 @@
 
 namespace postlens {
 
-/// Seed of the rays of the reference and of the record floor, so that charts can be repeated.
+/// Seed of the rays that make the reference and measure the error of the records. A fixed seed makes charts
+/// repeatable.
 inline constexpr std::uint64_t reference_seed = 1;
 
 struct ChartRequest {
@@ -24,37 +25,37 @@ struct ChartRequest {
     double exposure_stops = 0;   ///< exposure of all compared images
     bool exposure_auto = false;  ///< uses auto_exposure_stops instead of exposure_stops
     CameraOverrides camera;
-    std::string camera_name;  ///< empty: the scene's first camera
+    std::string camera_name;  ///< if empty, the first camera of the scene
 
-    std::optional<double> focal_length_mm;  ///< absent: the camera's film distance
-    std::optional<double> f_number;         ///< absent: the camera's; infinite: a pinhole
-    std::optional<double> focus_m;          ///< absent: the camera's
-    std::optional<TimeSpan> shutter;        ///< absent: no motion blur
+    std::optional<double> focal_length_mm;  ///< if absent, the camera's film distance
+    std::optional<double> f_number;         ///< if absent, that of the camera; infinite for a pinhole
+    std::optional<double> focus_m;          ///< if absent, that of the camera
+    std::optional<TimeSpan> shutter;        ///< if absent, there is no motion blur
 
     /// Samples per pixel of each half of the reference.
     int reference_spp = 1024;
-    /// Files of an existing reference, and of a second reference with independent noise. If absent, both are
-    /// rendered.
+    /// Files of an existing reference, and of a second reference with independent noise. If both are absent,
+    /// two references are rendered.
     std::optional<std::filesystem::path> reference, second_reference;
 
     std::vector<int> spp{1, 4, 16, 64, 256, 1024};
     std::vector<int> views{16, 64, 256};
     std::vector<int> depths{8, 32, 128};
-    /// Each round measures every point once. A point that takes longer than `once_above_s` is measured only
-    /// in the first round.
+    /// Each round measures every point once. Points that take longer than `once_above_s` are measured only in
+    /// the first round.
     int rounds = 3;
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
 
-    /// Measures only every N-th point of the plan (a share of the work) and writes chart.I-of-N.json. A later
-    /// chart of all points in the same folder uses these measurements.
+    /// The share of the points to measure: only every N-th point of the plan. The results are written to
+    /// chart.I-of-N.json. A later chart of all points in the same folder uses these measurements.
     std::optional<Share> share;
-    std::string part;      ///< JSON that the chart of a share stores under the key "part"; empty: none
+    std::string part;      ///< JSON that the chart of a share stores under the key "part"; may be empty
     Join join = Join::no;  ///< measures no point
 };
 
-/// Throws Error(wrong_arguments) for a number out of range, or if there is a second reference without a
-/// first.
+/// Throws Error(wrong_arguments) if a number is out of range, or if there is a second reference but no first
+/// one.
 void check_chart_request(const ChartRequest& request);
 
 }  // namespace postlens

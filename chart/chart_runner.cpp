@@ -65,8 +65,9 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points of a request (of its share, if it has one) and the traces that they need. The first
-/// trace is always included, because the pinhole image is made from it.
+/// Returns the points that a request measures, and the traces that these points need. If the request has a
+/// share, only points of the share are returned. The first trace is always included, because the pinhole
+/// image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -100,8 +101,8 @@ class Runner {
         std::uint64_t steps = 3;
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
-        // The traces run first, because the methods read their files. The pinhole image is made from a trace
-        // and determines which pixels are affected by blur.
+        // The traces run first, because the methods read their files. The pinhole image is also made from a
+        // trace. It determines which pixels are affected by blur.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -141,8 +142,8 @@ class Runner {
                 other_machine_ = take_over_chart(path, key, path == chart_path(), data_) || other_machine_;
             for (const ChartPoint& p : data_.points) kept_ += p.seconds.size();
         }
-        // The shares of a chart write their images to the same folder, so a run of one share must not remove
-        // images.
+        // The shares of a chart write their images to the same folder. A run of one share must not remove the
+        // images of others.
         if (data_.key.empty() && !request_.share && request_.join == Join::no) {
             std::error_code none;
             for (const char* name : own_pictures) fs::remove(folder_ / name, none);
@@ -154,8 +155,8 @@ class Runner {
         save();
     }
 
-    // Handles points that have not been measured when the shares of a chart are joined. They are omitted, or
-    // an error is thrown.
+    // Handles missing points when the shares of a chart are joined. If all points are required, an error is
+    // thrown. Otherwise the missing points are omitted.
     void check_join() {
         std::vector<std::string> missing;
         for (const ChartPoint& p : data_.points)
@@ -168,8 +169,8 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Throws an error if the reference is a file in the output folder with the name of an output, because the
-    // run would remove or overwrite it.
+    // Throws an error if the reference has the name of an output and lies in the output folder. The run would
+    // overwrite or remove this file.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -226,8 +227,8 @@ class Runner {
         save();
     }
 
-    // Returns the path of a sample file. Traces the file again if an earlier run has measured its trace and
-    // removed it.
+    // Returns the path of a sample file. If an earlier run has measured the trace and removed the file, the
+    // file is traced again.
     fs::path frame(const std::string& name) {
         fs::path path = frame_path(name);
         for (std::size_t t = 0; t < data_.traces.size(); ++t) {
@@ -270,9 +271,9 @@ class Runner {
         save();
     }
 
-    // Error of the pinhole image that is made from the records, against distributed rays. It is not 0,
-    // because the mean of a pixel's corner samples differs from the integral over the pixel. Methods that
-    // read the records have this error too, unless blur averages it out.
+    // Returns the error of the pinhole image that is made from the records, against distributed rays. It is
+    // not 0, because the mean of a pixel's corner samples differs from the integral over the pixel. Methods
+    // that read the records have this error too, unless blur averages it out.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -304,8 +305,8 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // Motion blur without a lens and pinhole images do not depend on the lens settings, so they are not
-        // timed in a sweep.
+        // Pinhole images and motion blur without a lens do not depend on the lens, so they are not timed in a
+        // sweep.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -320,8 +321,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. The first image is made with the lens of the view stopped down by a sixth
-    // of a stop, and the second with the lens as it is.
+    // Times a sweep of two images. For the first image, the lens of the view is stopped down by a sixth of a
+    // stop. The second image uses the lens of the view itself.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -14,14 +14,19 @@ struct ChartRun {
     std::vector<std::string> notes;  ///< notes of the scene's reader
 };
 
-/// Measures a chart into `folder`, which is created if its parent exists. Writes chart.json after every
-/// point, reference.*.exr, pinhole.exr, and for every point pictures/NAME.png and maps/NAME.png. Results of
-/// an earlier run of the same request are kept. A folder with the chart of another request is refused, unless
-/// `restart` is set. The time of a method is measured from opening the sample file to the image in memory.
-/// The time of rays is measured from the scene in memory to the image in memory. The time of a trace is
-/// measured from the scene in memory to the file. Throws Error(interrupted); the finished points then remain
-/// on disk. Also throws Error(wrong_arguments), Error(invalid_input), Error(cannot_write) and
-/// Error(out_of_memory).
+/// Measures a chart into `folder`, which is created if its parent exists. After every point, chart.json is
+/// written. Further files are reference.*.exr, pinhole.exr, and pictures/NAME.png and maps/NAME.png for every
+/// point.
+///
+/// Results of an earlier run of the same request are kept. If the folder contains the chart of another
+/// request, an error is thrown unless `restart` is set.
+///
+/// The time of a method starts when it opens the sample file, and the time of rays starts with the scene in
+/// memory. Both end with the image in memory. The time of a trace runs from the scene in memory to the
+/// written file.
+///
+/// Throws Error(interrupted), after which the finished points remain on disk. Also throws
+/// Error(wrong_arguments), Error(invalid_input), Error(cannot_write) and Error(out_of_memory).
 [[nodiscard]] ChartRun run_chart(const ChartRequest& request, const std::filesystem::path& folder,
                                  bool restart);
 

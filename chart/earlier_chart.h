@@ -1,4 +1,4 @@
-// Measurements that a chart keeps from earlier runs of the same chart, or of shares (parts) of it.
+// Finds the measurements that a chart keeps from earlier runs of the same chart, or of shares (parts) of it.
 #pragma once
 
 #include <filesystem>
@@ -12,25 +12,25 @@
 
 namespace postlens {
 
-/// Key of a request. It contains everything that determines the result of a point, but not the number of
-/// rounds or the choice of points.
+/// Returns a text that identifies a request. It contains everything that determines the result of a point.
+/// The number of rounds and the choice of points are not included.
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
-/// Returns the files of earlier charts whose measurements a run keeps. In a run of the whole chart, they are
-/// first the files of the chart's shares (parts) in `folder`. The last is `chart`, if it exists.
+/// Returns the files of earlier charts whose measurements a run keeps. For a run of the whole chart, these
+/// are the files of the chart's shares (parts) in `folder`. The last file is `chart`, if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements of an earlier chart to `data`. If a point is in both, the measurement with more
-/// rounds is kept. Returns true if the chart was measured on another machine. A chart whose key differs from
-/// `key` is ignored. If `own` is set, it is the run's own chart, and a different key throws
-/// Error(wrong_arguments) with the name of its folder.
+/// Adds the measurements of an earlier chart to `data`. If both contain a point, the measurement with more
+/// rounds is kept. Returns true if the earlier chart was measured on another machine. A chart whose key
+/// differs from `key` is ignored, unless `own` is set. `own` means that it is the run's own chart, and a
+/// different key then throws Error(wrong_arguments) with the name of the folder.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts traces and points into the order of the plan, and adds empty entries for those that have not been
-/// measured.
+/// Sorts traces and points into the order of the plan. Adds empty entries for traces and points that have not
+/// been measured.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

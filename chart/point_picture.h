@@ -1,4 +1,4 @@
-// Makes the image of a point of a chart, by its method and settings.
+// Makes the image of a point of a chart with the method and the settings of the point.
 #pragma once
 
 #include <filesystem>
@@ -13,15 +13,16 @@
 
 namespace postlens {
 
-/// Makes the images of points of a chart. The functions set `retraced` to the fraction of the image that was
-/// computed by rays, and `warnings` to the codes of the warnings.
+/// Makes the images of the points of a chart. The functions set `retraced` to the fraction of the image that
+/// was computed by rays, and `warnings` to the codes of the warnings that occurred.
 class PointPictures {
   public:
     /// Keeps references to all arguments.
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Returns the image of a point, made from the sample file `path`. The method rays needs no file.
+    /// Returns the image of a point, made from the sample file `path`. The method `rays` does not use the
+    /// file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;
     /// Returns the image of a point with the given lens, made from the records of `frame`.

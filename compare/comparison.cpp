@@ -26,7 +26,7 @@ void check_size(const Image& a, const Image& b, const char* name) {
     }
 }
 
-// Returns the number of pixels in the mask in which either image has a value outside 0..1.
+// Returns the number of pixels counted by the mask in which either image has a value outside 0..1.
 std::size_t count_clipped(const Image& a, const Image& b, const PixelMask& mask) {
     const auto outside = [](const float* p) {
         return std::any_of(p, p + 3, [](float v) { return v < 0 || v > 1; });
@@ -115,9 +115,9 @@ Comparison compare_pictures(CompareInput input) {
 }
 
 std::uint64_t comparison_bytes(ImageSize size, int pictures) {
-    // Bytes per pixel. Each image needs 25: 12 as linear values, 12 as encoded values, and 1 for its mask. In
-    // addition there are three maps of floats, two arrays of doubles for the relative errors, and the buffer
-    // of the file reader (12 bytes).
+    // Bytes per pixel. Each image needs 25 bytes: 12 for linear values, 12 for encoded values, and 1 for its
+    // mask. The comparison also needs three maps of floats, two arrays of doubles, and the buffer of the file
+    // reader (12 bytes).
     const std::uint64_t per_pixel = static_cast<std::uint64_t>(pictures) * 25 + 3 * 4 + 2 * 8 + 12;
     return static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) * per_pixel;
 }
@@ -125,7 +125,7 @@ std::uint64_t comparison_bytes(ImageSize size, int pictures) {
 std::vector<std::string> failed_limits(const Comparison& comparison, const CompareLimits& limits) {
     std::vector<std::string> out;
     const PixelErrors& errors = comparison.whole.errors;
-    // If no pixel counts, the PSNR is NaN. The negated comparison is then true, so the limit is not met.
+    // The PSNR is NaN if no pixel was compared. The negation makes the limit fail in this case.
     if (limits.least_psnr_db && !(errors.psnr_db >= *limits.least_psnr_db)) {
         out.push_back(
             fmt::format("PSNR is {:.3f} dB below the limit (got {:.3f} dB; expected {:g} dB or more)",

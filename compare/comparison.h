@@ -1,5 +1,5 @@
-// All results of `postlens compare`. They compare an image to its reference, and optionally to the pinhole
-// image and a second reference.
+// Computes all results of `postlens compare`. An image is compared with its reference and, optionally, with
+// the pinhole image and a second reference.
 #pragma once
 
 #include <cstddef>
@@ -16,37 +16,37 @@
 
 namespace postlens {
 
-/// All images have the same size.
+/// The images to compare. All must have the same size.
 struct CompareInput {
     Image image, reference;
-    /// its difference to the reference shows which pixels the lens or shutter affects
+    /// an image without lens or shutter blur; it shows which pixels these kinds of blur affect
     std::optional<Image> pinhole;
-    /// an independent render with the settings of `reference`, of the same accuracy
+    /// an independent render with the same settings as `reference` and of the same accuracy
     std::optional<Image> second_reference;
     std::optional<double> flip_white_luminance;  ///< see `flip_exposures`
 };
 
-/// Errors of a set of pixels. They are NaN if no pixel has a value.
+/// Errors over a set of pixels. An error is NaN if no pixel has a value.
 struct Figures {
     PixelErrors errors;
-    double ssim = 0;      ///< mean over the pixels that have a value, see `ssim_map`
-    double flip_ldr = 0;  ///< mean over the pixels
-    double flip_hdr = 0;  ///< mean over the pixels
+    double ssim = 0;      ///< mean over the pixels that have a value; see `ssim_map`
+    double flip_ldr = 0;  ///< mean over all pixels
+    double flip_hdr = 0;  ///< mean over all pixels
 };
 
 /// Numbers of pixels that have a NaN or an infinity in any channel.
 struct NonfiniteCounts {
     std::size_t image = 0, reference = 0, pinhole = 0, second_reference = 0;
-    std::size_t image_only = 0;  ///< in `image` where the reference is finite
-    std::size_t any = 0;         ///< in `image` or `reference`; these pixels are excluded from all errors
+    std::size_t image_only = 0;  ///< in `image` only, where the reference is finite
+    std::size_t any = 0;         ///< in `image` or `reference`; no error counts these pixels
 };
 
 struct Comparison {
     int width = 0, height = 0;
     bool identical = false;     ///< the bits of image and reference are equal
-    bool within_range = false;  ///< all finite values of both images lie within 0..1, so `flip` is LDR-FLIP
-    /// Fraction of the pixels in which image or reference has a value outside 0..1. PSNR and SSIM clamp such
-    /// values.
+    bool within_range = false;  ///< no finite value is outside 0..1, so `flip` is LDR-FLIP
+    /// Fraction of the pixels in which the image or the reference has a value outside 0..1. PSNR and SSIM
+    /// clamp these values.
     double clipped_share = 0;
     NonfiniteCounts nonfinite;
     Figures whole;
@@ -55,8 +55,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // Both are set only if a second reference is given. Images are equal if all their bits are. Equal
-    // references determine no noise floor.
+    // The members below are set only if a second reference is given. Two images are equal if they are
+    // bit-identical. The noise floor cannot be measured if both references are equal.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 
@@ -66,7 +66,7 @@ struct Comparison {
 /// Throws Error(invalid_input) if the sizes of the images differ.
 [[nodiscard]] Comparison compare_pictures(CompareInput input);
 
-/// Approximate memory, bytes, that compare_pictures needs for `pictures` images of this size.
+/// Returns the approximate memory, in bytes, that compare_pictures needs for `pictures` images of this size.
 [[nodiscard]] std::uint64_t comparison_bytes(ImageSize size, int pictures);
 
 /// Limits on the errors of the whole frame.
@@ -74,8 +74,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line for each limit that is not met. If there is any limit, an image also fails if it has a
-/// NaN or an infinity where the reference is finite.
+/// Returns one line for each limit that is not met. If any limit is set, an image with a NaN or an infinity
+/// where the reference is finite also fails.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

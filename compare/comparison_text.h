@@ -1,4 +1,4 @@
-// A comparison as text for people.
+// Formats the results of a comparison as text for people.
 #pragma once
 
 #include <string>
@@ -9,14 +9,15 @@
 
 namespace postlens {
 
-/// A table with a heading and one row each for the errors of the whole frame, of the affected pixels and of
-/// the pinhole image.
+/// Returns a table with a heading and three rows: the errors over the whole frame, the errors over the
+/// affected pixels, and the errors of the pinhole image.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
-/// Returns sentences that complete the table: the error of the reference itself, and the exposures of FLIP.
+/// Returns sentences to print below the table. They state the error of the reference and the exposures of
+/// FLIP.
 [[nodiscard]] std::vector<std::string> comparison_notes(const Comparison& comparison);
 
-/// Returns the table as text. Blanks align the first column to the left and the others to the right.
+/// Returns the table as text. The first column is left-aligned and the others are right-aligned.
 [[nodiscard]] std::string aligned(const TextTable& table);
 
 }  // namespace postlens

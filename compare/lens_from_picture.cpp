@@ -12,33 +12,31 @@
 namespace postlens {
 namespace {
 
-/// Residuals above these limits count linearly instead of quadratically. The first refinement starts with a
-/// wrong lens, so its limit is large. The limit of the last refinement is as small as the noise of 256
-/// samples per pixel allows.
+/// Residuals above this limit count linearly instead of quadratically. The first refinement starts far from
+/// the true lens, so its limit is large. The limit of the last refinement is about the noise of 256 samples
+/// per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the step of the central differences with respect to the inverse focus distance 1/s, as a fraction of
-/// the range of inverse depths.
+/// Half the step of the central differences in the inverse focus distance 1/s. It is a fraction of the range
+/// of inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of the blocks of pixels whose sums are treated as independent observations.
+/// Side, in px, of a block of pixels. The sums of different blocks are treated as independent observations.
 constexpr std::size_t block_px = 16;
-/// Least variation of an image for which a lens is searched. In a constant image, blur is not visible.
+/// Minimum variation of an image for which a lens is searched. Blur is not visible in a constant image.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual, as a fraction of the image's variation. With the right records, the residual is
-/// about a tenth of the variation. With the records of another view, it is most of the variation.
+/// Largest accepted residual, as a fraction of the image's variation. The residual is about a tenth of the
+/// variation if the records show the same view as the image, and most of the variation if they show another
+/// view.
 constexpr double most_left = 0.5;
-/// Largest accepted error with the best lens, as a fraction of the error without blur. If the error is
-/// larger, the image shows no blur.
+/// Largest accepted error of the best lens, as a fraction of the error without blur. An image with a larger
+/// error shows no blur.
 constexpr double least_gain = 0.8;
-/// Least range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
-/// Below it, the circles of confusion differ by less than a hundredth: all objects have practically one
-/// depth.
+/// Minimum range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
+/// If the range is smaller, all objects have practically the same depth.
 constexpr double least_span = 0.01;
-/// Largest accepted standard errors of the two lens parameters. One is the error of the logarithm of the
-/// aperture. The other is the error of the inverse focus distance 1/s, as a fraction of the range of inverse
-/// depths.
+/// Largest accepted standard error of either lens parameter. The parameters are the logarithm of the
+/// aperture, and the inverse focus distance 1/s as a fraction of the range of inverse depths.
 constexpr double most_error = 0.2;
-/// A further minimum of the error is reported if its error is less than this factor times that of the best
-/// minimum.
+/// A further minimum is reported if its error is less than this factor times the error of the best minimum.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -61,8 +59,7 @@ class Cost final : public ceres::CostFunction {
         set_num_residuals(static_cast<int>(residuals.size()));
         mutable_parameter_block_sizes()->push_back(2);
     }
-    /// The two parameters of the lens are the logarithm of the aperture in mm, and the inverse focus distance
-    /// in 1/m.
+    /// The two parameters are the logarithm of the aperture (in mm) and the inverse focus distance (in 1/m).
     bool Evaluate(const double* const* parameters, double* out, double** jacobians) const override {
         const LensPlace p{std::exp(parameters[0][0]), parameters[0][1]};
         residuals_.at(p, out, linear_from_);
@@ -93,11 +90,11 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // The error depends quadratically on the solver's step. If a step lowers the error by a fraction of less
-    // than 1e-4, the next step changes the parameters by far less than 0.1 %.
+    // Near the minimum, the error depends quadratically on the parameters. If a step lowers the error by a
+    // fraction of less than 1e-4, the next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The solver ends once nearly undamped steps no longer lower the error. Close to the minimum, the error
-    // has no usable slope, because `focus` places its discs in discrete steps.
+    // The large trust region lets the solver end as soon as full steps no longer lower the error. Close to
+    // the minimum the error has no usable slope, because `focus` places its discs in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -151,7 +148,8 @@ void refuse_one_depth() {
          "at two or more)");
 }
 
-/// Computes the standard errors of the lens parameters at the minimum. Throws if they exceed `most_error`.
+/// Computes the standard errors of the lens parameters at the minimum. Throws if one of them exceeds
+/// `most_error`.
 void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& out) {
     std::vector<double> r(residuals.size()), jacobian(2 * residuals.size());
     residuals.at(out.best.place, r.data(), last_linear_from);
@@ -181,9 +179,9 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // determinant / (aa bb) equals 1 - correlation^2 of the derivatives with respect to aperture and focus.
-    // If it is below 1e-4, the two derivatives differ only by the error of the central differences, and the
-    // image does not determine both parameters.
+    // determinant / (aa bb) equals 1 - c^2, where c is the correlation between the derivatives with respect
+    // to aperture and focus. Below 1e-4, the two derivatives differ only by numerical error, and the image
+    // does not determine both parameters.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -193,8 +191,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Descends to the minimum twice. Each descent uses the pixels that are reliable for the lens with which it
-/// begins.
+/// Descends to the minimum twice. Each descent uses the pixels that are reliable for the lens with which the
+/// descent begins.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);
@@ -202,15 +200,15 @@ Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& f
     return descend(residuals, view, rough.place, last_linear_from, 1e-4);
 }
 
-/// True if two lenses are treated as one minimum. The grid of the coarse search can split one minimum into
-/// several.
+/// Returns true if two lenses belong to the same minimum. The grid of the coarse search can split one minimum
+/// into several.
 bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
     return std::abs(std::log(a.aperture_mm / b.aperture_mm)) < 0.3 &&
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Returns at most `most` starting points in different minima, sorted by the error of `focus` at each. Points
-/// whose error exceeds 1.5 times the smallest error are omitted.
+/// Returns at most `most` starting points in different minima, sorted by the error of `focus` at each of
+/// them. Omits points whose error is more than 1.5 times the smallest error.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;
@@ -258,8 +256,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
         sifted(residuals, view, blur_search(pinhole, picture, view.depths, file.header()), settings.starts);
     if (starts.front().error > least_gain * spread) refuse_other_view(starts.front().error, spread);
 
-    // If a lens has blurred the image, even a starting point outside the minimum has a smaller error than the
-    // pinhole image.
+    // If the image was blurred by a lens, even a rough starting point has a smaller error than the pinhole
+    // image.
     if (starts.front().error > sharp_error) refuse_no_blur(starts.front().error, sharp_error);
 
     std::vector<LensFromPicture> found;
@@ -282,8 +280,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each minimum was measured over a different set of pixels. Its error is therefore divided by the
-    // variation (`spread`) of the image over these pixels before the minima are sorted.
+    // Each minimum was measured over a different set of pixels. To compare them, each error is divided by the
+    // variation (`spread`) of the image over the same pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

@@ -1,12 +1,14 @@
-// Turns any exception into an Error, so that the command, the library and the Python module report the same.
+// Converts any exception into an Error, so that the command, the library and the Python module report every
+// failure in the same form.
 #pragma once
 
 #include "core/error.h"
 
 namespace postlens {
 
-/// Returns the exception that is being handled as an Error. Call it only inside of a catch clause. A
-/// std::system_error is that of a thread, because those of files are caught where they are used.
+/// Returns the exception that is being handled as an Error. Call this function only inside a catch clause. It
+/// reports a std::system_error as a failure to start a thread, because code that uses files catches its own
+/// system errors.
 [[nodiscard]] Error caught_error();
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Checksums, by which a changed or damaged file, row or image is noticed.
+// Checksums that detect changed or damaged files, rows and images.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// XXH3 hash (64 bit, seed 0) of bytes that are added in pieces. It does not depend on how the bytes are
-/// divided.
+/// XXH3 hash (64 bit, seed 0) of bytes that are added piece by piece. The hash does not depend on where the
+/// pieces begin and end.
 class Checksum {
   public:
     Checksum();
@@ -28,10 +28,11 @@ class Checksum {
     std::unique_ptr<State> state_;
 };
 
-/// The hash that Checksum computes, of bytes that are all in memory.
+/// Returns the hash that Checksum computes, for bytes that are already in memory.
 [[nodiscard]] std::uint64_t checksum_of(const void* bytes, std::size_t count);
 
-/// 16 hexadecimal digits, the form in which text files and attributes store a checksum.
+/// Returns the checksum as 16 hexadecimal digits. Text files and image attributes store checksums in this
+/// form.
 [[nodiscard]] std::string checksum_text(std::uint64_t checksum);
 
 }  // namespace postlens

@@ -32,7 +32,8 @@ ChildResult run_child(const std::vector<std::string>& words, const std::filesyst
     if (error != 0) return {.exit_code = 127};
     int status = 0;
     rusage usage{};
-    // Tests at short intervals, so that an interruption of this process alone also ends the child.
+    // Polls for cancellation at short intervals. A signal that reaches only this process then also ends the
+    // child.
     constexpr std::chrono::milliseconds between_looks(2);
     for (bool cancelled = false;;) {
         const pid_t ended = wait4(pid, &status, cancelled ? 0 : WNOHANG, &usage);

@@ -1,4 +1,4 @@
-// Numbers with their nouns and units, as messages state them.
+// Formats numbers together with their nouns and units, for use in messages.
 #pragma once
 
 #include <concepts>

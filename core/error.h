@@ -1,4 +1,4 @@
-// Error reports of postlens: one exception type, one line of text and an exit code.
+// The exception type of postlens, which carries one line of text and an exit code.
 #pragma once
 
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Exit codes of the command. Every failure has one of them.
+/// Exit codes of the command. Each kind of failure has its own code.
 enum class ExitCode : int {
     ok = 0,
     comparison_failed = 1,
@@ -20,7 +20,7 @@ enum class ExitCode : int {
     interrupted = 130,
 };
 
-/// Thrown for invalid input, files and arguments, and caught once, in the command. `what()` is one line:
+/// Thrown for invalid input, files and arguments. The command catches it in one place. `what()` is one line:
 /// "FILE:LINE: what is wrong (got X; expected Y)".
 class Error : public std::runtime_error {
   public:

@@ -1,4 +1,5 @@
-// A 64-bit hash of settings. Equal settings have equal hashes; different settings almost never do.
+// A 64-bit hash of settings. Equal settings have equal hashes, and different settings almost always have
+// different hashes.
 #pragma once
 
 #include <bit>
@@ -6,7 +7,7 @@
 
 namespace postlens {
 
-/// FNV-1a hash over the bytes of all added values, in the order in which they are added.
+/// FNV-1a hash of the bytes of all added values. The hash depends on the order in which the values are added.
 class Fingerprint {
   public:
     void add(std::uint64_t bits) {

@@ -17,8 +17,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's thread limit to the largest number of threads of any existing job. Otherwise TBB would limit
-/// every job to one thread per core. Jobs with fewer threads are limited by their own TBB arena.
+/// Raises TBB's thread limit to the largest number of threads that any existing job has. Otherwise TBB would
+/// limit every job to one thread per core. A job with fewer threads has its own TBB arena, which limits it.
 class WidestJob {
   public:
     void add(int threads) {
@@ -45,7 +45,7 @@ class WidestJob {
         const int widest = threads_.empty() ? 0 : *threads_.rbegin();
         if (widest == allowed_) return;
         allowed_ = widest;
-        // If several limits exist, TBB applies the lowest, so the old limit is removed first.
+        // TBB applies the lowest of all existing limits, so the old limit is removed first.
         control_.reset();
         if (widest > tbb::info::default_concurrency()) {
             control_.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(widest));
@@ -55,7 +55,7 @@ class WidestJob {
     std::mutex mutex_;
     std::multiset<int> threads_;
     int allowed_ = 0;
-    int most_tried_ = 1;  ///< number of threads for which require_threads has not thrown
+    int most_tried_ = 1;  ///< largest number of threads for which require_threads has succeeded
     std::optional<tbb::global_control> control_;
 };
 
@@ -94,7 +94,7 @@ void Job::run(const std::function<void()>& work) {
         work();
         return;
     }
-    // If the TBB arena is full, another thread runs `work`. That thread needs a JobScope of its own.
+    // If the TBB arena is full, TBB runs `work` on another thread, and that thread needs its own JobScope.
     arena_->arena.execute([&] {
         const JobScope scope(*this);
         work();

@@ -1,4 +1,4 @@
-// A job: a piece of work with its own number of threads, its own cancellation and its own progress reports.
+// A job is a piece of work with its own threads, cancellation and progress reports.
 #pragma once
 
 #include <atomic>
@@ -11,27 +11,30 @@ namespace postlens {
 /// The progress of a job's current step.
 struct ProgressReport {
     std::string step;         ///< name of the step, for example "trace"
-    double share = 0;         ///< share of the step that is done, 0 to 1
+    double share = 0;         ///< fraction of the step that is done, 0 to 1
     double seconds = 0;       ///< time since the step began
-    double seconds_left = 0;  ///< remaining time of the step, at the same rate
-    bool ended = false;       ///< true in the last report of a step, whether it was completed or not
+    double seconds_left = 0;  ///< estimated remaining time of the step
+    bool ended = false;       ///< true in the last report of a step, even if the step failed
 };
 
 struct JobSettings {
-    int threads = 0;  ///< may exceed the number of cores; 0 or less: one per core
-    /// Receives the progress reports, at most ten per second. Any thread of the job may call it, but never
-    /// two at once. It must not throw.
+    int threads = 0;  ///< may exceed the number of cores; 0 or less means one per core
+    /// Receives the progress reports, at most ten per second. Any thread of the job may call this function,
+    /// but two threads never call it at the same time. It must not throw.
     std::function<void(const ProgressReport&)> watch = {};
 };
 
-/// Threads, cancellation and progress reports of one piece of work. Jobs in one process are independent: each
-/// has its own threads and is cancelled separately. If a thread that works for one job makes another job, the
-/// new job is an inner job. An inner job is cancelled with the outer job and must not outlive it. Without a
-/// watcher of its own, the inner job reports to the outer job's watcher. Jobs do not affect the thread pools
-/// of other libraries (OpenEXR, OpenImageIO, OpenCV).
+/// The threads, the cancellation and the progress reports of one piece of work. Jobs in one process are
+/// independent: each has its own threads and is cancelled separately.
+///
+/// A job that is created by a thread of another job is an inner job. Cancelling the outer job also cancels
+/// the inner job. The inner job must not outlive the outer job. If the inner job has no watcher of its own,
+/// it reports to the watcher of the outer job.
+///
+/// Jobs do not affect the thread pools of other libraries (OpenEXR, OpenImageIO, OpenCV).
 class Job {
   public:
-    /// Throws Error(out_of_memory) if the system does not allow so many threads.
+    /// Throws Error(out_of_memory) if the system does not allow this number of threads.
     explicit Job(JobSettings settings = {});
     ~Job();
     Job(const Job&) = delete;
@@ -39,12 +42,13 @@ class Job {
     Job(Job&&) = delete;
     Job& operator=(Job&&) = delete;
 
-    /// The job that the calling thread works for. Outside of every `JobScope`, the job of the process is
-    /// returned. That job has one thread per core and no watcher, and it exists until the process ends.
+    /// Returns the job that the calling thread works for. Outside of every `JobScope`, this is the default
+    /// job of the process. The default job has one thread per core and no watcher, and it exists until the
+    /// process ends.
     [[nodiscard]] static Job& current();
 
-    /// Cancels the job: its work throws Error(interrupted) at its next test for cancellation. May be called
-    /// from any thread and from signal handlers.
+    /// Cancels the job. Its work throws Error(interrupted) the next time it checks for cancellation. This
+    /// function may be called from any thread and from signal handlers.
     void cancel() noexcept { cancelled_.store(true, std::memory_order_relaxed); }
     [[nodiscard]] bool cancelled() const noexcept {
         return cancelled_.load(std::memory_order_relaxed) || (outer_ != nullptr && outer_->cancelled());
@@ -53,7 +57,7 @@ class Job {
     /// Number of threads, at least 1.
     [[nodiscard]] int threads() const noexcept { return threads_; }
 
-    /// Calls `work`. TBB loops inside `work` use only this job's threads.
+    /// Calls `work`. TBB loops inside `work` use only the threads of this job.
     void run(const std::function<void()>& work);
 
   private:
@@ -66,12 +70,13 @@ class Job {
     int threads_ = 1;
     std::function<void(const ProgressReport&)> watch_;
     std::atomic<bool> cancelled_{false};
-    std::atomic<bool> reporting_{false};  ///< true while a step runs; steps within it do not report
-    std::unique_ptr<Threads> arena_;      ///< null: TBB's default arena
+    std::atomic<bool> reporting_{false};  ///< true while a step runs; nested steps do not report
+    std::unique_ptr<Threads> arena_;      ///< null if the job uses TBB's default arena
 };
 
-/// While this object exists, the calling thread and the threads of its parallel loops work for `job`.
-/// JobScopes must be destroyed by the thread that made them, in reverse order of construction.
+/// While this object exists, the calling thread and the threads of its parallel loops work for `job`. The
+/// thread that creates a JobScope must also destroy it. If a thread has several, it must destroy the newest
+/// first.
 class JobScope {
   public:
     explicit JobScope(Job& job);
@@ -86,7 +91,7 @@ class JobScope {
 };
 
 /// While this object exists, the calling thread works for an inner job of the current job. The inner job has
-/// `threads` threads.
+/// the given number of threads.
 class ThreadLimit {
   public:
     explicit ThreadLimit(int threads) : job_({.threads = threads}), scope_(job_) {}
@@ -96,12 +101,14 @@ class ThreadLimit {
     JobScope scope_;
 };
 
-/// True if the current job or one of its outer jobs was cancelled. Costs one relaxed atomic load per job.
+/// Returns true if the current job or one of its outer jobs was cancelled. The cost is one relaxed atomic
+/// load per job.
 [[nodiscard]] inline bool interrupted() {
     return Job::current().cancelled();
 }
 
-/// Throws Error(interrupted) if the current job was cancelled. Long loops must call it at least every 100 ms.
+/// Throws Error(interrupted) if the current job was cancelled. Long loops must call this function at least
+/// every 100 ms.
 void throw_if_interrupted();
 
 /// Number of threads of the current job, at least 1.

@@ -1,5 +1,5 @@
-// Tests for free memory before it is allocated. Missing memory then causes an error message; otherwise the
-// system would kill the process.
+// Checks that enough memory is free before memory is allocated. If it is not, the program reports an error
+// instead of being killed by the system.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,19 @@
 
 namespace postlens {
 
-/// Memory available to programs, bytes, as the system states it; the largest number if the system does not.
+/// Returns the memory that the system reports as available to programs, in bytes. Returns the largest
+/// representable number if the system reports none.
 [[nodiscard]] std::uint64_t available_memory_bytes();
 
-/// Peak resident set size of this process so far, bytes.
+/// Returns the peak resident set size of this process so far, in bytes.
 [[nodiscard]] std::uint64_t peak_memory_bytes();
 
 /// Throws Error(out_of_memory) "WHAT needs N MB of memory (M MB are free)" if less than `bytes` of memory is
 /// available.
 void require_memory(std::uint64_t bytes, const std::string& what);
 
-/// Returns freed memory to the system, where the C library supports this; otherwise the library keeps it for
-/// later allocations. Useful between large pieces of work whose allocations have different sizes.
+/// Returns freed memory to the system if the C library supports this. Otherwise the library keeps the memory
+/// for later allocations. Call this function between large pieces of work whose allocations differ in size.
 void give_back_memory();
 
 }  // namespace postlens

@@ -1,8 +1,11 @@
-// POSTLENS_MULTIVERSION in front of a function compiles the function for several instruction sets; the
-// version for the CPU is chosen at load time. With -ffp-contract=off all versions give bit-identical results,
-// because no sum is reordered. Exception: GCC 12 still fuses alternating sums and differences of products (as
-// in complex numbers), so such code must be written as two loops. scripts/check_instruction_sets.sh tests
-// this. With clang, and on processors other than x86-64, the macro is empty.
+// POSTLENS_MULTIVERSION in front of a function compiles the function for several instruction sets. The
+// version for the CPU is chosen when the program is loaded. With -ffp-contract=off, all versions give
+// bit-identical results, because no sum is reordered.
+//
+// There is one exception: GCC 12 still fuses alternating sums and differences of products, such as those in
+// complex arithmetic. Write such code as two loops. scripts/check_instruction_sets.sh tests for this problem.
+//
+// With clang, and on processors other than x86-64, the macro is empty.
 #pragma once
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(POSTLENS_NO_MULTIVERSION)

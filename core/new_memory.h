@@ -1,4 +1,4 @@
-// Large lists whose memory all threads take from the system.
+// Allocates large vectors, whose memory is first written to by all threads together.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,10 @@
 
 namespace postlens {
 
-/// As values.reserve(count), but all threads write to the new memory of a list that has no elements. The
-/// system clears each page when it is first written to, which takes longer than to fill it, and which a
-/// single thread would do alone. Use it for lists that will be filled.
+/// Does the same as values.reserve(count), but makes the first access to new memory faster. The system clears
+/// each page of new memory when it is first written to, which takes longer than filling the page. If the
+/// vector is empty, this function lets all threads write to its new memory, so that they share the work. Use
+/// it for vectors that will be filled completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;
@@ -25,7 +26,7 @@ void reserve_by_all(std::vector<T>& values, std::size_t count) {
     });
 }
 
-/// As values.resize(count), with the memory of reserve_by_all.
+/// Does the same as values.resize(count), but allocates with reserve_by_all.
 template <typename T>
 void resize_by_all(std::vector<T>& values, std::size_t count) {
     reserve_by_all(values, count);

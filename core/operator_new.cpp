@@ -1,10 +1,10 @@
-// Replaces the global operator new and delete of a program, so that its memory has pages of 2 MB instead of
-// 4 KB. By default Debian's kernel gives such pages only on request (transparent huge pages, setting
-// `madvise`). With small pages, the first use of 100 MB causes 25,000 page faults, and misses of the address
-// cache (TLB) are frequent.
+// Replaces the global operator new and delete of a program, so that its memory has pages of 2 MB instead of 4
+// KB. With small pages, large allocations cause many page faults and many misses of the address cache (TLB).
+// Debian's kernel uses large pages only where a program requests them (transparent huge pages with the
+// setting `madvise`).
 //
-// Blocks still come from malloc. Memory may therefore be freed by code that was compiled without these
-// functions. The kernel keeps the request for these addresses after a block is freed.
+// Blocks still come from malloc, so code that was compiled without these functions may free them. The kernel
+// remembers the request for an address range after a block in the range is freed.
 //
 // This file is not part of the library, because a library must not decide how a program allocates memory.
 // core/CMakeLists.txt adds it to programs.
@@ -18,28 +18,28 @@
 
 namespace {
 
-/// Size of a huge page on x86-64, and on ARM with pages of 4 KB.
+/// Size of a huge page on x86-64, and on ARM if ordinary pages have 4 KB.
 constexpr std::uintptr_t huge_page_bytes = std::uintptr_t{1} << 21;
 
-/// Requests huge pages for the addresses from begin to end, multiples of the size of such a page. If the
-/// kernel refuses, they keep small pages. Parts that are not in use cause an error after the others have been
-/// marked.
+/// Requests huge pages for the addresses from begin to end. Both must be multiples of the size of a huge
+/// page. If the kernel refuses, the addresses keep small pages. If some addresses are not mapped, madvise
+/// returns an error, but still applies the request to all others.
 void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 #ifdef MADV_HUGEPAGE
     if (begin < end) static_cast<void>(::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
 #endif
 }
 
-/// Addresses have 47 bits (x86-64) or 48 (ARM).
+/// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// A bit for each huge page in which a block has ended. Of these 16 MB only what is written to takes memory:
-/// 4 KB for each 64 GB of addresses in use.
+/// One bit for each huge page in which a block has ended. The array has 16 MB, but the system provides memory
+/// only for the parts that are written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
-/// Requests huge pages for where the next blocks of a heap will be, once for each huge page in which a block
-/// ends. This has to be ahead of them: malloc writes to the memory behind a block, after which the page
-/// around it is small.
+/// Requests huge pages for the addresses that follow a block, where malloc will place the next blocks. It
+/// does so once for each huge page in which a block ends. The request must come early: malloc writes to the
+/// memory behind each block, and the first write to an address decides the size of its page.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -52,7 +52,7 @@ void request_what_follows(std::uintptr_t block_end) {
 
 }  // namespace
 
-// The forms for arrays and with std::nothrow call these functions. The forms for over-aligned types are not
+// The array forms and the std::nothrow forms call these functions. The forms for over-aligned types are not
 // replaced.
 void* operator new(std::size_t bytes) {
     for (;;) {

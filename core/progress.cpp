@@ -12,7 +12,7 @@
 namespace postlens {
 namespace {
 
-/// True if stderr is a terminal that understands "erase to the end of the line", which the bar needs.
+/// Returns true if stderr is a terminal that supports "erase to the end of the line", which the bar needs.
 bool stderr_takes_a_bar() {
     const char* terminal = std::getenv("TERM");
     return ::isatty(STDERR_FILENO) != 0 && terminal != nullptr && std::string_view(terminal) != "dumb";
@@ -39,8 +39,8 @@ class Bar {
     void draw(const ProgressReport& report) {
         constexpr int bar_columns = 30;
         const int filled = static_cast<int>(report.share * bar_columns);
-        // The percentage is rounded down, so 100 % appears only when the step is completed. A single write
-        // keeps other output from appearing inside the bar.
+        // The percentage is rounded down, so 100 % appears only when the step is complete. The bar is written
+        // with a single call, so that no other output appears inside it.
         const std::string line = fmt::format(
             "\r{} [{:=<{}}{: <{}}] {:3} %  {} left\033[K", report.step, "", filled, "", bar_columns - filled,
             static_cast<int>(report.share * 100), duration_text(report.seconds_left));
@@ -55,7 +55,7 @@ class Bar {
 }  // namespace
 
 std::string duration_text(double duration_s) {
-    // Durations are limited to a thousand days, because larger numbers do not fit the integer.
+    // Durations are limited to 1000 days, because much larger values do not fit the integer.
     constexpr double longest_s = 1000 * 86400.0;
     const auto seconds =
         static_cast<std::int64_t>(duration_s > 0 ? std::min(duration_s, longest_s) + 0.5 : 0);

@@ -1,4 +1,4 @@
-// Progress of a step of a job, and the progress bar.
+// Measures the progress of the steps of a job, and draws the progress bar.
 #pragma once
 
 #include <atomic>
@@ -12,18 +12,20 @@
 
 namespace postlens {
 
-/// Formats a duration as "8 s", "3 min 05 s" or "2 h 07 min". Negative and undefined durations count as zero.
+/// Formats a duration as "8 s", "3 min 05 s" or "2 h 07 min". Negative and NaN durations are formatted as
+/// zero.
 [[nodiscard]] std::string duration_text(double duration_s);
 
-/// Returns a watcher (JobSettings::watch) that draws a bar with the remaining time on stderr, starting after
-/// one second of a step. Returns an empty function if stderr is not a terminal that can show the bar.
+/// Returns a watcher (JobSettings::watch) that draws a bar with the remaining time on stderr. The bar appears
+/// when a step has run for one second. Returns an empty function if stderr is not a terminal that can show
+/// the bar.
 [[nodiscard]] std::function<void(const ProgressReport&)> terminal_bar();
 
-/// A step of the current job. Reports its progress to the job's watcher, unless the step is part of another
-/// step.
+/// A step of the current job. The step reports its progress to the job's watcher, unless it is nested in
+/// another step.
 class Progress {
   public:
-    /// `total`: number of units in the step; `advance` counts completed units.
+    /// `total` is the number of units of work in the step. Call `advance` for the units that are done.
     Progress(std::string step, std::uint64_t total);
     ~Progress();
     Progress(const Progress&) = delete;
@@ -39,7 +41,7 @@ class Progress {
 
     std::string step_;
     std::uint64_t total_;
-    Job* watched_ = nullptr;  ///< the job whose watcher gets the reports; null: no reports
+    Job* watched_ = nullptr;  ///< job whose watcher receives the reports; null if nothing is reported
     std::chrono::steady_clock::time_point start_;
     std::atomic<std::uint64_t> done_{0};
     std::atomic<std::int64_t> next_report_ms_{100};

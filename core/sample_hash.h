@@ -1,14 +1,16 @@
-// Counter-based random numbers: each is a hash of a key and a counter, so they can be computed in any order.
+// Counter-based random numbers. Each number is a hash of a key and a counter, so numbers can be computed in
+// any order.
 #pragma once
 
 #include <cstdint>
 
 namespace postlens {
 
-/// Number of samples that are computed together, so that loops over them are vectorised.
+/// Number of samples that are computed together, so that the compiler vectorises loops over them.
 inline constexpr int sample_lanes = 16;
 
-/// Mixes the bits of a 64-bit word by a bijection: the finaliser of SplitMix64 [steele2014].
+/// Mixes the bits of a 64-bit word with the finaliser of SplitMix64 [steele2014]. Different words give
+/// different results.
 [[nodiscard]] constexpr std::uint64_t mix64(std::uint64_t x) {
     x += 0x9e3779b97f4a7c15ULL;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -16,8 +18,8 @@ inline constexpr int sample_lanes = 16;
     return x ^ (x >> 31);
 }
 
-/// Mixes the bits of a 32-bit word by a bijection of low bias. Multipliers and shifts are from C. Wellons'
-/// search.
+/// Mixes the bits of a 32-bit word with a low-bias hash by C. Wellons. Different words give different
+/// results.
 [[nodiscard]] constexpr std::uint32_t mix32(std::uint32_t x) {
     x = (x ^ (x >> 16)) * 0x7feb352dU;
     x = (x ^ (x >> 15)) * 0x846ca68bU;
@@ -40,13 +42,14 @@ inline constexpr int sample_lanes = 16;
     return unit_float_24(static_cast<std::int32_t>(word >> 8));
 }
 
-/// Random word number `counter` of the stream with this 64-bit key. All words of one stream are different.
+/// Returns random word number `counter` of the stream that belongs to the 64-bit `key`. All words of one
+/// stream are different.
 [[nodiscard]] constexpr std::uint32_t random_word(std::uint64_t key, std::uint32_t counter) {
     return mix32(mix32(counter + low_word(key)) ^ high_word(key));
 }
 
-/// Key of one set of points in one pixel. The keys of the set's independent random streams are derived from
-/// this key.
+/// Key of one set of sample points in one pixel. The set uses several independent random streams, whose keys
+/// are derived from this key.
 struct SetKey {
     std::uint64_t value;
     /// Streams with different `purpose` are independent.

@@ -12,8 +12,8 @@ namespace {
 constexpr int index_bits = 32;
 using Directions = std::array<std::uint32_t, index_bits>;
 
-/// Primitive polynomial x^s + a_1 x^(s-1) + .. + 1, and its first s odd initial numbers m [joe2008, table
-/// "new-joe-kuo-6"]. `a` has the binary digits a_1 .. a_(s-1).
+/// A primitive polynomial x^s + a_1 x^(s-1) + .. + 1 and the first s odd initial numbers m of its dimension
+/// [joe2008, table "new-joe-kuo-6"]. The binary digits of `a` are a_1 .. a_(s-1).
 struct Polynomial {
     int s;
     std::uint32_t a;
@@ -22,8 +22,8 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Direction numbers of the Sobol sequence, bit-reversed. The point with a given index is the exclusive or of
-/// those elements k for which bit k of the index is set.
+/// Returns the bit-reversed direction numbers of the Sobol sequence. To compute a point, combine by exclusive
+/// or all elements k for which bit k of the point's index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -57,8 +57,8 @@ constexpr std::uint32_t by_directions(const Directions& v, std::uint32_t index) 
     return x;
 }
 
-/// The sequence is linear over the bits of the index. So a point is the exclusive or of two table entries:
-/// one for the lower ten bits of the index and one for the upper ten.
+/// The sequence is linear over the bits of the index. A point is therefore the exclusive or of two table
+/// entries, one for the lower ten bits of the index and one for the upper ten.
 struct SplitTable {
     alignas(64) std::array<std::uint32_t, 1024> low, high;
 };
@@ -76,8 +76,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Dimension 1 of the Sobol sequence: the bits of the index, multiplied by Pascal's triangle modulo 2. This
-/// matrix is the product of five simple matrices, one per line below.
+/// Dimension 1 of the Sobol sequence, which is the bits of the index multiplied by Pascal's triangle modulo
+/// 2. This matrix is a product of five simple matrices. Each line below multiplies by one of them.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -90,8 +90,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return unit_float(reverse_bits(owen_scramble_reversed(x, seed)));
 }
 
-/// Sample indices, permuted by a nested uniform scramble. The scramble maps every aligned block of 2^j
-/// samples to an aligned block.
+/// Permutes sample indices by a nested uniform scramble. The scramble maps every aligned block of 2^j samples
+/// to an aligned block.
 template <int lanes>
 [[gnu::always_inline]] inline void shuffled(std::uint32_t seed, std::uint32_t reversed_mask, int first,
                                             std::uint32_t* index) {
@@ -112,8 +112,8 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// If `first` is a multiple of 16, the upper bits of the indices first .. first + lanes - 1 are equal. The
-/// words of these samples are then low[i] ^ high.
+/// If `first` is a multiple of 16, the indices first .. first + lanes - 1 have the same upper bits. The word
+/// of sample i is then low[i] ^ high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-// Edit distance that also counts a swap of neighbouring letters as one edit (optimal string alignment).
+// Edit distance that counts a swap of two neighbouring letters as one edit (optimal string alignment).
 std::size_t edit_distance(std::string_view a, std::string_view b) {
     std::array<std::vector<std::size_t>, 3> rows;
     for (auto& row : rows) row.resize(b.size() + 1);
@@ -45,8 +45,8 @@ std::optional<double> parse_number(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error == std::errc::invalid_argument || end != text.data() + text.size()) return std::nullopt;
     if (error == std::errc::result_out_of_range) {
-        // from_chars reports underflow and overflow alike and leaves `value` unchanged. A negative exponent
-        // means underflow to 0; otherwise the result is infinity.
+        // from_chars returns the same error for underflow and overflow, and leaves `value` unchanged. If the
+        // exponent is negative, the number is too small and becomes 0. Otherwise it becomes infinity.
         const std::size_t e = text.find_first_of("eE");
         const bool tiny = e != std::string_view::npos && text.substr(e + 1).starts_with('-');
         return tiny ? 0.0 : std::numeric_limits<double>::infinity();
@@ -95,8 +95,8 @@ std::string_view nearest_word(std::string_view word, std::span<const std::string
     std::string_view best;
     std::size_t best_distance = std::numeric_limits<std::size_t>::max();
     for (const std::string_view candidate : candidates) {
-        // A word longer than any candidate cannot be similar to one, so cutting it is safe. The cut bounds
-        // the time for malicious input.
+        // A word of more than 256 characters resembles no candidate, so only its beginning is compared. This
+        // limits the time that malicious input can take.
         const std::size_t distance = edit_distance(word.substr(0, 256), candidate.substr(0, 256));
         if (distance < best_distance) {
             best_distance = distance;

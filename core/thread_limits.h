@@ -1,17 +1,18 @@
-// Limits of the system on the number of threads.
+// Checks how many threads the system allows.
 #pragma once
 
 namespace postlens {
 
-/// Throws Error(out_of_memory) unless the system allows `number` more threads. Tests this by starting and
-/// ending them: if TBB could not start a thread later, it would abort the process or wait forever.
+/// Throws Error(out_of_memory) unless the system allows `number` more threads. The function starts this many
+/// threads and ends them again. Without this check, TBB would abort the process or wait forever if it could
+/// not start a thread later.
 void require_threads(int number);
 
-/// Number of threads that a library for files may keep beside those of the jobs.
+/// Number of threads that a library for image files may start in addition to the threads of the jobs.
 [[nodiscard]] int library_threads();
 
-/// Number of threads that the picture module starts while it is loaded: those of log4cplus, on which Debian's
-/// OpenImageIO depends. If they cannot be started, the loader waits forever or aborts the process.
+/// Number of threads that start when the picture module is loaded. They belong to log4cplus, on which
+/// Debian's OpenImageIO depends. If they cannot be started, the loader waits forever or aborts the process.
 inline constexpr int picture_module_threads = 4;
 
 }  // namespace postlens

@@ -15,9 +15,9 @@ namespace postlens {
 
 #if defined(__SANITIZE_THREAD__)
 
-// Under ThreadSanitizer, this version uses plain threads, each with a fixed part of the chunks and without
-// any order between them. ThreadSanitizer would report every TBB loop as a race, because TBB is not
-// instrumented and its synchronisation is invisible.
+// This version for ThreadSanitizer uses plain threads. Each thread runs a fixed part of the chunks, in no
+// order relative to the other threads. ThreadSanitizer would report every TBB loop as a race, because it
+// cannot see the synchronisation inside TBB.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk) {
     const std::size_t chunks = count / grain + (count % grain != 0 ? 1 : 0);
@@ -28,8 +28,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
     const auto work = [&](std::size_t first_chunk) {
         const JobScope scope(job);
         for (std::size_t c = first_chunk; c < chunks; c += thread_number) {
-            // The load is relaxed on purpose: synchronisation between chunks would hide races between them
-            // from ThreadSanitizer.
+            // The load is relaxed on purpose. Stronger ordering would hide races between chunks from
+            // ThreadSanitizer.
             if (failed.load(std::memory_order_relaxed)) return;
             try {
                 throw_if_interrupted();
@@ -65,8 +65,8 @@ void parallel_chunks(std::size_t count, std::size_t grain,
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               const JobScope scope(job);
-                              // Cancellation is tested every `grain` indices. One test per range would be too
-                              // rare, because TBB passes ranges that may be many times `grain` long.
+                              // Checks for cancellation every `grain` indices. One check per range would be
+                              // too rare, because a range from TBB can be many times as long as `grain`.
                               for (std::size_t begin = range.begin(); begin != range.end();) {
                                   throw_if_interrupted();
                                   const std::size_t end = begin + std::min(grain, range.end() - begin);

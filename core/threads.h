@@ -13,16 +13,17 @@
 
 namespace postlens {
 
-/// Calls chunk(begin, end) for ranges of at most `grain` indices (1 or more). The ranges cover [0, count)
-/// once, in any order. Stops and throws as parallel_for does, which calls this function.
+/// Calls chunk(begin, end) for ranges of at most `grain` indices, where `grain` is 1 or more. The ranges
+/// cover [0, count) once, in any order. parallel_for calls this function, and both stop and throw in the same
+/// way.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk);
 
-/// Calls body(i) once for each i in [0, count), in any order. The result of body(i) must not depend on the
-/// thread; then the loop's result is equal for any number of threads. If body throws, no further indices are
-/// begun, and one of the thrown exceptions is rethrown. Throws Error(interrupted) if the current job is
-/// cancelled. Cancellation is tested every `grain` indices, so the work of `grain` indices should take less
-/// than 100 ms.
+/// Calls body(i) once for each i in [0, count), in any order. The result of the loop is the same for any
+/// number of threads, provided that body(i) does not depend on the thread. If body throws, no further indices
+/// are started, and one of the thrown exceptions is rethrown. Throws Error(interrupted) if the current job is
+/// cancelled. Cancellation is checked every `grain` indices, so choose `grain` such that this many indices
+/// take less than 100 ms.
 template <typename Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     parallel_chunks(count, std::max<std::size_t>(grain, 1), [&body](std::size_t begin, std::size_t end) {
@@ -30,15 +31,16 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1) {
     });
 }
 
-/// Calls make(i) on any thread and then end(i), one call of end at a time and in the order of i. At most
-/// `at_a_time` indices are between the start of make(i) and the end of end(i). make_in_order calls this
-/// function.
+/// Calls make(i) and then end(i) for each i. make(i) may run on any thread. The calls of end are made one at
+/// a time and in the order of i. At most `at_a_time` indices are in progress at once, from the start of
+/// make(i) to the end of end(i). make_in_order calls this function.
 void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<void(std::size_t)>& make,
                   const std::function<void(std::size_t)>& end);
 
-/// Calls end(i, make(i)) for i in [0, count). make(i) runs for up to `at_a_time` (1 or more) indices at once,
-/// on any thread, and may contain parallel loops. While one call waits, its threads work for the others. end
-/// is called in order, one call at a time. Stops and throws as parallel_for does.
+/// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make (1 or more) run at once,
+/// on any thread. make may contain parallel loops. While one call waits, its threads help with the other
+/// calls. The calls of end are made one at a time and in order. Stops and throws in the same way as
+/// parallel_for.
 template <typename Make, typename End>
 void make_in_order(std::size_t count, std::size_t at_a_time, const Make& make, const End& end) {
     std::vector<std::optional<std::invoke_result_t<const Make&, std::size_t>>> made(count);

@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 std::string place_of(const std::string& file, const toml::source_position& at) {
-    // toml++ knows no position for a table that the file defines only implicitly, so the message names line
+    // toml++ gives no position for a table that the file defines only implicitly. The message then names line
     // 1.
     return at.line == 0 ? fmt::format("{}:1:1", file) : fmt::format("{}:{}:{}", file, at.line, at.column);
 }
@@ -55,9 +55,9 @@ std::string range_text(const NumberRange& range) {
     return range.may_be_infinite ? text + " or inf" : text;
 }
 
-/// Refuses keys with very many parts, such as a.a.a.a. The parser makes a table for each part and visits the
-/// tables recursively, which could overflow the stack: its own limit covers only nested arrays and inline
-/// tables. Dots in quoted text and comments are not counted.
+/// Refuses keys with very many parts, such as a.a.a.a. The parser makes nested tables for the parts of a key
+/// and visits them recursively, which could overflow the stack. The parser's own depth limit covers only
+/// nested arrays and inline tables. Dots in quoted text and in comments are not counted.
 void check_depth_of_keys(std::string_view text, const std::string& file) {
     constexpr int most_parts = 256;
     const auto past = [&](std::size_t at) {
@@ -106,7 +106,7 @@ toml::table parse_toml(const std::string& text, const std::string& file) {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
         const auto& at = error.source().begin;
-        // The parser's message, on one line.
+        // The error message of the parser, on one line.
         std::string words(error.description());
         for (char& c : words) {
             const auto byte = static_cast<unsigned char>(c);
@@ -134,7 +134,8 @@ void TomlTable::allow_only(std::initializer_list<std::span<const std::string_vie
     const toml::key* first = nullptr;
     for (const auto& [key, value] : *table_) {
         if (std::find(all.begin(), all.end(), key.str()) != all.end()) continue;
-        // The table is sorted by name. The error should name the unknown key that comes first in the file.
+        // The table is sorted by name, but the error should name the unknown key that comes first in the
+        // file.
         if (first == nullptr || key.source().begin < first->source().begin) first = &key;
     }
     if (first == nullptr) return;

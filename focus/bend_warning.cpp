@@ -13,7 +13,7 @@ namespace postlens {
 namespace {
 
 /// Finds the reflected and transmitted nodes that are reprojected to a wrong position for some lens point.
-/// The cause is that their matrix W is only a linear approximation.
+/// Their position is wrong because their matrix W is only a linear approximation.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -27,11 +27,11 @@ class Misplaced {
     }
 
   private:
-    double px_per_bend_;  ///< error of a node's position as seen from the lens's rim, px, per w_bend
+    double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Half the width of a shading-tree node's blur, px. This width is proportional to the root mean square of
-/// the singular values of (1/focus - W).
+/// Returns half the width of the blur of a shading-tree node, in px. W is the node's 2x2 reprojection matrix.
+/// The width is proportional to the root mean square of the singular values of (1/focus - W).
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

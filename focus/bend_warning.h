@@ -1,5 +1,6 @@
-// Warning about nonlinear W. For some lens points, the matrix W reprojects reflected and transmitted surfaces
-// to wrong positions.
+// Warning about nodes that are reprojected to wrong positions. A node is reprojected to a lens point by W,
+// its 2x2 matrix. This is a linear approximation, which is too coarse for some reflected and transmitted
+// surfaces.
 #pragma once
 
 #include <optional>
@@ -12,26 +13,26 @@
 namespace postlens {
 
 /// Returns a warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. A
-/// node is misplaced if it is visible, brighter than 1/255, and reprojected by W with an error of more than
-/// half a pixel for some lens point: (film distance / pixel pitch) w_bend (D / 2)^2 > 0.5 px, where D is the
-/// aperture's diameter. Returns nothing if no pixel shows a misplaced node, for a pinhole, and for files
-/// without w_bend (`SampleHeader::has_bend`).
+/// node of the shading tree is misplaced if it is visible, is brighter than 1/255, and is reprojected with an
+/// error of more than half a pixel for some lens point. For an aperture of diameter D, this error is (film
+/// distance / pixel pitch) w_bend (D / 2)^2. Returns nothing if no pixel shows a misplaced node, if the
+/// aperture is a pinhole, or if the file has no w_bend (`SampleHeader::has_bend`).
 ///
-/// Reads the records once. They are not read if `frame` already has their errors (FocusFrame::largest_bends).
-/// The result does not depend on the number of threads. With `crop`, only these pixels of the traced image
-/// count.
+/// Reads the records once, unless `frame` already has their errors (FocusFrame::largest_bends). If `crop` is
+/// given, only the pixels of the traced image within it count. The result does not depend on the number of
+/// threads.
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that W reprojects to wrong positions. It contains the radiance of all nodes that
-/// bend_warning counts, each spread over a square as wide as the node's blur.
+/// Image of the light that is reprojected to wrong positions. It contains the radiance of all nodes that
+/// bend_warning counts. The radiance of each node is spread over a square as wide as the node's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
     /// Adds the records of rows [y_begin, y_end) of `band`. The caller must add each row of the file exactly
     /// once, in order.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Misplaced radiance per pixel, row by row. Empty if no node is misplaced.
+    /// Returns the misplaced radiance per pixel, row by row. The result is empty if no node is misplaced.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

@@ -10,18 +10,19 @@
 
 namespace postlens {
 
-/// The range of 1/z' of the surfaces seen directly at each corner of the outermost recorded rows and columns.
+/// The range of 1/z', the inverse depth, at each pixel corner of the outermost recorded rows and columns.
+/// Only surfaces that are seen directly count.
 class BorderDepths {
   public:
-    /// `source`: the recorded corners.
+    /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns, for a lens, the largest distances, px, at which light of the border's surfaces arrives.
+    /// Returns how far, in px, the lens spreads the light of the surfaces at the border.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:
-    /// 1/m; no surface has been seen if `farthest` exceeds `nearest`.
+    /// Range of inverse depth, in 1/m. If `farthest` exceeds `nearest`, no surface has been seen.
     struct Range {
         float nearest = 0, farthest = HUGE_VALF;
     };

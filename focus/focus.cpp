@@ -62,7 +62,7 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds all rows of the frame to `splats`, either SplatTables or LayerSplats.
+/// Adds all rows of the frame to `splats`, which is a SplatTables or a LayerSplats.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -70,19 +70,19 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// The division of an image into strips (groups of rows), used if its splats (impulse responses of samples)
-/// exceed the memory limit.
+/// Divides an image into strips (groups of rows). Strips are used if the splats (impulse responses of
+/// samples) of the whole image exceed the memory limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
     std::size_t most_bytes;  ///< memory limit for the splats of one strip
-    int block_px;            ///< edge of the pixel blocks that are scattered to together
+    int block_px;            ///< edge of the pixel blocks that are scattered together
 };
 
 /// Computes an image strip by strip if its splats exceed the memory limit. The result is bit-identical to
-/// that without strips. The records are read several times: first to find the kernels of all rows, then to
-/// find the pixels that each splat reaches, and once more for each strip, to keep the splats that reach it.
-/// `draw(part)` computes one part of the image.
+/// that without strips. The records are read once to find the kernels of all rows, and once to find the
+/// pixels that each splat reaches. They are then read again for each strip. `draw(part)` computes one part of
+/// the image.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -115,7 +115,7 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // If a single row of blocks exceeds the limit, it is divided into parts of several columns.
+        // If a single row of blocks exceeds the limit, the row is divided into several parts.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -124,8 +124,9 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry to px of the trace. Blur and magnification commute, so the image is blurred at the
-/// traced resolution, where a CoC in px is smaller than in the framed image by the factor `zoom`.
+/// Converts the geometry to px of the traced image. It makes no difference whether an image is blurred before
+/// or after it is magnified, so the image is blurred at the traced resolution. There, a circle of confusion
+/// is smaller than in the framed image by the factor `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -165,15 +166,15 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     };
     if (settings.method == FocusMethod::layers) {
         // On average, a record yields at most one splat, because most samples of a pixel merge. The splats of
-        // a strip only get a sixth of the limit, because the sums of each surface and the unsorted rows need
-        // memory as well.
+        // a strip get only a sixth of the limit. The rest is for the sums of each surface and the unsorted
+        // rows.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
     } else {
-        // A response is interpolated between up to four subpixel positions, so a record yields up to four
+        // A response is interpolated between up to four subpixel positions, so each record yields up to four
         // splats.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
@@ -181,7 +182,7 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
                        scatter(splats, image, part);
                    });
     }
-    // The image is written next, which needs as much memory as the image itself.
+    // Writing the image, which comes next, needs as much memory as the image itself.
     if (parts) give_back_memory();
     return out;
 }
@@ -215,7 +216,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // Largest share of a pixel's light that may be missing from the records without a warning.
+    // Largest share of a pixel's light that may be missing without a warning.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /

@@ -17,11 +17,11 @@
 namespace postlens {
 namespace {
 
-/// Smaller coverages are omitted from a Cryptomatte, as renderers do.
+/// Smallest coverage that is written to a Cryptomatte. Renderers also omit smaller ones.
 constexpr float least_coverage = 1e-4F;
-/// Cryptomattes are written with at least this number of ranks (objects per pixel). It is larger than usual,
-/// because pixels at blurred edges show more objects. All parts of a divided image use the same number, so
-/// that they have the same channels.
+/// Smallest number of ranks (objects per pixel) in a Cryptomatte. It is larger than usual, because pixels at
+/// blurred edges show more objects. All parts of a divided image use the same number, so that they have the
+/// same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -32,8 +32,9 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Signed CoC diameter of the surface that the pinhole sees in each pixel: of the sample at which the
-/// composited alpha reaches one half. `effect` scales it, as it scales the blur of the image.
+/// Returns, for each pixel, the signed CoC diameter of the surface that the pinhole sees. This surface is the
+/// sample at which the composited alpha reaches one half. `effect` scales the diameter in the same way as the
+/// image's blur.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -52,8 +53,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends, in each pixel, the objects' shares in the pinhole image and in the blurred image, by the effect of
-/// the lens (0: pinhole image, 1: blurred image).
+/// Blends the objects' shares of a pixel in the pinhole image with those in the blurred image. The weight is
+/// the effect of the lens on the pixel: 0 means the pinhole image, 1 the blurred image.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -109,7 +110,7 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
         image.planes.push_back(std::move(id));
         image.planes.push_back(std::move(coverage));
     }
-    // Cryptomatte's metadata key contains the first seven digits of the name's hash.
+    // The metadata key of a Cryptomatte contains the first seven digits of the hash of its name.
     const std::string key =
         fmt::format("cryptomatte/{:08x}", cryptomatte_id(source.name)).substr(0, 19) + "/";
     image.texts.emplace_back(key + "name", source.name);
@@ -118,10 +119,11 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
     if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
 }
 
-/// Standard error of a picture of `views` views, per pixel: the root mean square of the three channels. It is
-/// estimated from independent sets, each of half as many views. Pixels of one depth share their lens points,
-/// so two sets of few views may agree by chance in all of these pixels. Therefore, if there are few views,
-/// more sets are used.
+/// Returns the standard error of an image made from `views` views. The error of a pixel is the root mean
+/// square of the three channels. It is estimated by comparing independent sets, each of half as many views.
+///
+/// Pixels of the same depth share their lens points, so two sets of few views may agree by chance in all of
+/// these pixels. If there are few views, more sets are therefore compared.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     constexpr int least_views = 64;  // of all sets together
@@ -143,7 +145,7 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     }
     std::vector<float> out(sum.size() / 3);
     for (std::size_t k = 0; k < out.size(); ++k) {
-        double variance = 0;  // of a set, summed over the channels
+        double variance = 0;  // variance of one set, summed over the channels
         for (std::size_t i = 3 * k; i < 3 * k + 3; ++i)
             variance += std::max(0.0, squares[i] - sum[i] * sum[i] / sets) / (sets - 1);
         out[k] = static_cast<float>(std::sqrt(variance / 3 * s.views / views));
@@ -151,7 +153,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds the channel with the standard error. `effect` scales it, as it scales the blur of the image.
+/// Adds a channel with the standard error to the image. `effect` scales the error in the same way as the
+/// image's blur.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

@@ -1,5 +1,5 @@
-// Adds channels for compositors to the file of a focused image: CoC, each pixel's shares in front of, in and
-// behind the focus, Cryptomatte, and error.
+// Adds channels for compositors to the file of a focused image. These channels are the CoC, Cryptomatte, the
+// error, and each pixel's shares in front of, in and behind the focus.
 #pragma once
 
 #include <string>
@@ -11,21 +11,22 @@
 namespace postlens {
 
 struct FocusPasses {
-    bool coc = false;    ///< CoC: signed CoC diameter of the surface that the pinhole sees, px
-    bool sides = false;  ///< focus.before, focus.in, focus.behind: shares of the pixel, adding up to alpha
-    bool cryptomatte = false;  ///< the picture's Cryptomatte through the lens; coverages add up to alpha
-    bool error = false;        ///< error: standard error of the mean over the views; only with `lightfield`
-    /// True if a channel is measured by views.
+    bool coc = false;    ///< signed CoC diameter, px, of the surface that the pinhole sees
+    bool sides = false;  ///< focus.before, focus.in, focus.behind: shares of the pixel that add up to alpha
+    bool cryptomatte = false;  ///< the image's Cryptomatte seen through the lens; coverages add up to alpha
+    bool error = false;        ///< standard error of the mean over the views; only with `lightfield`
+    /// Returns whether any of the channels is measured by views.
     [[nodiscard]] bool by_views() const { return sides || cryptomatte || error; }
     [[nodiscard]] bool any() const { return coc || by_views(); }
 };
 
 /// Adds the channels to a focused image. The shares of the objects in a blurred pixel are measured with
-/// `settings.views` views through the lens (focus/foreign/stack_field.h). For every method, a pixel's shares
-/// are then scaled so that they add up to the alpha of the image. A pixel is in focus if its CoC diameter is
-/// at most 1 px. CoC is negative in front of the focus, and 0 where nothing is hit or stored. `effect` is the
-/// effect of the lens on each pixel (0: the pixel of the pinhole image, 1: the blurred one) with which the
-/// image was made; empty: 1 everywhere.
+/// `settings.views` views through the lens (focus/foreign/stack_field.h). They are then scaled so that they
+/// add up to the pixel's alpha. A pixel is in focus if its CoC diameter is at most 1 px. The CoC is negative
+/// in front of the focus, and 0 where nothing is hit or stored.
+///
+/// `effect` is the effect of the lens on each pixel with which the image was made: 0 for a pixel of the
+/// pinhole image, 1 for a fully blurred pixel. If `effect` is empty, it is 1 everywhere.
 ///
 /// Throws Error(wrong_arguments) if the image has no Cryptomatte, or if a channel is not available with the
 /// method or the impulse response. Throws Error(out_of_memory).

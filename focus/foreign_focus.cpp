@@ -45,8 +45,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all pixels whose content is known: the pixels that the file stores,
-/// and all other pixels of the raster, which count as empty space.
+/// Returns the window of the corners of all pixels whose content is known. These are the pixels that the file
+/// stores, and all other pixels of the raster, which count as empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -78,7 +78,7 @@ Frame framed(const ForeignPicture& p, Framing framing, const FocusGeometry& geom
 /// Summary of the estimates behind some pixels.
 struct Guessed {
     std::size_t known = 0;        ///< pixels with an estimate
-    bool is_see_through = false;  ///< empty space is visible behind one of them
+    bool is_see_through = false;  ///< whether empty space is visible behind one of the surfaces
 
     void add(const Guessed& other) {
         known += other.known;
@@ -102,7 +102,7 @@ std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const Foreig
                     rough(100 * share))};
 }
 
-/// Blurs one image with one lens setting: its colours and, if it is translucent, its alpha.
+/// Blurs one image with one lens setting. Blurs its colours and, if the image is translucent, its alpha.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -161,7 +161,7 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // What continues beyond the border hides the same as the nearest row of the picture.
+                // Pixels beyond the border use the estimates of the nearest row of the picture.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -177,11 +177,11 @@ class Spread {
                         stack = continued;
                     }
                     const Behind* behind = pixel && behind_ ? &behind_row[*pixel % width] : nullptr;
-                    // What is behind a translucent surface that an opaque one hides may be empty space.
+                    // Behind a translucent surface that an opaque one hides, there may be empty space.
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate hidden surfaces, so translucent samples fill their pixels.
+                    // `scatter` does not estimate hidden surfaces, so a translucent sample fills its pixel.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -205,8 +205,8 @@ class Spread {
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // sum of its weights, which would fill empty space with the light around it. So `scatter` needs
-            // `nothing_`, the largest share of each pixel that may stay empty.
+            // sum of its weights, which would fill empty space with the light around it. `scatter` therefore
+            // needs `nothing_`, which limits how much of each pixel may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -225,8 +225,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Images of other programs have no separate depths for reflected and transmitted surfaces, so the
-        // choice of the depth model has no effect.
+        // Images of other programs have no separate depths for reflected and transmitted surfaces. The choice
+        // of the depth model therefore has no effect.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -234,8 +234,9 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Alpha is coverage, so it must not become smaller where the lens blocks light. Where the lens blocks
-    /// all light, the image is black and opaque.
+    /// Divides alpha by the share of the light that the lens transmits. Alpha is coverage, so it must not
+    /// become smaller where the lens blocks light. Where the lens blocks all light, the image is black and
+    /// opaque.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -260,7 +261,7 @@ class Spread {
     std::vector<float> nothing_;             ///< nothing_in_reach, for `scatter`
 };
 
-/// An image with this alpha in all three channels.
+/// Returns an image that has the alpha of `of` in all three channels.
 Image grey(const Image& of) {
     Image out(of.width, of.height);
     for (std::size_t i = 0; i < out.rgb.size(); ++i) out.rgb[i] = of.alpha[i / 3];
@@ -271,8 +272,8 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no view shows, and adds a warning with the share of these parts. An
-/// opaque image gets no alpha.
+/// Fills the parts of an image that no view shows. Adds a warning with the share of these parts. An opaque
+/// image gets no alpha.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
     divide_by_covered(field);
@@ -313,8 +314,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     StackField field = stack_field(picture, behind, s);
     const Guessed of_picture = guessed(behind);
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // Gaps are filled from their surroundings. If a crop has gaps, the whole image is therefore drawn, so
-    // that the crop is bit-identical to that part of the whole image.
+    // Gaps are filled from the pixels around them, which may lie outside the crop. If a crop has gaps, the
+    // whole image is therefore drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;
@@ -379,8 +380,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // Blur and magnification commute, so the image is blurred at its own resolution, where circles of
-    // confusion are smaller by the factor `zoom`.
+    // It makes no difference whether an image is blurred before or after it is magnified. The image is
+    // therefore blurred at its own resolution, where circles of confusion are smaller by the factor `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Largest number of rows that are read at a time. A band ends earlier if it has at least fewest_rows rows
-/// and enough_records records (of about 60 bytes each).
+/// Largest number of rows that are read at a time. A band ends earlier if it already has fewest_rows rows and
+/// enough_records records (of about 60 bytes each).
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Rows of each band that is kept in memory. Loops over all rows run in parallel within a band and wait for
-/// their threads after each band.
+/// Number of rows in each band that is kept in memory. Loops over all rows run in parallel within a band and
+/// wait for all threads at its end. Small bands would make these loops slow.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
@@ -41,7 +41,8 @@ void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
     // Upper bound of the memory. Each record yields at most one point sample, and a growing vector may have
-    // twice the capacity it needs. Plain corners add a depth and a colour.
+    // twice the capacity that it needs. Each plain corner (corner of an undivided pixel) adds a depth and a
+    // colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -1,5 +1,5 @@
-// Finds, for each pixel, the largest reprojection error of the matrix W (w_bend) among the shading-tree nodes
-// that the pinhole sees.
+// Finds, for each pixel, the largest error w_bend among the shading-tree nodes that the pinhole sees. w_bend
+// is the error of reprojecting a node by W, its 2x2 matrix.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,10 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// Per pixel, the largest w_bend, m^-2 (records/record.h), of the nodes that the pinhole sees and that are
-/// brighter than darkest_shown. w_bend does not depend on the lens. For an aperture of diameter D, the error
-/// of the reprojection by W is at most (film distance / pixel pitch) w_bend (D / 2)^2 px.
+/// The largest w_bend of each pixel, in 1/m^2 (records/record.h). Only nodes that the pinhole sees and that
+/// are brighter than darkest_shown count. w_bend does not depend on the lens. For an aperture of diameter D,
+/// the error of the reprojection by the matrix W is at most (film distance / pixel pitch) w_bend (D / 2)^2
+/// px.
 class LargestBends {
   public:
     /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.
@@ -21,9 +22,9 @@ class LargestBends {
     /// Adds the records of rows [y_begin, y_end) of `band`, in parallel. Rows that were not given to the
     /// constructor are skipped.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Whether this object has the values of all rows [y_begin, y_end) of the image.
+    /// Returns whether this object has the values of all rows [y_begin, y_end) of the image.
     [[nodiscard]] bool covers(int y_begin, int y_end) const { return y_begin >= y_begin_ && y_end <= y_end_; }
-    /// The values of row y, one per pixel of the image's width.
+    /// The values of row y, one per pixel of the image.
     [[nodiscard]] const float* row(int y) const {
         return values_.data() + static_cast<std::size_t>(y - y_begin_) * static_cast<std::size_t>(width_);
     }

@@ -23,11 +23,11 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // For responses with a smaller radius, px, the subpixel position of a sample is visible.
+    // If the radius of a response, in px, is smaller than this, the subpixel position of a sample is visible.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // Within a cell the response changes by up to half a pixel, or by 2 % of its reach. Such changes are
+        // Within a cell, the response changes by up to half a pixel or by 2 % of its reach. Such changes are
         // not visible.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
@@ -41,7 +41,7 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
         // The Frobenius norm bounds the displacement by the anisotropic part of the map. The factor 1.5
-        // allows for a pupil that is 1.5 times as large.
+        // allows for a pupil that is up to 1.5 times as large.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -55,15 +55,15 @@ class LensModel final : public ResponseModel {
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
         // The shape of a response smaller than a pixel is not visible, so a disc is used, as for other
-        // apertures. For a sample on a pixel corner, each of the four pixels around it gets a quarter of the
-        // disc.
+        // apertures. If the sample lies on a pixel corner, each of the four pixels around it gets a quarter
+        // of the disc.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An anisotropic response of this size, from mirrors or glass, is faint. The lens's aberrations are
-        // not visible in it, so an ellipse is sufficient.
+        // An anisotropic response of this size is faint. Mirrors and glass cause such responses. The lens's
+        // aberrations are not visible in it, so an ellipse is sufficient.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,8 +73,9 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // The linear map from lens to raster is gain R (I/s - W). R is the aperture radius, s the focus distance,
-    // and W the node's matrix (2x2, generalises 1/z'). The function returns the mean of W's diagonal.
+    // Returns the mean of the diagonal of W, the node's 2x2 reprojection matrix, which corresponds to 1/z'.
+    // The map from lens to raster is gain R (I/s - W), where R is the aperture radius and s the focus
+    // distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -11,15 +11,15 @@
 
 namespace postlens {
 
-/// Prepares the real lens of `settings.impulse`, for an image of this size and records with corners in
-/// `recorded`. Returns nothing if the impulse response is not that of a real lens. Throws errors from reading
-/// the prescription and from focusing the lens.
+/// Prepares the real lens of `settings.impulse` for an image of this size. `recorded` is the window of the
+/// pixel corners that have records. Returns nothing if the impulse response is not that of a real lens.
+/// Throws the errors of reading the prescription and of focusing the lens.
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// Creates the model of a real lens from a table of traced rays (lens/traced/fan_table.h). `geometry`:
-/// geometry of `view`, in px of the trace. `half_diagonal_px`: half the diagonal of the records, including
-/// overscan.
+/// Creates the model of a real lens from a table of traced rays (lens/traced/fan_table.h). `geometry` is the
+/// geometry of `view`, in px of the trace. `half_diagonal_px` is half the diagonal of the recorded area,
+/// including overscan.
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

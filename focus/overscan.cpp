@@ -10,16 +10,16 @@
 namespace postlens {
 namespace {
 
-/// Missing light that reaches less far into the image than this, px, causes no warning.
+/// If missing light reaches less far into the image than this, in px, there is no warning.
 constexpr double smallest_reach_px = 0.5;
 
-/// For each pixel along one side of the image: how far light from beyond the records would reach into the
-/// image, px.
+/// Returns, for each pixel along one side of the image, how far light from beyond the records would reach
+/// into the image, in px.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // CoC radii are recorded at pixel corners. A pixel at a side of the image has two corners along this
+        // CoC radii are recorded at pixel corners. A pixel at a side of the image has two corners on this
         // side.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;
@@ -50,7 +50,7 @@ std::optional<FocusWarning> overscan_warning(const BorderRadii& border, const Ra
     };
     const std::array<int, 4> most{largest(left), largest(right), largest(top), largest(bottom)};
     if (*std::max_element(most.begin(), most.end()) == 0) return std::nullopt;
-    // All sides of the image get the same overscan, so the side that needs most determines it.
+    // All sides of the image have the same overscan, so the side that needs most overscan determines it.
     int needed_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
         if (most[i] > 0) needed_px = std::max(needed_px, margin[i] + most[i]);

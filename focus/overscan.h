@@ -1,4 +1,4 @@
-// Warning about blur that would bring light from beyond the records into the image.
+// Warning about blur for which light from beyond the records is missing.
 #pragma once
 
 #include <optional>
@@ -8,10 +8,11 @@
 
 namespace postlens {
 
-/// Returns a warning of code "overscan" if circles of confusion of the outermost records are larger than the
-/// overscan. The image pixels that these circles reach lack light from beyond the records, and are normalised
-/// by the recorded light. Only circles at the border of the records matter, not the largest circle of the
-/// image. With `crop`, only these pixels of the image count. Returns nothing if no pixel is affected.
+/// Returns a warning of code "overscan" if circles of confusion of the outermost records are wider than the
+/// overscan. The image pixels that these circles reach lack light from beyond the records. They are
+/// normalised by the recorded light. Only circles at the border of the records matter, not the largest circle
+/// of the image. If `crop` is given, only the pixels of the image within it count. Returns nothing if no
+/// pixel is affected.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

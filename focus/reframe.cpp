@@ -10,14 +10,14 @@
 namespace postlens {
 namespace {
 
-/// The traced pixels that an output pixel covers along one axis. For each of them, the share of the output
-/// pixel that it fills.
+/// The traced pixels that an output pixel covers along one axis, and the share of the output pixel that each
+/// of them fills.
 struct Box {
     int first = 0;
     std::vector<double> share;  ///< adds up to 1
 };
 
-/// Tolerance for rounding errors of pixel borders, px.
+/// Tolerance for rounding errors of pixel borders, in px.
 constexpr double rounding_px = 1e-9;
 
 double traced_position(double position, int size, double zoom) {
@@ -59,7 +59,7 @@ Image reframe(const Image& traced, const RasterWindow& window, int width, int he
         rows.size(),
         [&](std::size_t y) {
             const Box& row = rows[y];
-            // Averages vertically first, then horizontally, so that each traced row is read once, in memory
+            // Average vertically first, then horizontally, so that each traced row is read once and in memory
             // order.
             std::vector<double> mean(3 * static_cast<std::size_t>(window.width()));
             for (std::size_t j = 0; j < row.share.size(); ++j) {

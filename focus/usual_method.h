@@ -12,12 +12,14 @@ struct UsualMethod {
     std::string_view reason;  ///< for messages, in the form "as the file has ..."
 };
 
-/// The default method for a sample file: `layers` if the file has hidden surfaces, mirrors or glass,
-/// otherwise `scatter`. With hidden surfaces, `layers` has the highest PSNR on most random scenes and samples
-/// (docs/focus.md). Without them, the background of a blurred edge is not recorded. `scatter`, which averages
-/// the light that arrives, then has the smaller error.
+/// Returns the default method for a sample file. It is `layers` if the file has hidden surfaces, mirrors or
+/// glass, otherwise `scatter`.
+///
+/// With hidden surfaces, `layers` has the highest PSNR on most random scenes and samples (docs/focus.md).
+/// Without them, the background of a blurred edge is not recorded, and `scatter`, which averages the light
+/// that arrives, has the smaller error.
 [[nodiscard]] UsualMethod usual_method(const SampleHeader& header);
-/// The default for an image of another program: `layers`.
+/// Returns the default method for an image of another program, `layers`.
 [[nodiscard]] UsualMethod usual_method_of_foreign_picture();
 
 }  // namespace postlens

@@ -13,15 +13,15 @@ namespace {
 
 using glm::dvec2;
 
-/// Below this rim_scale, the second rim is assumed to block nothing: its projection from the scene point onto
-/// the lens has a radius of more than 20 lens radii.
+/// Below this rim_scale (see Aperture), the second rim is assumed to block nothing. Its projection from the
+/// scene point onto the lens then has a radius of more than 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
-/// Tolerance, in lens radii, of the polygon from which sample() draws. The polygon of a rounded shape loses
-/// 6e-6 of the shape's area.
+/// Tolerance, in lens radii, of the polygon from which sample() draws points. For a rounded shape, the
+/// polygon is smaller than the shape by 6e-6 of its area.
 constexpr double fine = 1e-5;
 
-/// Finds u among running sums that end in 1. Returns the index of the step that contains u, and the position
-/// of u within that step, 0 to 1.
+/// Finds u in a list of running sums that ends in 1. Returns the index of the step that contains u, and the
+/// position of u within that step (0 to 1).
 std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
     const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
     const double before = at == begin ? 0 : at[-1];
@@ -80,8 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // A polygon that approximates a circle has the circle's area. Its corners therefore lie up to 1.5 %
-        // of the radius outside the circle.
+        // A polygon that approximates a circle has the same area as the circle. Its corners therefore lie
+        // outside the circle, by up to 1.5 % of the radius.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -129,14 +129,15 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Share of the unit disc that lies inside a circle of radius r = 1/k at distance d.
+// Returns the fraction of the unit disc that lies inside a circle of radius r = 1 / rim_scale. The centres of
+// the disc and of the circle are at distance d.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
     const double r = 1 / rim_scale;
     const double d = impulse_.cats_eye * std::hypot(field.x * impulse_.squeeze, field.y) * r;
     if (d >= 1 + r) return 0;
     if (d <= std::abs(1 - r)) return std::min(1.0, r * r);
-    const auto sector = [](double radius, double distance) {  // sector beyond the chord at this distance
+    const auto sector = [](double radius, double distance) {  // sector over the chord at this distance
         return radius * radius * std::acos(std::clamp(distance / radius, -1.0, 1.0));
     };
     const double near = (d * d + 1 - r * r) / (2 * d), far = d - near;

@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // The reach is enlarged slightly. Otherwise, rounding might exclude a corner of the outline that lies on
-    // a pixel border.
+    // The reach is slightly enlarged, because rounding might otherwise exclude a corner of the outline that
+    // lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -42,23 +42,23 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Number of parts into which a straight line of `length` on the aperture is divided. The image of each part
-/// then deviates from a straight line by less than 0.02 px. The deviation is at most length^2 / 8 times the
-/// second derivative of spherical_px q |q|^2, which is at most 6 spherical_px |q|; |q| is at most sqrt(2).
+/// Returns the number of parts into which a straight line of `length` on the aperture is divided. The image
+/// of each part then deviates from a straight line by less than 0.02 px. The number follows from an upper
+/// bound of the second derivative of spherical_px q |q|^2 for |q| up to sqrt(2).
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
     return static_cast<int>(std::clamp(std::ceil(length / longest), 1.0, most));
 }
 
-/// An aperture image at reduced resolution: each value combines `step` x `step` cells of the original.
+/// An aperture image at reduced resolution. Each value is the sum of `step` x `step` cells of the original.
 struct CoarsePicture {
     int step = 1, width = 0, height = 0;
     std::vector<double> light;
 };
 
-/// Combines cells of the aperture image until one covers half a pixel of the response; `cell_px` is the size
-/// of a single cell in the response.
+/// Reduces the resolution of an aperture image until one cell covers half a pixel of the response. `cell_px`
+/// is the size of an original cell in the response.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =
@@ -76,7 +76,7 @@ CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     return out;
 }
 
-/// Deposits the light of an aperture given as an image. Returns the deposited energy.
+/// Deposits the light of an aperture that is given as an image. Returns the deposited energy.
 double deposit_picture(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                        CellDeposit& deposit) {
     const AperturePicture& whole = *aperture.picture();
@@ -84,7 +84,7 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     const double narrower = aperture.half_extent().x / (whole.width * cell / 2);
     const CoarsePicture p = coarse_enough(whole, cell * scale * std::max(1.0, narrower));
     // Each cell of the coarse image `p` combines p.step x p.step cells of the aperture image. The cells of
-    // its last column and row are smaller where they end at the border of the aperture image.
+    // the last column and row can be smaller, because they end at the border of the aperture image.
     const auto corner = [&](int x, int y) {
         return dvec2((std::min(x * p.step, whole.width) - whole.width / 2.0) * cell * narrower,
                      (std::min(y * p.step, whole.height) - whole.height / 2.0) * cell);
@@ -123,8 +123,9 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Deposits an aperture as rings around the centre of its rim. Each cell of a ring is added as two triangles,
-/// because the image of a quadrilateral can be folded, but that of a triangle cannot.
+/// Deposits the light of an aperture that is divided into rings around the centre of its rim. Each cell of a
+/// ring is added as two triangles, because the image of a quadrilateral can be folded, but the image of a
+/// triangle cannot.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -150,7 +151,7 @@ void deposit_rings(const Aperture& aperture, const ApertureImage& image, const d
             const std::size_t next = (i + 1) % rim.size();
             const dvec2 a = rim[i] - middle, b = rim[next] - middle;
             const double energy = (a.x * b.y - a.y * b.x) / 2 / total * (t * t - before * before);
-            const double inner_share = before / (before + t);  // share of the triangle with the inner side
+            const double inner_share = before / (before + t);  // for the triangle with the inner side
             deposit.add(std::array<dvec2, 3>{inner[i], outer[i], outer[next]}, energy * (1 - inner_share));
             if (ring > 1)
                 deposit.add(std::array<dvec2, 3>{inner[i], outer[next], inner[next]}, energy * inner_share);
@@ -185,8 +186,8 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
     // Light through the lens zone of radius rho lands at the distance |R rho + S rho^3| from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. The rim is that of half_extent, because
-    // Aperture::farthest includes a tolerance and is slightly larger.
+    // image, where R is `radius_px` and S is `spherical_px`. The radius of the rim is taken from half_extent,
+    // because Aperture::farthest is slightly too large.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
@@ -200,8 +201,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye, the outline varies with the field position, but one response serves a whole region of
-    // the image. A tolerance below 0.02 px would therefore not make the image more accurate.
+    // With cats_eye, the outline varies over the field, but one response is used for a whole region of the
+    // image. A tolerance below 0.02 px would therefore not make the image more accurate.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

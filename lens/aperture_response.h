@@ -1,4 +1,4 @@
-// The geometric impulse response of an aperture of any shape, on the pixel grid.
+// Computes the geometric impulse response of an aperture of any shape, on the pixel grid.
 #pragma once
 
 #include "lens/aperture.h"
@@ -6,9 +6,9 @@
 
 namespace postlens {
 
-/// Maps a lens point q to the position where its light lands on the film: `map_px q + spherical_px q |q|^2`,
-/// px, relative to `centre_px`. For scene points nearer than the plane in focus, map_px also turns the
-/// aperture upside down and left to right.
+/// Maps a lens point q to the position where its light lands on the film. The position is `map_px q +
+/// spherical_px q |q|^2`, in px relative to `centre_px`. For scene points in front of the plane in focus,
+/// map_px also rotates the image of the aperture by 180 degrees.
 struct ApertureImage {
     glm::dmat2 map_px{1};
     double spherical_px = 0;
@@ -17,38 +17,43 @@ struct ApertureImage {
     glm::dvec2 centre_px{0};  ///< relative to the anchor
 };
 
-/// Pixels [x_begin, x_end) x [y_begin, y_end), relative to the anchor.
+/// The pixels [x_begin, x_end) x [y_begin, y_end), relative to the anchor (an integer raster position).
 struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
 
-/// Smallest half width of the aperture's image, px. A thinner image is widened to this, because an area of 0
-/// has no pixel coverage.
+/// Smallest half width of the aperture's image, px. with_area() widens a thinner image to this value, because
+/// an image without area would cover no pixels.
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
-/// True if the response is a uniformly lit outline, so that image_outline() describes it completely.
+/// Returns true if the response is a uniformly lit outline, which image_outline() describes completely.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
-/// Outline of the aperture's image, px, as a polygon within 1e-3 px of the curve (0.02 px with cats_eye).
-/// Empty if no light passes.
+/// Returns the outline of the aperture's image, in px. The outline is a polygon within 1e-3 px of the true
+/// curve, or within 0.02 px if cats_eye is set. It is empty if no light passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
-/// Largest distance from the response's centre at which it has light, px.
+/// Returns an upper bound of the distance between the response's centre and its farthest light, in px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// Largest distance, px, from the image of a point at which light of the point arrives. `radius_px`: signed
-/// radius of the circle of confusion; `spherical_px`: as in ApertureImage. Unlike largest_reach_px, it is not
-/// larger than necessary where the aberration counteracts the defocus.
+/// Returns the largest distance, in px, between the image of a point and light that comes from the point.
+/// `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is as in ApertureImage.
+/// The result is exact even where the aberration counteracts the defocus. largest_reach_px is too large
+/// there.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
-/// The response of any aperture within a window. Over the whole plane, its values add up to 1 (0 if no light
-/// passes). The aperture is divided into cells: the pixels of an aperture image, or rings and sectors whose
-/// images deviate from polygons by less than 0.02 px. The light of each cell is spread uniformly over the
-/// cell's image. Where the images of cells overlap, as in caustics, their light adds up.
+/// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to
+/// 0 if no light passes.
+///
+/// The aperture is divided into cells. The cells of an aperture image are its pixels. Other apertures are
+/// divided into rings and sectors, so that the image of each cell deviates from a polygon by less than 0.02
+/// px. The light of each cell is spread uniformly over the cell's image. Where images of cells overlap, as in
+/// caustics, their light adds up.
 [[nodiscard]] ResponseGrid dense_response(const Aperture& aperture, const ApertureImage& image,
                                           const PixelWindow& window);
 
-/// Reference for tests: counts the rays of a grid of `points` x `points` lens points that land in each pixel.
+/// Reference for tests. Traces a grid of `points` x `points` lens points, and counts the rays that land in
+/// each pixel.
 [[nodiscard]] ResponseGrid ray_response(const Aperture& aperture, const ApertureImage& image,
                                         const PixelWindow& window, int points);
 

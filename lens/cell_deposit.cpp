@@ -18,8 +18,8 @@ void CellDeposit::add_point(const dvec2& p, double energy) {
 void CellDeposit::add(std::span<const dvec2> corners, double energy) {
     double twice = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        // Coordinates are relative to the polygon's first corner. A small polygon far from the anchor thus
-        // keeps its precision.
+        // Coordinates are relative to the polygon's first corner. This keeps the area of a small polygon
+        // precise even if it is far from the anchor (the origin of the grid).
         const dvec2 a = corners[i] - corners[0], b = corners[(i + 1) % corners.size()] - corners[0];
         twice += a.x * b.y - a.y * b.x;
     }
@@ -40,12 +40,13 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
 }
 
 // Adds the energy of the area to the right of a polygon's side. The energy is positive if the side runs
-// upwards, and negative if it runs downwards. So to the right of the polygon, the sum over all sides is 0.
+// upwards, and negative if it runs downwards. Beyond the right end of the polygon, the contributions of all
+// sides cancel.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;
     const dvec2 top = a.y < b.y ? a : b, bottom = a.y < b.y ? b : a;
-    // A horizontal side, also one that is horizontal only after rounding, bounds no area.
+    // A horizontal side bounds no area. This includes sides that rounding makes horizontal.
     if (!(bottom.y > top.y)) return;
     const double slope = (bottom.x - top.x) / (bottom.y - top.y);
     const double x_low = std::min(a.x, b.x), x_high = std::max(a.x, b.x);
@@ -65,8 +66,8 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // Where the side lies to the left of the first column, the area to its right covers the first pixel
-        // completely.
+        // Where the side lies to the left of the first column, the first pixel is completely to the right of
+        // the side.
         double inside = 1;
         if (x0 < 0) {
             const double left = -x0 / width;
@@ -93,7 +94,7 @@ void CellDeposit::finish() {
         double sum = 0;
         for (std::size_t x = 0; x < static_cast<std::size_t>(grid_.width); ++x) {
             sum += after_[row + x];
-            // Positive and negative contributions cancel up to rounding errors, which may be negative.
+            // Where positive and negative contributions cancel, rounding may leave a small negative value.
             grid_.share[row + x] = std::max(0.0, grid_.share[row + x] + sum);
         }
     }

@@ -1,4 +1,4 @@
-// Adds many small polygons, each of uniform energy density, to the pixel grid.
+// Adds many small polygons to the pixel grid. Each polygon has a uniform energy density.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,14 +8,15 @@
 
 namespace postlens {
 
-/// Adds polygons of either orientation with exact area coverage. finish() writes the sums to the grid in one
+/// Adds polygons of either orientation, with exact area coverage. finish() writes the sums to the grid in one
 /// pass.
 class CellDeposit {
   public:
-    /// Energy will be added to `grid`, which must outlive this object.
+    /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Adds a convex polygon, in px relative to the grid's anchor. If its area is below 1e-5 px^2, the energy
-    /// is divided among the pixels of its centre and of the midpoints of its sides.
+    /// Adds a convex polygon. Its corners are in px relative to the grid's anchor (the origin of its
+    /// coordinates). If the area is below 1e-5 px^2, the energy is divided among the pixels that contain the
+    /// polygon's centre and the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();
@@ -25,7 +26,7 @@ class CellDeposit {
     void add_point(const glm::dvec2& p, double energy);
 
     ResponseGrid& grid_;
-    std::vector<double> after_;  ///< energy for this pixel and for all pixels to its right in the row
+    std::vector<double> after_;  ///< energy of this pixel and of each pixel to its right in the row
 };
 
 }  // namespace postlens

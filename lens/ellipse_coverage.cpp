@@ -10,13 +10,13 @@
 namespace postlens {
 
 Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
-    // Elements of the matrix M M^T, whose eigenvalues are the squared semi-axes of the ellipse.
+    // Elements of the matrix M M^T. Its eigenvalues are the squared semi-axes of the ellipse.
     double xx = m[0].x * m[0].x + m[1].x * m[1].x;
     double xy = m[0].x * m[0].y + m[1].x * m[1].y;
     double yy = m[0].y * m[0].y + m[1].y * m[1].y;
     const double mean = (xx + yy) / 2;
-    // std::sqrt is five times as fast as std::hypot and safe here: squares of px neither overflow nor
-    // underflow.
+    // std::sqrt is five times as fast as std::hypot. It is safe here, because squared lengths in px neither
+    // overflow nor underflow.
     const double spread = std::sqrt((xx - yy) * (xx - yy) / 4 + xy * xy);
     const double det = m[0].x * m[1].y - m[0].y * m[1].x;
     const double smallest_squared = smallest_px * smallest_px;
@@ -24,8 +24,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Widens only the minor axis: M M^T = minor I + (major - minor) a a^T, where a is the unit vector of
-        // the major axis.
+        // Widens only the minor axis. M M^T = minor I + (major - minor) a a^T, where a is the unit vector
+        // along the major axis.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -46,8 +46,8 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// Part of the ellipse in one pixel row: heights [t0, t1] from the centre. The other members do not depend on
-/// x.
+/// The part of the ellipse in one pixel row, between the heights t0 and t1 from the centre. The other members
+/// are precomputed for the whole row.
 struct EllipseRows::Strip {
     double t0, t1;
     double segment0, segment1;  ///< antiderivative of sqrt(1 - (t / H)^2) at t0 and t1
@@ -77,8 +77,8 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // The half height of a very flat ellipse is lost when it is added to cy, but the ellipse still touches
-    // one row.
+    // A very flat ellipse touches one row, even if its half height is lost by rounding when it is added to
+    // cy.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -90,13 +90,15 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Area, to the left of x, of the strip (the part of the ellipse within one pixel row). x is relative to the
-/// centre. The area is the integral over t of min(right(t), x) - min(left(t), x). An edge crosses x at the
-/// roots of a quadratic; between the roots, each integrand has an antiderivative in closed form.
+/// Returns the area of the strip (the part of the ellipse within one pixel row) that lies to the left of x. x
+/// is relative to the centre. The area is the integral over t of min(right(t), x) - min(left(t), x). An edge
+/// crosses x at the roots of a quadratic equation. Between these roots, each integrand has an antiderivative
+/// in closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // An edge crosses x where (x - k t)^2 = s^2 (1 - (t / H)^2), that is, a t^2 - 2 k x t + x^2 - s^2 = 0.
+    // An edge of the ellipse crosses x where (x - k t)^2 = s^2 (1 - (t / H)^2), with half height H. This is
+    // the quadratic equation a t^2 - 2 k x t + x^2 - s^2 = 0.
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
     const double quarter_discriminant = s * s * (a - x * x / (e_.half_height * e_.half_height));
     std::array<double, 4> t{strip.t0, strip.t0, strip.t1, strip.t1};
@@ -144,9 +146,9 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // The strip is the part of the ellipse within one row of pixels. The ellipse is convex, so the right end
-    // of the strip is at the ellipse's rightmost point if the row contains it, and otherwise at the upper or
-    // lower border of the row. The same holds for the left end.
+    // The strip is the part of the ellipse in this pixel row. If the row contains the rightmost point of the
+    // ellipse, this point is the right end of the strip. Otherwise the right end lies on the upper or lower
+    // border of the row, because the ellipse is convex. The same holds for the left end.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));
@@ -169,8 +171,8 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // Each pixel's share is the difference of two running areas. So the shares of a row add up to the row's
-    // area, without accumulated rounding errors.
+    // The value of each pixel is the difference of two running areas. The values of a row therefore add up to
+    // the area in the row, without accumulated rounding errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

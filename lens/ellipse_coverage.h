@@ -1,5 +1,5 @@
-// Computes exactly how much of each pixel a disc or ellipse covers. This is the geometric impulse response of
-// a round aperture.
+// Computes exactly how much of each pixel a disc or an ellipse covers. This coverage is the geometric impulse
+// response of a round aperture.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@
 
 namespace postlens {
 
-/// An ellipse { centre + M u : |u| <= 1 }: the image of the unit disc under a 2x2 matrix M, px. The ellipse
-/// is described by its horizontal chords. At height y from the centre, the chord's ends are at centre.x +
-/// shear * y +- half_chord * sqrt(1 - (y / half_height)^2).
+/// The ellipse { centre + M u : |u| <= 1 }, which is the image of the unit disc under a 2x2 matrix M in px.
+/// The members describe the horizontal chords of the ellipse. The chord at height y from the centre ends at
+/// centre.x + shear * y +- half_chord * sqrt(1 - (y / half_height)^2).
 struct Ellipse {
     double half_height = 0;  ///< > 0
     double half_chord = 0;   ///< > 0, half the chord through the centre
     double shear = 0;
     [[nodiscard]] static Ellipse disc(double radius_px) { return {radius_px, radius_px, 0}; }
-    /// Makes the ellipse of matrix M. Semi-axes shorter than `smallest_px` are lengthened to `smallest_px`,
+    /// Makes the ellipse of matrix M. A semi-axis shorter than `smallest_px` is lengthened to `smallest_px`,
     /// so that the ellipse has an area.
     [[nodiscard]] static Ellipse from_map(const glm::dmat2& m, double smallest_px);
 
@@ -25,42 +25,42 @@ struct Ellipse {
     [[nodiscard]] double half_width() const;
 };
 
-/// Coverage of the pixels of one row, in shares of the ellipse's area. Row y covers heights [y, y + 1).
+/// Coverage of the pixels in one row, as fractions of the ellipse's area. Row y covers heights [y, y + 1).
 struct CoverageRow {
     int y = 0;
     int x_begin = 0;            ///< column of the first value
     std::vector<double> share;  ///< ellipse area in the pixel / ellipse area
 };
 
-/// Coverage by the ellipse centred at (cx, cy), for every row that the ellipse touches, from top to bottom.
-/// Areas are integrated analytically, so they are exact up to rounding.
+/// Returns the coverage by the ellipse with its centre at (cx, cy), for every row that the ellipse touches,
+/// from top to bottom. Areas are integrated analytically and are therefore exact up to rounding.
 [[nodiscard]] std::vector<CoverageRow> ellipse_coverage(const Ellipse& ellipse, double cx, double cy);
 
-/// Reference for tests: estimates the coverage of one pixel from n x n sample points.
+/// Reference for tests. Estimates the coverage of one pixel from n x n sample points.
 [[nodiscard]] double ellipse_coverage_reference(const Ellipse& ellipse, double cx, double cy, int x, int y,
                                                 int n);
 
-/// Coverage of the pixels of one row. Pixels [inner_begin, inner_end) are completely covered and have equal
-/// values, so only the values of the edge pixels on both sides are stored. Pixels outside [x_begin, x_end)
-/// are not covered. x_begin <= inner_begin <= inner_end <= x_end.
+/// Coverage of the pixels in one row. Pixels [inner_begin, inner_end) are completely covered and have the
+/// same value, which is stored once. The edge pixels on both sides have individual values. Pixels outside
+/// [x_begin, x_end) are not covered. x_begin <= inner_begin <= inner_end <= x_end.
 struct CoverageSpan {
     int x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
-    /// Shares of [x_begin, inner_begin), then of [inner_end, x_end).
+    /// Values of the pixels [x_begin, inner_begin), followed by those of [inner_end, x_end).
     std::vector<double> edge_share;
 };
 
-/// Computes how much of each pixel the ellipse covers, row by row in any order. Completely covered pixels are
-/// not visited, so the time for all rows is proportional to the length of the outline.
+/// Computes how much of each pixel the ellipse covers. Rows can be computed in any order. Completely covered
+/// pixels are not visited, so the time for all rows is proportional to the length of the outline.
 class EllipseRows {
   public:
     EllipseRows(const Ellipse& ellipse, double cx, double cy);
 
-    /// Rows touched by the ellipse.
+    /// The ellipse touches the rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Value of a completely covered pixel.
+    /// Returns the value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes row y, y_begin() <= y < y_end(). Reuses the memory of `out`.
+    /// Computes row y, where y_begin() <= y < y_end(). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:

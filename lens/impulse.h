@@ -1,4 +1,5 @@
-// Settings of the impulse response: how the light of one out-of-focus scene point is distributed over pixels.
+// Settings of the impulse response, which is the image of one scene point: how its light is distributed over
+// pixels.
 #pragma once
 
 #include <filesystem>
@@ -24,23 +25,25 @@ struct Impulse {
     int blades = 6;                      ///< 3..64; of a polygon
     double rotation_deg = 0;             ///< of a corner, from right towards down
     double roundness = 0;                ///< 0: straight sides .. 1: a circle
-    std::vector<double> wavelengths_nm;  ///< for diffraction; empty: several per channel
+    std::vector<double> wavelengths_nm;  ///< for diffraction; if empty, several per channel
     std::filesystem::path file;          ///< for picture and lens
 
     // The following apply to disc, polygon and picture.
-    double squeeze = 1;    ///< > 0: height / width of the aperture; its height is kept
+    double squeeze = 1;    ///< > 0; height / width of the aperture; the height is fixed
     double cats_eye = 0;   ///< >= 0, see Aperture
     double spherical = 0;  ///< 1/m, see Aperture
 };
 
-/// Reads disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION.
-/// Throws Error(wrong_arguments) with a message that begins with the option's name, `option`.
+/// Parses one of these forms: disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE
+/// | lens:PRESCRIPTION. Throws Error(wrong_arguments) with a message that begins with `option`, the name of
+/// the option.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text);
 
-/// The file that an impulse response reads, given as the argument of `--impulse`; empty if it reads none.
+/// Returns the file that an impulse response reads. `text` is the argument of `--impulse`. The result is
+/// empty if the impulse response reads no file.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
-/// Throws Error(wrong_arguments) for a modifier that is out of range, or that does not apply to this kind of
+/// Throws Error(wrong_arguments) if a modifier is out of range, or if it does not apply to this kind of
 /// aperture.
 void check_impulse(const Impulse& impulse);
 

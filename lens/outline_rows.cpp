@@ -8,24 +8,25 @@
 namespace postlens {
 namespace {
 
-/// Part of a polygon's side within one row of pixels.
+/// The part of a polygon's side that lies within one row of pixels.
 struct Piece {
-    double x_low, x_high;  ///< x of its two ends
-    double height;         ///< height (> 0) times the `sign` of the side
+    double x_low, x_high;  ///< x coordinates of its two ends
+    double height;         ///< positive height times the `sign` of the side
 };
 
-/// Share of the pixel [x, x + 1) that lies to the right of the piece, averaged over the piece's height, 0..1.
+/// Returns the fraction of the pixel [x, x + 1) that lies to the right of the piece, averaged over the
+/// piece's height.
 double right_of(const Piece& p, double x) {
-    // Antiderivative, with respect to `at`, of clamp(x + 1 - at, 0, 1): the part of the pixel to the right of
-    // `at`.
+    // `integral` is the antiderivative, with respect to `at`, of clamp(x + 1 - at, 0, 1). The clamped value
+    // is the part of the pixel to the right of `at`.
     const auto integral = [x](double at) {
         if (at <= x) return at - x;
         const double into = std::min(at - x, 1.0);
         return into - into * into / 2;
     };
     const double width = p.x_high - p.x_low;
-    // For an almost vertical piece, the value at its midpoint replaces the mean over its height. The error is
-    // proportional to the square of the piece's width.
+    // For an almost vertical piece, the value at its midpoint replaces the mean over its height. This causes
+    // an error proportional to the square of the piece's width.
     if (width < 1e-9) return std::clamp(x + 1 - (p.x_low + p.x_high) / 2, 0.0, 1.0);
     return (integral(p.x_high) - integral(p.x_low)) / width;
 }
@@ -45,8 +46,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // The corners are in order of rotation from x to y (down), so the polygon's inside lies to the right
-        // of a side that runs upwards.
+        // The corners are in the order of a rotation from x to y (down). The polygon therefore lies to the
+        // right of a side that runs upwards.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -110,9 +111,9 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // The array contains the edge pixels only, without the completely covered pixels between them. Each side
-    // adds the area to its right: a part of each pixel that it crosses, and its whole height in all pixels
-    // further right.
+    // The array contains only the edge pixels, not the completely covered pixels between them. Each side adds
+    // the area to its right. In the pixels that the side crosses, this area is a part of the pixel. In all
+    // pixels further right, it has the full height of the side.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {
@@ -125,7 +126,7 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
         const int first = std::clamp(static_cast<int>(std::floor(p.x_low)), out.x_begin, out.x_end - 1);
         const int last = std::clamp(static_cast<int>(std::floor(p.x_high)), first, out.x_end - 1);
         for (int x = first; x <= last; ++x) {
-            if (x >= out.inner_begin && x < out.inner_end) continue;  // p only touches the pixel's border
+            if (x >= out.inner_begin && x < out.inner_end) continue;  // only touches the pixel border
             out.edge_share[place(x)] += p.height * right_of(p, x);
         }
         const int next = last + 1;

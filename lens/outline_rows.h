@@ -1,5 +1,5 @@
-// Computes exactly how much of each pixel a convex polygon covers. This is the geometric impulse response of
-// an aperture that is not round.
+// Computes exactly how much of each pixel a convex polygon covers. This coverage is the geometric impulse
+// response of an aperture that is not round.
 #pragma once
 
 #include "lens/ellipse_coverage.h"
@@ -7,36 +7,36 @@
 
 namespace postlens {
 
-/// Computes how much of each pixel the polygon covers, row by row in any order. Completely covered pixels are
-/// not visited, so the time for all rows is proportional to the length of the outline. Values are shares of
-/// the polygon's area, so over all pixels they add up to 1. Row y covers [y, y + 1).
+/// Computes how much of each pixel the polygon covers. Rows can be computed in any order, and row y covers
+/// [y, y + 1). Completely covered pixels are not visited, so the time for all rows is proportional to the
+/// length of the outline. Values are fractions of the polygon's area, so they add up to 1 over all pixels.
 class OutlineRows {
   public:
-    /// `outline`, in px, may have either orientation. Its area must be at least 1e-12 px^2.
+    /// `outline` is in px and may have either orientation. Its area must be at least 1e-12 px^2.
     explicit OutlineRows(Outline outline);
 
-    /// Rows touched by the polygon.
+    /// The polygon touches the rows y_begin() <= y < y_end().
     [[nodiscard]] int y_begin() const { return y_begin_; }
     [[nodiscard]] int y_end() const { return y_end_; }
-    /// Value of a completely covered pixel.
+    /// Returns the value of a completely covered pixel.
     [[nodiscard]] double inner_share() const { return 1 / area_; }
-    /// Computes row y, y_begin() <= y < y_end(). Reuses the memory of `out`.
+    /// Computes row y, where y_begin() <= y < y_end(). Reuses the memory of `out`.
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side, stored from top to bottom. `sign` is +1 for sides on the polygon's left.
+    /// A side of the polygon, stored from top to bottom. `sign` is +1 for sides on the left of the polygon.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;
     };
     std::vector<Side> sides_;            ///< without horizontal sides
-    std::vector<std::uint32_t> of_row_;  ///< indices of sides; those of row i begin at row_begin_[i]
+    std::vector<std::uint32_t> of_row_;  ///< indices of sides; those of row i start at row_begin_[i]
     std::vector<std::uint32_t> row_begin_;
     double area_ = 0;
     int y_begin_ = 0, y_end_ = 0;
 };
 
-/// Reference for tests: estimates the coverage of one pixel from n x n sample points.
+/// Reference for tests. Estimates the coverage of one pixel from n x n sample points.
 [[nodiscard]] double outline_coverage_reference(const Outline& outline, int x, int y, int n);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// An impulse response on the pixel grid: the image of a point light source.
+// An impulse response on the pixel grid, which is the image of a point light source.
 #pragma once
 
 #include <cstddef>
@@ -6,11 +6,10 @@
 
 namespace postlens {
 
-/// Energy per pixel in a rectangle of pixels. Coordinates are px relative to an integer raster position, the
-/// anchor: pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), x right, y
-/// down. The function that makes the grid chooses the position of the point's geometric image within its
-/// pixel. Values are not negative. Over all pixels they add up to 1, except for losses that the making
-/// function documents.
+/// The energy in each pixel of a rectangle. Coordinates are in px relative to the anchor, an integer raster
+/// position. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), with x to
+/// the right and y down. The function that makes the grid chooses where in its pixel the point's geometric
+/// image lies. Values are not negative. Their sum is 1, minus any losses that this function documents.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

@@ -119,9 +119,9 @@ double ShutterCurve::time(double u) const {
     const auto after = std::upper_bound(knots_.begin() + 1, knots_.end() - 1, u,
                                         [](double light, const Knot& k) { return light < k.light; });
     const Knot &a = *(after - 1), &b = *after;
-    // `missing` is the light that must still arrive after knot a. Solves a.density x + (b.density -
-    // a.density) x^2 / (2 width) = missing for the time x after knot a. The root that grows with `missing` is
-    // used.
+    // Solves a.density x + (b.density - a.density) x^2 / (2 width) = missing for x, the time after knot a.
+    // `missing` is the light that still has to arrive after knot a. Of the two roots, the one that grows with
+    // `missing` is used.
     const double width = b.time - a.time, missing = std::max(0.0, u - a.light);
     const double slope = (b.density - a.density) / width;
     const double root = std::sqrt(std::max(0.0, a.density * a.density + 2 * slope * missing));
@@ -136,7 +136,7 @@ double ShutterCurve::light(double time) const {
                                         [](double t, const Knot& k) { return t < k.time; });
     const Knot &a = *(after - 1), &b = *after;
     const double x = time - a.time, slope = (b.density - a.density) / (b.time - a.time);
-    // The limit b.light keeps the curve monotonic despite rounding.
+    // Limiting the result to b.light keeps the curve monotonic despite rounding.
     return std::min(a.light + x * (a.density + 0.5 * slope * x), b.light);
 }
 

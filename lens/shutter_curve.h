@@ -9,31 +9,31 @@
 
 namespace postlens {
 
-/// Transmittance during the exposure, whose time runs from 0 (opening) to 1 (closing). Only the shape of the
-/// curve matters: an image is a weighted mean over time, so scaling the curve has no effect.
+/// The transmittance of the shutter during the exposure. Time runs from 0 (opening) to 1 (closing). Only the
+/// shape of the curve matters: an image is a weighted mean over time, so scaling the curve has no effect.
 class ShutterCurve {
   public:
     /// Constant transmission.
     [[nodiscard]] static ShutterCurve box();
     /// Rises linearly to the middle of the exposure, then falls linearly.
     [[nodiscard]] static ShutterCurve triangle();
-    /// Linear interpolation between points (time, transmittance). Requires at least two points, finite and
-    /// increasing times, and finite transmittances that are not negative and not all 0. The first time is the
-    /// opening and the last the closing. Otherwise throws Error(invalid_input) with a message that begins
-    /// with `source`.
+    /// Makes a curve by linear interpolation between points (time, transmittance). The first time is the
+    /// opening of the shutter, and the last time is the closing. There must be at least two points, with
+    /// finite and increasing times. Transmittances must be finite and not negative, and at least one must be
+    /// positive. Otherwise throws Error(invalid_input) with a message that begins with `source`.
     [[nodiscard]] static ShutterCurve points(std::vector<std::pair<double, double>> points,
                                              const std::string& source);
-    /// Reads the curve from a text file with two numbers (time, transmittance) per line; # begins a comment.
-    /// Throws Error(invalid_input).
+    /// Reads the curve from a text file with two numbers (time, transmittance) per line. A # begins a
+    /// comment. Throws Error(invalid_input).
     [[nodiscard]] static ShutterCurve read(const std::filesystem::path& path);
 
-    /// Time, 0 to 1, at which the share u of the light has arrived, 0 <= u <= 1. Uniform random numbers u
-    /// give instants whose density is the transmittance.
+    /// Returns the time, 0 to 1, at which the fraction u (0 to 1) of the light has arrived. If u is a uniform
+    /// random number, the density of the times is the transmittance.
     [[nodiscard]] double time(double u) const;
-    /// Inverse of `time`: the share of the light that has arrived at a time. 0 before the opening, 1 after
-    /// the closing.
+    /// Inverse of `time`. Returns the fraction of the light that has arrived at the given time. It is 0
+    /// before the opening and 1 after the closing.
     [[nodiscard]] double light(double time) const;
-    /// Transmittance at a time, normalised so that its integral from 0 to 1 is 1.
+    /// Returns the transmittance at a time, scaled so that its integral from 0 to 1 is 1.
     [[nodiscard]] double density(double time) const;
     /// Hash of the curve.
     [[nodiscard]] std::uint64_t fingerprint() const;

@@ -7,7 +7,8 @@
 namespace postlens {
 namespace {
 
-/// 1/s - 1/z, 1/m. Precise even if s and z are nearly equal, and defined if one of them is infinite.
+/// Returns 1/s - 1/z, in 1/m. The result is precise even if s and z are nearly equal, and defined if one of
+/// them is infinite.
 double inverse_difference_per_m(double s_m, double z_m) {
     if (std::isfinite(s_m) && std::isfinite(z_m)) return (z_m - s_m) / z_m / s_m;
     return 1 / s_m - 1 / z_m;
@@ -20,8 +21,8 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], with numerator and denominator divided by z s. So z
-    // and s may be infinite.
+    // This is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3]. The numerator and the denominator are
+    // divided by z s, so that z and s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }
@@ -29,8 +30,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q = H - F, where H is the hyperfocal distance. For coc_limit_mm = 0, q is infinite and only the
-    // distance s is sharp. The formulas divide by q, so they stay defined.
+    // q = H - F, where H is the hyperfocal distance. If coc_limit_mm is 0, q is infinite and only the
+    // distance s is sharp. The formulas below only divide by q, so they remain defined.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

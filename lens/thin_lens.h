@@ -1,4 +1,5 @@
-// The thin lens: image distance, circle of confusion, depth of field. Lens in mm, scene in m.
+// The thin lens, with its image distance, circle of confusion and depth of field. Lengths of the lens are in
+// mm, and distances in the scene are in m.
 #pragma once
 
 #include <limits>
@@ -6,23 +7,24 @@
 
 namespace postlens {
 
-/// A thin lens of focal length F and f-number n; its aperture has the diameter F / n.
+/// A thin lens of focal length F and f-number n. Its aperture has the diameter F / n.
 struct ThinLens {
     double focal_length_mm = 50;  ///< > 0
     double f_number = 8;          ///< > 0; infinity is a pinhole
     [[nodiscard]] double aperture_diameter_mm() const { return focal_length_mm / f_number; }
 };
 
-/// Film distance V = F s / (s - F), mm [potmesil1981, eq. 1]. V = F for an infinite s. Infinite or negative
-/// for s <= F.
+/// Returns the film distance V = F s / (s - F), in mm [potmesil1981, eq. 1], for focus distance s and focal
+/// length F. V is F for infinite s, and infinite or negative for s <= F.
 [[nodiscard]] double image_distance_mm(const ThinLens& lens, double focus_distance_m);
 
-/// Signed diameter of the circle of confusion on a film at distance V(s), mm: F^2 (z - s) / (n z (s - F))
-/// [potmesil1981, eq. 3]. Positive for points behind the focus, negative in front. Finite for every depth_m >
+/// Returns the signed diameter of the circle of confusion, in mm, on a film that is sharp at focus distance
+/// s. For a point at depth z, the diameter is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3]. It is
+/// positive for points behind the focus, and negative for points in front. It is finite for every depth_m >
 /// 0, including infinity. Requires s > F.
 [[nodiscard]] double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m);
 
-/// Depths between which the circle of confusion is at most `coc_limit_mm` wide.
+/// The depths between which the circle of confusion is at most `coc_limit_mm` wide.
 struct DepthOfField {
     double near_m = 0;
     double far_m =

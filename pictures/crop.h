@@ -11,16 +11,16 @@
 
 namespace postlens {
 
-/// Throws Error(wrong_arguments) if the crop is empty or not inside an image of width x height.
+/// Throws Error(wrong_arguments) if the crop is empty or extends beyond an image of width x height.
 void check_crop(const std::optional<Crop>& crop, int width, int height);
 
-/// Number of pixels in the crop, or without a crop, in the whole image of width x height.
+/// Returns the number of pixels in the crop. Without a crop, returns the number of pixels in the image.
 [[nodiscard]] std::size_t wanted_pixels(const std::optional<Crop>& crop, int width, int height);
 
-/// Returns the cropped image; without a crop, the whole image. Throws the errors of check_crop.
+/// Returns the cropped image, or the whole image if there is no crop. Throws the errors of check_crop.
 [[nodiscard]] Image cut(const Image& picture, const std::optional<Crop>& crop);
 
-/// Crops an array with one value per pixel, stored row by row with `width` values per row.
+/// Crops an array that has one value per pixel, row by row, with `width` values per row.
 template <typename Value>
 [[nodiscard]] std::vector<Value> cut(const std::vector<Value>& of_pixels, int width,
                                      const std::optional<Crop>& crop) {
@@ -34,7 +34,7 @@ template <typename Value>
     return out;
 }
 
-/// Mean over the crop of an array with one value per pixel, as for `cut`; 0 if there are no pixels.
+/// Returns the mean over the crop of an array with one value per pixel, or 0 if there are no pixels.
 template <typename Value>
 [[nodiscard]] double mean_of(const std::vector<Value>& of_pixels, int width,
                              const std::optional<Crop>& crop) {

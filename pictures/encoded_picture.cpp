@@ -20,13 +20,13 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table of sRGB bytes for values from `least` to 1, in cells of 1/256 octave. Within a cell, the byte
-/// changes at most once.
+/// Table for the conversion of linear values to sRGB bytes. It covers values from `least` to 1 in cells of
+/// 1/256 octave. The byte changes at most once within a cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// For each cell, `next` is the smallest value (as float bits) of the next byte, and `byte` is the byte
+    /// For each cell, `next` is the value (as float bits) at which the byte increases. `byte` is the byte
     /// below that value.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
@@ -63,10 +63,11 @@ std::uint8_t byte_of(const ByteTable& table, float v) {
 }
 
 struct PngOutput {
-    std::string bytes, problem;  ///< have reserved memory and never exceed it
+    std::string bytes, problem;  ///< both have reserved memory, which they never exceed
 };
 
-/// Upper bound of the size, bytes, of the PNG file. Incompressible data grows only slightly by deflate.
+/// Returns an upper bound of the size of the PNG file, in bytes. Deflate enlarges incompressible data only
+/// slightly.
 std::size_t most_bytes(const EncodedPicture& picture) {
     const std::size_t raw = picture.rgb.size() + static_cast<std::size_t>(picture.height);
     return raw + raw / 64 + 4096;
@@ -74,7 +75,8 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // An exception must not pass through libpng, so this uses libpng's own error function.
+    // Exceptions must not pass through libpng, which is written in C. The error is therefore raised by a
+    // function of libpng.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -87,8 +89,8 @@ void append(png_structp png, png_bytep data, std::size_t size) {
 
 void keep_quiet(png_structp /*png*/, png_const_charp /*warning*/) {}
 
-/// libpng reports errors by longjmp, which runs no destructors. So this function must not contain objects
-/// that need one.
+/// libpng reports errors by longjmp, which runs no destructors. This function must therefore not contain
+/// objects that need a destructor.
 bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                 std::vector<png_text>& texts) {
     // NOLINTNEXTLINE(cert-err52-cpp): how libpng reports errors
@@ -97,8 +99,8 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                  8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-    // For rendered images, this one PNG filter compresses as well as the best filter for each row. This
-    // compression level makes files 10 % larger than the default level, but takes a third of the time.
+    // On rendered images, this single PNG filter compresses as well as choosing the best filter for each row.
+    // Files are 10 % larger than at the default compression level, but take a third of the time to write.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);
@@ -139,7 +141,7 @@ std::string png_file(const EncodedPicture& picture, const std::string& shown_nam
     bool ok = false;
     if (info != nullptr) {
         png_set_write_fn(png, &out, append, nullptr);
-        // libpng requires pointers to characters that it may change, so the texts are copied.
+        // libpng requires non-const pointers, so the texts are copied.
         std::string keys[] = {exposure_attribute, made_by_attribute};
         std::string values[] = {picture.exposure_stops ? fmt::format("{}", *picture.exposure_stops) : "",
                                 picture.made_by};

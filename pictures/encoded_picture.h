@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// An 8-bit image with the sRGB transfer curve: row-major, top row first, three bytes per pixel.
+/// An 8-bit sRGB image. Pixels have three bytes and are stored row by row, top row first.
 struct EncodedPicture {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;
@@ -26,14 +26,14 @@ struct EncodedPicture {
     [[nodiscard]] const std::uint8_t* row(int y) const { return const_cast<EncodedPicture*>(this)->row(y); }
 };
 
-/// Returns 255 srgb_from_linear(v), rounded. Uses a table, because power functions are slow.
+/// Returns 255 * srgb_from_linear(v), rounded. It uses a table, because power functions are slow.
 [[nodiscard]] std::uint8_t srgb_byte(float v);
 
-/// Encodes scene-linear values, clamped to 0..1.
+/// Clamps scene-linear values to 0..1 and encodes them as sRGB bytes.
 [[nodiscard]] EncodedPicture encoded_8bit(const Image& image);
 
-/// Returns the bytes of the PNG file that `write_image` writes for this image. Throws Error(cannot_write),
-/// which names the file `shown_name`, if libpng fails.
+/// Returns the bytes of the PNG file that `write_image` writes for this image. Throws Error(cannot_write) if
+/// libpng fails. The error message calls the file `shown_name`.
 [[nodiscard]] std::string png_file(const EncodedPicture& picture, const std::string& shown_name);
 
 }  // namespace postlens

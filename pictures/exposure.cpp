@@ -13,10 +13,10 @@
 namespace postlens {
 namespace {
 
-/// exposure_warning warns if more than this share of the pixels is above white.
+/// exposure_warning warns if more than this fraction of the pixels is above white.
 constexpr double most_beyond_white = 0.2;
-/// exposure_warning warns if the brightest channel is above 0 but below this part of white. It is the
-/// smallest step of an 8-bit image without a transfer curve.
+/// exposure_warning warns if the brightest channel is above 0 but below this fraction of white. The fraction
+/// is the smallest step of an 8-bit image without a transfer curve.
 constexpr float least_of_white = 1.0F / 255;
 
 float largest_channel(const float* rgb) {

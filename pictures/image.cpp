@@ -65,15 +65,15 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// Position of an image within the whole image, and the size of the whole image.
+/// The position of an image within the whole image, and the size of the whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Programs expect alpha in OpenEXR images. An image without alpha gets 1 everywhere, stored as half
-    // floats.
+    // Programs expect OpenEXR images to have alpha. An image without alpha is written with an alpha of 1,
+    // stored as half floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -97,7 +97,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // The file is not compressed: RLE makes float channels no smaller, except an alpha that is 1 everywhere.
+    // The file is not compressed, because RLE does not make float channels smaller.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -143,7 +143,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // If the library cannot be loaded, the error appears before the image is computed.
+    // Loading the library here reports a missing library before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -157,7 +157,7 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
     check_image_path(path);
     if (crop) check_crop(crop, image.width, image.height);
     const Format format = format_of(path);
-    // For a larger image, libjpeg would end the process.
+    // libjpeg would end the process for a larger image.
     constexpr int most_jpeg_px = 65500;
     const int width = crop ? crop->width : image.width, height = crop ? crop->height : image.height;
     if (format == Format::jpeg && std::max(width, height) > most_jpeg_px) {
@@ -166,7 +166,7 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
              width, height, most_jpeg_px);
     }
     OutputFile file(path);  // fails early if the file cannot be written
-    // An .exr file stores radiance, so values are divided by the exposure.
+    // Values are divided by the exposure, because an .exr file stores radiance.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();
     if (divided) {
@@ -185,7 +185,7 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// The display window or, for a crop, the data window, in the file's coordinates.
+    /// The display window in the file's coordinates. For a crop, this is the data window.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -213,8 +213,8 @@ OpenedImage open_image(const fs::path& path) {
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;
     out.height = has_display_window ? spec.full_height : spec.height;
-    // A damaged header must not cause a large allocation. Deflate, the densest compression, shrinks data at
-    // most by a factor of 1032.
+    // A damaged header must not cause a large allocation. The file size limits the number of pixels: deflate,
+    // the densest compression, shrinks data by a factor of at most 1032.
     const std::uint64_t bytes = fs::file_size(path, ec);
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
@@ -230,7 +230,7 @@ OpenedImage open_image(const fs::path& path) {
     return out;
 }
 
-/// Returns the image of the display window: stored pixels where the file has them, black elsewhere.
+/// Returns the image of the display window. Pixels that the file does not store are black.
 Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
     const PictureLayout& spec = file.in->layout();
     const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
@@ -278,7 +278,8 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // Values of sRGB formats are relative to white. Without the attribute, their exposure is unknown.
+    // In sRGB formats, values are relative to white. Their exposure is unknown unless the attribute states
+    // it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

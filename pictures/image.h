@@ -14,23 +14,24 @@
 
 namespace postlens {
 
-/// An RGB image: row-major, top row first, three floats per pixel, Rec.709 primaries, linear and not clamped;
-/// the value 1 is white. If the image has alpha, colours are premultiplied by it.
+/// An RGB image with three floats per pixel, row by row, top row first. Values are linear, are not clamped
+/// and have Rec.709 primaries. The value 1 is white. If the image has alpha, its colours are premultiplied by
+/// alpha.
 struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
-    std::vector<float> alpha;  ///< one value per pixel; empty: opaque
+    std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
     /// `rgb` is radiance times 2^exposure_stops. Empty if the exposure is unknown, as in PNG, TIFF or JPEG
-    /// files of other programs.
+    /// files that other programs wrote.
     std::optional<double> exposure_stops = 0.0;
-    /// An additional channel with one value per pixel. The exposure does not affect its values.
+    /// An additional channel with one value per pixel. The exposure does not affect these values.
     struct Plane {
         std::string name;
         std::vector<float> values;
     };
     std::vector<Plane> planes;                               ///< only .exr files have them
     std::vector<std::pair<std::string, std::string>> texts;  ///< attributes that belong to `planes`
-    std::string made_by;  ///< how the image was made; written to its file if not empty
+    std::string made_by;  ///< how the image was made; stored in its file if not empty
 
     Image() = default;
     Image(int w, int h) : width(w), height(h) {
@@ -44,44 +45,43 @@ struct Image {
     [[nodiscard]] const float* pixel(int x, int y) const { return const_cast<Image*>(this)->pixel(x, y); }
 };
 
-/// A rectangular part of an image: pixels [x, x + width) x [y, y + height), relative to the image's
-/// upper-left pixel (0, 0). See pictures/crop.h.
+/// A rectangular part of an image: the pixels [x, x + width) x [y, y + height). The upper left pixel of the
+/// image is (0, 0). See pictures/crop.h.
 struct Crop {
     int x = 0, y = 0, width = 0, height = 0;
     [[nodiscard]] bool operator==(const Crop&) const = default;
     [[nodiscard]] bool contains(int px, int py) const {
         return px >= x && px < x + width && py >= y && py < y + height;
     }
-    /// True if the crop overlaps the given rectangle of the image.
+    /// Returns true if the crop overlaps the given rectangle of the image.
     [[nodiscard]] bool meets(int px, int py, int w, int h) const {
         return px < x + width && x < px + w && py < y + height && y < py + h;
     }
 };
 
-/// Writes an image in the format that the path's extension selects: .exr (float radiance, with alpha), .png
-/// (8 bit), .tif or .jpg. The last three use the sRGB transfer curve and clamp to 0..1; they have no alpha,
-/// so premultiplied colours appear over black. The file appears completely or not at all.
+/// Writes an image in the format given by the extension of the path: .exr (float radiance, with alpha), .png
+/// (8 bit), .tif or .jpg. The last three formats use the sRGB transfer curve and clamp values to 0..1. They
+/// have no alpha, so the image appears over black. The file appears completely or not at all.
 ///
 /// The exposure is stored as `postlens.exposure_stops`. In .exr it is an attribute, which is omitted if the
-/// exposure is 0. In other formats, whose values are multiplied by the exposure, it is a text, which is
-/// omitted if the exposure is unknown. With a `crop`, only that part is written. An .exr then has the crop as
-/// data window and the whole image as display window; its attribute `postlens.crop` makes `read_image` return
-/// only the crop.
+/// exposure is 0. The other formats contain values multiplied by the exposure. They store the exposure as
+/// text, unless it is unknown. A `made_by` that is not empty is stored as `postlens.made_by`, as an attribute
+/// or as text.
 ///
-/// If `made_by` is not empty, it is stored as `postlens.made_by`: in .exr as an attribute, in other formats
-/// as text.
+/// With a `crop`, only that part is written. In .exr, the crop is then the data window and the whole image is
+/// the display window. The attribute `postlens.crop` makes `read_image` return only the crop.
 ///
-/// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure to write, and
-/// Error(wrong_arguments) for an unknown extension or for a crop that is not inside the image.
+/// Returns the XXH3 hash (64 bits) of the file. Throws Error(cannot_write) on any failure to write. Throws
+/// Error(wrong_arguments) for an unknown extension and for a crop that is not inside the image.
 std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
                           const std::optional<Crop>& crop = std::nullopt);
 
 /// Checks an output path before the image is computed. Throws Error(wrong_arguments) if `write_image` does
-/// not accept the path, and Error(invalid_input) if the library for the format cannot be loaded
+/// not accept the path. Throws Error(invalid_input) if the library for the format cannot be loaded
 /// (pictures/formats/picture_library.h).
 void check_image_path(const std::filesystem::path& path);
-/// Checks the path of a file that must be OpenEXR. `what` names the contents for the error: "records",
-/// "responses".
+/// Checks the path of a file that must be an OpenEXR file. `what` names the contents of the file in the error
+/// message: "records", "responses".
 void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
@@ -89,24 +89,25 @@ struct ImageSize {
     [[nodiscard]] bool operator==(const ImageSize&) const = default;
 };
 
-/// Size of the image that `read_image` would return; reads only the header. Throws Error(invalid_input).
+/// Returns the size of the image that `read_image` would return. Reads only the header. Throws
+/// Error(invalid_input).
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
-/// Reads how an image or sample file was made (Image::made_by, SampleHeader::made_by). Empty if the file does
-/// not state it. Throws Error(invalid_input).
+/// Returns the text that states how an image or a sample file was made (Image::made_by,
+/// SampleHeader::made_by). Empty if the file has no such text. Throws Error(invalid_input).
 [[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
-/// How `read_image` treats an OpenEXR file that states an exposure.
+/// Selects the values that `read_image` returns for an OpenEXR file that states an exposure.
 enum class PictureValues {
     exposed,  ///< returns radiance times 2^postlens.exposure_stops, so that 1 is white
     stored    ///< returns radiance, for textures and apertures
 };
 
 /// Reads the first three channels of the first part of any file that OpenImageIO can read. If the part has
-/// only one or two channels, the first is read as grey. Integer formats and formats tagged sRGB are converted
-/// to scene-linear. The result covers the display window: pixels outside it are dropped, and pixels that the
-/// file does not store are black. If the file is a crop (see write_image), the result is only the crop.
-/// Throws Error(invalid_input).
+/// only one or two channels, the first is read as grey. Integer values and values tagged as sRGB are
+/// converted to scene-linear. The result covers the display window. Pixels outside the window are dropped,
+/// and pixels that the file does not store are black. If the file is a crop (see write_image), the result is
+/// only the crop. Throws Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

@@ -20,18 +20,19 @@
 namespace postlens {
 namespace {
 
-/// Number of views of every tile at the beginning: 8 for each of the image's two independent halves.
+/// Number of views of every tile at the beginning. Each of the image's two independent halves gets 8 views.
 constexpr int first_views = 16;
 
-/// Number of times that views are added because `layers` alone may have less than half the error.
+/// Number of times that views may be added because `layers` alone may have less than half the error of the
+/// image.
 constexpr int most_comparisons = 2;
 
-/// If the interval of the error is too wide, more views narrow it: at most this many times the views that
-/// first met the target. The first limit applies with rays; the second without rays, where only the noise is
-/// stated.
+/// If the 95 % interval of the error is too wide, more views narrow it. Their number is at most this many
+/// times the number of views that first met the target. The first limit applies with rays. The second applies
+/// without rays, where only the noise is stated.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
-/// Number of view samples (views times pixels) over all tiles.
+/// Returns the number of view samples (views times pixels) in all tiles together.
 double samples(const std::vector<int>& views, const TileGrid& grid) {
     double sum = 0;
     for (std::size_t t = 0; t < views.size(); ++t) sum += static_cast<double>(views[t]) * grid.pixels(t);
@@ -39,9 +40,9 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
 }
 
 /// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
-/// mean error is below `wanted_mse`. Tiles where an added view removes most error come first. The precision
-/// of a tile is the reciprocal of its error. It is assumed to increase by the precision of the added views,
-/// which is assumed to be proportional to their number.
+/// mean error is below `wanted_mse`. Tiles in which an added view removes most error come first. The
+/// precision of a tile is the reciprocal of its error. Added views are assumed to increase it by their own
+/// precision, which is proportional to their number.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -79,8 +80,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the check rays measure the error of the records least accurately, until the
-/// variance due to the remaining tiles is at most `most_variance`.
+/// Selects the tiles in which the check rays measure the error of the records least accurately. Enough tiles
+/// are selected that the variance caused by the remaining tiles is at most `most_variance`.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -88,8 +89,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles with the largest errors of highlights, until that of the remaining tiles is at most a
-/// quarter of the target, from those in which rays can meet the target.
+/// Selects the tiles whose highlights have the largest errors. Enough tiles are selected that the errors of
+/// highlights in the remaining tiles are at most a quarter of the target. Tiles in which rays cannot meet the
+/// target are not selected.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -104,11 +106,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Plans the next step if the interval of the error is too wide. Doubles the number of views of those tiles
-/// that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The width
-/// is proportional to the standard deviation of the estimate divided by the error. Views are therefore added
-/// to tiles whose large share of the error makes the estimate uncertain. `most_samples`: limit for the number
-/// of view samples in the image.
+/// Plans the next step if the 95 % interval of the error is too wide. Doubles the number of views of the
+/// tiles that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The
+/// width is proportional to the standard deviation of the estimate divided by the error. `most_samples`
+/// limits the number of view samples in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -127,8 +128,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // The aim is a little below the wanted width. The next estimate will differ from the expected one, and
-    // without this reserve further steps would often be needed.
+    // The aim is a little below the wanted width, because the next estimate will differ from the expected
+    // one. Without this reserve, further steps would often be needed.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -150,7 +151,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Share of reflected and transmitted records at the frame's own instant, in evenly spaced rows of the file.
+/// Returns the share of reflected and transmitted records at the frame's own instant. It is measured in
+/// evenly spaced rows of the file.
 double deeper_share(const SampleFileReader& file) {
     constexpr std::size_t most_rows = 16;
     const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
@@ -166,11 +168,10 @@ double deeper_share(const SampleFileReader& file) {
     return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
 }
 
-/// Whether `layers` costs no more than the first views. Its work is proportional to the number of records,
-/// and that of views to the number of their samples. A directly visible record takes about as long as a view
-/// sample. A reflected or transmitted record is spread over an ellipse of its own, which takes `deeper_cost`
-/// times as long or longer: 2 to 4 times in random scenes, and more where many mirrors reflect each other.
-/// Files of such scenes have more records than the limit.
+/// Returns whether `layers` costs no more than the first views. The cost of `layers` is proportional to the
+/// number of records, and the cost of views to the number of view samples. A directly visible record takes
+/// about as long as a view sample. A reflected or transmitted record takes at least `deeper_cost` times as
+/// long, because it is spread over an ellipse of its own.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -188,8 +189,8 @@ Image layers_image(FocusFrame& frame, FocusSettings settings) {
     return focus_picture(frame, settings).image;
 }
 
-/// Error that the other image (made by `layers`) would have alone, minus the standard error of this estimate.
-/// It may be negative.
+/// Returns the error that the other image, made by `layers`, would have alone, minus the standard error of
+/// this estimate. The result may be negative.
 double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     double sum = 0, variance = 0;
     for (const TileError& tile : measured.tiles) {
@@ -200,15 +201,17 @@ double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
 }
 
-/// Mean radiance in which `other` has the weight `w`. Errors are stated for clamped sRGB values, so the mean
-/// is taken of such values. Radiances above white are averaged without encoding, so that no light is lost.
+/// Returns the mean of two radiances, in which `other` has the weight `w`. It is a mean of sRGB values,
+/// because errors are stated for these. Radiances above white are averaged without encoding, so that no light
+/// is lost.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
     return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
 }
 
-/// Mixes the other image into `image`. Returns the mean of its weights over the pixels of the image or crop.
+/// Mixes the other image into `image`. Returns the mean weight of the other image over the pixels of the
+/// image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {
     std::vector<double> of_rows(static_cast<std::size_t>(grid.height), 0);
@@ -246,7 +249,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // `layers` shows a single instant. Its error is not known without rays.
+    // `layers` shows a single instant, and its error is not known without rays.
     std::optional<Image> layers;
     if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
         (void)checked_camera(frame.file().header(), *whole.scene);
@@ -272,7 +275,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
-            // target, replacing views by rays is cheaper.
+            // target, it is cheaper to replace view samples by rays.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -286,8 +289,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // If the error of the remaining highlights alone, minus its standard error, is more than twice
-            // the target, views only need to reduce their noise to a quarter of this error.
+            // Views do not reduce the error of the highlights. If this error alone is clearly more than twice
+            // the target, it is enough if views reduce their noise to a quarter of it.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -296,8 +299,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples))
                 continue;
             // With few views, selecting tiles by their estimated errors makes the intervals too narrow. The
-            // views of all tiles with an error are therefore doubled first. The intervals then contain the
-            // error as often as they should.
+            // views of all tiles that have an error are therefore doubled first. The intervals then contain
+            // the true error as often as they should.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =
@@ -307,7 +310,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
         }
         if (is_met && next == wanted && layers && comparisons < most_comparisons) {
-            // Views are added if `layers` alone may have less than half the error.
+            // Add views if `layers` alone may have less than half the error.
             const double alone = least_alone_mse(measured, grid);
             if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
             ++comparisons;

@@ -14,8 +14,8 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, of sRGB values, 10 to 80 dB. If absent, the target is
-    /// default_target_db, and there is no warning if the error bound misses it.
+    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If absent, the target is
+    /// default_target_db, and there is no warning if the bound of the error misses the target.
     std::optional<double> target_db;
 };
 
@@ -23,7 +23,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured error of the views and of `layers`; sRGB values, mean over pixels and channels.
+    /// Measured error of the views and of `layers`, computed from sRGB values, as a mean over pixels and
+    /// channels.
     double noise_mse = 0;
 };
 
@@ -36,9 +37,9 @@ struct AutoResult {
     /// Share of the view samples (what one view sees in one pixel) that the records do not determine. Set
     /// only if no scene is given.
     double unsure_share = 0;
-    /// noise_mse: measured noise of the views. bound_mse: upper bound of the error from this noise and from
-    /// view samples that the records do not determine (planner/errors/records_bound.h). Both are set only if
-    /// no scene is given; `hybrid.stated` is then empty.
+    /// `noise_mse` is the measured noise of the views. `bound_mse` is an upper bound of the error caused by
+    /// this noise and by view samples that the records do not determine (planner/errors/records_bound.h).
+    /// Both are set only if no scene is given. In this case `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target
     [[nodiscard]] double noise_db() const;
@@ -46,21 +47,21 @@ struct AutoResult {
     std::string plan;  ///< views, error and rays in one sentence, for the log
 };
 
-/// Makes a light field image with as many views in each tile as the target error needs. Starts with a few
-/// views per tile. Then repeatedly doubles the number of views in those tiles where this reduces the error
-/// most in relation to its cost. The target is met when the upper end of the 95 % interval of the image's
-/// error is below it. If the interval is then wider than wanted_interval_db, up to four times as many views
-/// narrow it. In tiles where the check rays measure the error least accurately, rays also replace all view
-/// samples. Views are also added if `layers` alone may have less than half the error.
+/// Makes a light field image with as many views in each tile as the target error needs. It starts with a few
+/// views per tile. Then it repeatedly doubles the number of views in the tiles where this reduces the error
+/// most for its cost. The target is met when the upper end of the 95 % interval of the image's error is below
+/// the target. Further views, up to four times as many, are added if the interval is wider than
+/// wanted_interval_db.
 ///
 /// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
-/// and check rays measure the error of all other view samples. Where this error exceeds a tile's noise, or
-/// prevents the image from reaching its target, rays replace all view samples of the tile. If no scene is
-/// given, unsure samples keep their recorded colours, and their error is not measured.
+/// and check rays measure the error of all other view samples. Rays replace all view samples of a tile if
+/// this error exceeds the tile's noise, is not known well enough, or keeps the image from reaching its
+/// target. If no scene is given, unsure view samples keep their recorded colours, and their error is not
+/// measured.
 ///
-/// With a scene and without a shutter, `layers` also makes the image, unless the file has so many records
-/// that this takes longer than the first views. The two halves of the views measure the error of this image.
-/// The image by `layers` is mixed with the views, in each tile with the weight that gives the least error.
+/// If a scene but no shutter is given, the method `layers` also makes an image, unless this would take longer
+/// than the first views. The two halves of the views measure the error of this image. The image is mixed with
+/// the views, in each tile with the weight that gives the smallest error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

@@ -18,21 +18,20 @@ namespace postlens {
 namespace {
 
 constexpr int many_views = 256;
-/// A pixel is in error if a channel differs from the reference by more than this, sRGB values.
+/// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A cause explains a pixel's error if an image without this cause has at most half of the error in this
-/// pixel, that is at most a quarter of the squared error.
+/// A cause explains the error of a pixel if an image without this cause has at most half of the error there.
+/// The squared error is then at most a quarter.
 constexpr double explained = 0.25;
 /// Smallest estimated squared error for which a cause is accepted, as a fraction of the pixel's squared
-/// error. Estimates are accurate to an order of magnitude. The limit for the record density is smaller,
-/// because its estimate includes only edges that the corners of a cell show.
+/// error. The limit for the record density is smaller, because its estimate misses edges that pass between
+/// the corners of a cell.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// Share of a pixel's light that may be missing from the records. A larger share counts as a cause of the
-/// pixel's error.
+/// A share of a pixel's light. If more than this is missing from the records, the missing light counts as a
+/// cause of the pixel's error.
 constexpr float tolerated_unknown = 0.02F;
-/// If more than this fraction of the squared error has no known cause, the scene is traced again to find
-/// causes.
+/// If more than this fraction of the squared error has no known cause, the scene is traced again to find it.
 constexpr double worth_trials = 0.1;
 
 double squared_difference(const Image& a, const Image& b, std::size_t pixel) {
@@ -54,15 +53,15 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// Share of a pixel's light that may come from beyond the overscan: the part of the pixel's circle of
-/// confusion that lies outside. The circle is assumed to be as large as the largest circle along that side of
-/// the image.
+/// The share of a pixel's light that may come from beyond the overscan. It is the part of the pixel's circle
+/// of confusion that lies outside the overscan. The circle is assumed to be as large as the largest circle
+/// along that side of the image.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
         : h_(header), geometry_(geometry) {}
 
-    /// Adds records. A record that is added twice counts once.
+    /// Adds records. Records that are added twice count only once.
     void add(const RecordBand& band) {
         constexpr int side = 8;
         const int margin = h_.overscan_px;
@@ -86,8 +85,8 @@ class BeyondMargin {
     }
 
   private:
-    /// Share of a disc that lies beyond a straight line. `distance_px`: distance of the line from the disc's
-    /// centre.
+    /// Returns the share of a disc that lies beyond a straight line. `distance_px` is the distance of the
+    /// line from the centre of the disc.
     static double outside(double distance_px, double radius_px) {
         if (radius_px <= distance_px) return 0;
         const double t = std::clamp(distance_px / radius_px, 0.0, 1.0);
@@ -99,7 +98,7 @@ class BeyondMargin {
     double left_ = 0, right_ = 0, top_ = 0, bottom_ = 0;  ///< largest CoC radius along each side, px
 };
 
-/// Mean over a square of 2 radius_px + 1 px around each pixel.
+/// Returns the mean over a square of 2 radius_px + 1 px around each pixel.
 std::vector<float> box_means(const std::vector<float>& of, int width, int height, int radius_px) {
     std::vector<float> rows(of.size()), out(of.size());
     const auto at = [](int line, int next, int i, int step) {
@@ -122,7 +121,7 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of the error of a pixel that a light field with many views renders correctly.
+/// Returns the cause of the error of a pixel that a light field with many views shows correctly.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -153,7 +152,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // The light field of the records resolves visibility. With a shutter, it also resolves the motion.
+    // A light field computed from the records resolves visibility. With a shutter, it also resolves the
+    // motion.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -189,7 +189,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing again is expensive, and in most images only little of the error remains unexplained.
+    // Tracing again is expensive, and in most images little of the error remains unexplained.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -226,19 +226,19 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
             cause = explained_by_views(request, moves);
         } else if (best != nullptr) {
             cause = best->cause;
-            // Records of other instants show surfaces that rotated into view. They also show changed colours
-            // of surfaces that were already visible. If hardly any light was unknown, the changed colours are
-            // the cause.
+            // Records of other instants have two effects. They show surfaces that rotate into view, and they
+            // show new colours of surfaces that were already visible. If hardly any light was unknown before,
+            // the new colours are the cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {
-            // An unrecorded surface is assumed to differ from its surroundings by the local contrast, or by
-            // the mean contrast of the image if that is larger.
+            // A surface that is not recorded is assumed to differ from its surroundings by the local
+            // contrast. If the mean contrast of the image is larger, that is used instead.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // The unknown light of the views includes light from beyond the overscan. The share of that light
-            // is subtracted.
+            // The light that the views do not know includes light from beyond the overscan. The share of that
+            // light is subtracted here.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

@@ -16,19 +16,19 @@ enum class ErrorCause : std::uint8_t {
     hidden_surface,  ///< the lens sees a surface that is not recorded
     visibility,      ///< the method mixes two recorded surfaces although one hides the other
     curvature_of_w,  ///< nonlinear W: a reflected or refracted node is reprojected to a wrong position
-    view_dependent_shading,     ///< assumed if no other cause is found: the radiance differs over the lens
+    view_dependent_shading,     ///< the radiance differs over the lens; assumed if no other cause is found
     path_and_depth_correlated,  ///< an object moves through the focus or in front of a blurred object
     frame_edge,                 ///< light comes from beyond the overscan
-    kernel_truncation,          ///< the number of depths or the size of kernels was limited
+    kernel_truncation,          ///< the number of depths or the size of kernels is limited
     record_density,             ///< edges are known only to a quadtree cell, or there are too few views
 };
 inline constexpr std::size_t error_causes = 9;
-/// Name of a cause, such as "hidden-surface".
+/// Returns the name of a cause, such as "hidden-surface".
 [[nodiscard]] std::string_view cause_name(ErrorCause cause);
 
 struct CauseRequest {
-    HybridSettings view;                ///< lens, shutter and motion; the method is ignored
-    std::optional<FocusMethod> method;  ///< method that made the image; empty if it is not known
+    HybridSettings view;                ///< lens, shutter and motion of the image; the method is ignored
+    std::optional<FocusMethod> method;  ///< method that made the image; empty if unknown
     std::optional<int> depths;          ///< number of depths to which `scatter` was limited
 };
 
@@ -38,24 +38,24 @@ struct CauseMap {
     std::array<double, error_causes> error_share{};  ///< per cause, share of the squared error
 };
 
-/// Finds the cause of the error of each pixel in error, in three steps. A pixel is in error if a channel
-/// differs from the reference by more than 1/255, sRGB values.
+/// Finds the cause of the error in each pixel that is in error. A pixel is in error if the sRGB value of some
+/// channel differs from the reference by more than 1/255. There are three steps.
 ///
-/// 1. Some causes can be removed by making the image again. Finer kernels remove kernel_truncation. A light
-/// field with many views removes visibility, path_and_depth_correlated (with an open shutter), record_density
-/// (of a light field with fewer views), and curvature_of_w (if a depth model other than W was used). If this
-/// reduces the error of a pixel to half or less, the removed cause is the cause of this error.
+/// 1. The image is made again without some causes. Finer kernels remove kernel_truncation. A light field with
+/// many views removes visibility and, with an open shutter, path_and_depth_correlated. It may also remove
+/// record_density and curvature_of_w, depending on how the image was made. A removed cause explains the error
+/// of a pixel if the new image has at most half of this error.
 ///
-/// 2. If `view.scene` is given and at least a tenth of the error is still unexplained, the scene is traced
-/// again, without limits that may be the cause (error_trials).
+/// 2. If `view.scene` is given and at least a tenth of the error is unexplained, the scene is traced again
+/// without limits that may be the cause (error_trials).
 ///
-/// 3. For each remaining cause, the error is estimated in the pixels that are still unexplained. For hidden
-/// surfaces and light from beyond the overscan, the estimate comes from the local contrast. For nonlinear W,
-/// it comes from the radiance that W misplaces, and for record density from the record floor (record_floor).
-/// The cause with the largest estimate is chosen if the estimate is at least a tenth of the error. Otherwise
-/// the cause is view-dependent shading.
+/// 3. The error of the remaining pixels is estimated for each cause. For hidden surfaces and light from
+/// beyond the overscan, the estimate comes from the local contrast. For nonlinear W, it comes from the
+/// misplaced radiance. For record density, it comes from the record floor (record_floor). The cause with the
+/// largest estimate is chosen if this estimate is at least a tenth of the error. Otherwise the cause is
+/// view-dependent shading.
 ///
-/// Throws the errors of hybrid_picture. Both images must have the file's size.
+/// Throws the errors of hybrid_picture. Both images must have the size of the file.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,
                                          const CauseRequest& request);
 

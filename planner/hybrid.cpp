@@ -16,11 +16,11 @@
 namespace postlens {
 namespace {
 
-/// The records of a pixel are insufficient if more than this share of its light is not recorded, or if more
-/// than this radiance is reprojected to wrong positions, because W is only a linear approximation.
+/// Limit for two values of a pixel: the share of its light that is not recorded, and its radiance that is
+/// reprojected to wrong positions. Its records are insufficient if either exceeds the limit.
 constexpr double tolerated = 0.02;
 
-/// Returns the share of the pixels, of the image or its crop, whose records are insufficient.
+/// Returns the share of the pixels of the image or crop whose records are insufficient.
 double insufficient_share(const FieldFocus& field, const std::vector<float>& misplaced,
                           const std::optional<Crop>& crop) {
     std::vector<std::uint8_t> marks(field.unknown.size());
@@ -33,7 +33,7 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
 }
 
 /// Cost of scattering an image, as the number of views of the whole image that take as long. If an image has
-/// few views, pixels are therefore scattered only if this replaces most of them.
+/// few views, pixels are scattered only if scattering replaces most of them.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -82,11 +82,11 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error of an image with a PSNR of 50 dB. It is below one step of 8 bits, so more rays would make no
-/// visible difference.
+/// Squared error of an image with a PSNR of 50 dB. Such an error is below one step of 8 bits, so more rays
+/// would make no visible difference.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which the highlights have more error than they would have if rays showed them.
+/// Returns 1 for tiles in which the error of the highlights would be smaller if rays showed them.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -98,11 +98,11 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and from rays into the scene. If the check rays show an error of the records,
-/// rays replace the view samples of the tiles with the largest errors. They do so until the remaining error
-/// is an eighth of the noise (the PSNR is then within 0.5 dB of that of an image by as many rays), or until
-/// the whole error is `fine_mse`. The two halves of the image are drawn separately, and their difference
-/// measures the noise.
+/// Makes the image from records and from rays into the scene. The two halves of the image are drawn
+/// separately, and their difference measures the noise. If the check rays show an error of the records, rays
+/// replace the view samples of the tiles with the largest errors. Tiles are added until one of two conditions
+/// is met. Either the remaining error is an eighth of the noise, which costs at most 0.5 dB, or noise and
+/// remaining error together are `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

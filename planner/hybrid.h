@@ -1,5 +1,5 @@
-// Makes a light field image with a given number of views. Rays replace the view samples that the records do
-// not determine.
+// Makes a light field image with a given number of views. Rays replace view samples that the records do not
+// determine.
 #pragma once
 
 #include <memory>
@@ -19,39 +19,40 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the exposure. With a `shutter`, every pixel is computed as a light field, and none by
-    /// `scatter`.
+    /// Motion during the exposure. If `shutter` is given, every pixel is computed as a light field, and none
+    /// by `scatter`.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
     /// The scene from which the file was traced. Rays into the scene replace the view samples that the
-    /// records do not determine. Null: no rays.
+    /// records do not determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// For measurements with a scene: selects, in each half of the views, the view samples that are compared
-    /// with rays (FieldViews::checked). If set, the image's error is not stated.
+    /// Selects, in each half of the views, the view samples that are compared with rays
+    /// (FieldViews::checked). This is for measurements and needs a scene. If it is set, the error of the
+    /// image is not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Without a scene: share of the pixels of the image or its crop that are scattered.
+    /// Share of the pixels of the image or crop that are scattered. Set only without a scene.
     double scattered_share = 0;
-    /// Without a scene: share of the pixels of the image or its crop whose records are insufficient.
+    /// Share of the pixels of the image or crop whose records are insufficient. Set only without a scene.
     double wanted_share = 0;
-    double retraced_share = 0;  ///< share of the views' samples, in the image or its crop, that are rays
+    double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
-    std::optional<StatedError> stated;  ///< with a scene and at least two views
-    /// Only with a scene: one value per pixel of the whole image, as defined in FieldFocus.
+    std::optional<StatedError> stated;  ///< set with a scene and at least two views
+    /// One value per pixel of the whole image, as defined in FieldFocus. Set only with a scene.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
-    /// Per pixel of the whole image: 0 light field, 1 scattered, 2 mostly rays.
+    /// How each pixel of the whole image was made: 0 by the light field, 1 by scattering, 2 mostly by rays.
     std::vector<std::uint8_t> what;
 };
 
-/// Makes the image, bit-identical for any number of threads. Throws Error(invalid_input) if the file was not
-/// traced from `scene`, and the errors of focus_picture and render_picture.
+/// Makes the image. The result is bit-identical for any number of threads. Throws Error(invalid_input) if the
+/// file was not traced from `scene`. Also throws the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// Makes a single image of a file. Throws the same errors as hybrid_picture for a FocusFrame.
+/// Makes one image directly from a file. Throws the same errors as the function above.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest number of views in the estimate, and the index of its first set of lens points. The sets that the
-/// image uses have lower indices, so the errors of the image are independent of those of the estimate.
+/// Smallest number of views in the estimate, and the index of its first set of lens points. The sets of the
+/// image itself have lower indices, so the errors of the image and of the estimate are independent.
 constexpr int least_views = 64, first_set = 1 << 20;
 
 double product_of_errors(const Image& image, const Image& a, const Image& b, std::size_t k) {

@@ -1,4 +1,4 @@
-// Estimates the error of an image from the image's records alone, without rays.
+// Estimates the error of an image from the image's records alone, without tracing rays.
 #pragma once
 
 #include <vector>
@@ -8,33 +8,40 @@
 
 namespace postlens {
 
-/// Squared errors of a tile: sRGB values, mean over the tile's pixels and the channels.
+/// Squared errors of a tile. They are errors of sRGB values, as means over the tile's pixels and the
+/// channels.
 struct PredictedTile {
-    /// Error of the image relative to the light field of its records with infinitely many views.
+    /// Error relative to the image that a light field with infinitely many views would give from the same
+    /// records.
     double method_mse = 0;
-    double bound_mse = 0;  ///< bound of the error from view samples that the records do not determine
+    double bound_mse = 0;  ///< bound of the error caused by view samples that the records do not determine
 };
 
 struct PredictedError {
     TileGrid grid;
     std::vector<PredictedTile> tiles;  ///< 0 for tiles outside the crop
-    /// PSNR of the image, or of its crop, relative to the light field of its records with infinitely many
-    /// views.
+    /// PSNR of the image or crop, relative to the image that a light field with infinitely many views would
+    /// give from the same records.
     double predicted_db = 0;
-    double bound_db = 0;  ///< PSNR of the bound: error from view samples that the records do not determine
+    double bound_db = 0;      ///< the bound as PSNR; it counts view samples that the records do not determine
     double unsure_share = 0;  ///< share of view samples that the records do not determine
     int views = 0;            ///< number of views drawn for the estimate
 };
 
-/// Throws Error(wrong_arguments) if the impulse response has no lens points (`diffraction`, `lens:`), if the
-/// framing differs from that of the trace, if the file is orthographic, or if the crop exceeds the image.
+/// Throws Error(wrong_arguments) if the error cannot be predicted. There are four such cases: the impulse
+/// response has no lens points (`diffraction`, `lens:`), the framing differs from that of the trace, the file
+/// is orthographic, or the crop exceeds the image.
 void check_predictable(const SampleHeader& header, const FocusSettings& focus);
 
-/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens` with `views` views
-/// (0 if the method draws no views). Two independent images a and b are drawn with `views` views each, but at
-/// least 64. They share no views with `image`. The errors of a and b are independent, so the expectation of
-/// (image - a)(image - b) is the squared error of `image`. Throws the errors of check_predictable and
-/// field_focus. The result is bit-identical for any number of threads.
+/// Estimates the error of `image`, which was made for the lens, crop and shutter of `lens`. `views` is the
+/// number of views of `image`, or 0 if its method draws no views.
+///
+/// Two independent images a and b are drawn, each with `views` views, but at least 64. They share no views
+/// with `image`. The errors of a and b are independent, so the expectation of (image - a)(image - b) is the
+/// squared error of `image`.
+///
+/// Throws the errors of check_predictable and field_focus. The result is bit-identical for any number of
+/// threads.
 [[nodiscard]] PredictedError predict_error(FocusFrame& frame, const HybridSettings& lens, const Image& image,
                                            int views);
 

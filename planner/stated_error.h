@@ -1,4 +1,4 @@
-// The error of an image made of views and rays, and of the same image mixed with another image.
+// The error of an image made of views and rays. The image may be mixed with another image.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Wanted width of the 95 % interval of an image's error, dB.
+/// Wanted width of the 95 % interval of an image's error, in dB.
 inline constexpr double wanted_interval_db = 2;
 
 /// How a tile is mixed from the views and from another image of the same scene. The other image has the
-/// weight `weight`, and the views have the remaining weight.
+/// weight `weight`, and the views have the weight 1 - `weight`.
 struct TileMix {
     double weight = 0;    ///< 0 to 1
     double optimism = 0;  ///< amount by which the tile's measured error is expected to be too small
@@ -20,14 +20,14 @@ struct TileMix {
     [[nodiscard]] double mse(const TileError& measured) const;
 };
 
-/// PSNR of a squared error, at most 120 dB.
+/// Converts a squared error to PSNR, at most 120 dB.
 [[nodiscard]] double stated_db(double mse);
 
-/// Squared errors of sRGB values clamped to [0, 1], means over pixels and channels.
+/// Squared errors of sRGB values clamped to [0, 1], as means over pixels and channels.
 struct StatedError {
-    double views_mse = 0;       ///< error of the views (noise), and of the image that is mixed with them
+    double views_mse = 0;       ///< error of the views (noise) and of the image that is mixed with them
     double bias_mse = 0;        ///< error of the records
-    double highlights_mse = 0;  ///< the part of `bias_mse` that is due to highlights
+    double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double variance = 0;        ///< variance of the estimate `mse()`
     double low_mse = 0, high_mse = 0;  ///< 95 % interval of the image's error
     std::uint64_t check_rays = 0;
@@ -35,24 +35,24 @@ struct StatedError {
     [[nodiscard]] double db() const;
     [[nodiscard]] double low_db() const;   ///< PSNR of high_mse
     [[nodiscard]] double high_db() const;  ///< PSNR of low_mse
-    /// Width of the 95 % interval, dB: of this error, and of an error `mse` whose estimate has the given
-    /// variance.
+    /// Returns the width of the 95 % interval, in dB. The first overload returns the width for this error.
+    /// The second returns the width for an error `mse` whose estimate has the given variance.
     [[nodiscard]] double width_db() const { return width_db(mse(), variance); }
     [[nodiscard]] static double width_db(double mse, double variance);
 };
 
-/// Returns the error of the mean of the two half-images that `measured` compares. Each is made of half of the
-/// views. If `mix` has elements (one per tile), this mean is blended with the other image of `measured`. The
-/// error is then (1 - w)^2 noise + w^2 e^2 + bias. w: weight of the other image. e: its difference from the
-/// expectation of the views. bias: error of the records. This assumes that e and the bias are not correlated.
+/// Returns the error of an image that is the mean of the two halves compared by `measured`. If `mix` is not
+/// empty, it has one element per tile, and the mean is blended with the other image of `measured`.
 ///
-/// The 95 % interval assumes that the error's logarithm is normally distributed.
+/// The error is then (1 - w)^2 noise + w^2 e^2 + bias. Here w is the weight of the other image, e is its
+/// difference from the expectation of the views, and bias is the error of the records. e and bias are assumed
+/// to be uncorrelated. The 95 % interval assumes that the logarithm of the error is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses the weight of the other image in each tile. Several sets of weights are tried, from the least
-/// estimated error to the least uncertain estimate. The first set whose 95 % interval is at most
-/// wanted_interval_db wide is chosen. If there is none, the set whose interval has the lowest upper end is
-/// chosen.
+/// Chooses the weight of the other image in each tile. Several sets of weights are tried, from the one with
+/// the smallest estimated error to the one with the least uncertain estimate. The first set whose 95 %
+/// interval is at most wanted_interval_db wide is chosen. If there is none, the set whose interval has the
+/// lowest upper end is chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -28,12 +28,12 @@ namespace postlens {
 namespace {
 
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
-constexpr int look_levels = 2;  ///< levels of the preview; its finest cells then are pixels of the trace
+constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// Fraction of the tiles that must reach the target. The whole image must reach it as well.
+/// Fraction of the tiles that must reach the target. The image as a whole must reach it as well.
 constexpr double tiles_met = 0.9;
-/// Mean number of new samples when a cell is divided: its centre and those midpoints of its sides that have
-/// no sample yet.
+/// Mean number of new samples when a cell is divided. They are its centre and the midpoints of its sides that
+/// have no sample yet.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
@@ -43,7 +43,7 @@ struct Look {
     /// Squared error, summed over the pixels of each tile of the trace.
     std::vector<ByLevel> tiles;
     TileGrid grid;                                ///< tiles of the trace's image
-    double samples = 0, records = 0, hidden = 0;  ///< numbers of samples and of visible and hidden records
+    double samples = 0, records = 0, hidden = 0;  ///< numbers of samples, visible records and hidden records
     double pixels = 0;                            ///< area with overscan, in pixels of the trace
 };
 
@@ -62,7 +62,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
     out.grid = {h.width * coarser, h.height * coarser};
     out.tiles.resize(out.grid.count(), ByLevel{});
     FocusFrame frame(file);
-    // CoC diameters are measured in pixels of the planned trace, each 1/4 as wide as a preview pixel.
+    // CoC diameters are measured in pixels of the planned trace. Such a pixel is 1/4 as wide as a preview
+    // pixel.
     constexpr double px = 1.0 / coarser;
     const int last = file.y_end() - 1;  // the last row of samples has no pixels below it
     frame.visit_rows(file.y_begin(), file.y_end(), [&](const FrameRows& rows) {
@@ -96,8 +97,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At level L an edge crosses 2^L cells of 4^-L px^2, so the variance of the light is
-                // proportional to 2^-3L.
+                // At level L, an edge crosses 2^L cells of area 4^-L px^2 each. The variance of the light is
+                // therefore proportional to 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -109,7 +110,7 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
             // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are equal
             // and add up, so the squared error is proportional to 2^-2L. If the edge is slanted, the errors
-            // are independent, and the sum of their squares is proportional to 2^-3L.
+            // are independent, so their squares add up, to a sum proportional to 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -145,7 +146,7 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     coarse.camera.width = std::max(1, camera.width / coarser);
     coarse.camera.height = std::max(1, camera.height / coarser);
     coarse.subdivision.levels = look_levels;
-    coarse.share.reset();              // all shares of a trace need the same plan
+    coarse.share.reset();              // all shares (parts of the work) need the same plan
     coarse.seek_small_things = false;  // narrow objects are estimated below, for the pixels of the trace
     const ScratchFile look_file("look.exr");
     const auto start = std::chrono::steady_clock::now();
@@ -155,7 +156,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const FocusGeometry geometry = geometry_of(asked, camera).value_or(FocusGeometry{});
     const Look look = look_at(file, geometry);
 
-    // Half of the squared error that the target allows is reserved for the records, and half for the views.
+    // Half of the squared error that the target allows is reserved for the records, and the other half for
+    // the views.
     const double most_mse = std::pow(10.0, -target_db / 10) / 2;
     out.levels = -1;
     for (std::size_t level = 0; level <= most_levels; ++level) {
@@ -174,8 +176,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     if (!out.met) out.levels = most_levels;
     out.floor_db = out.floors_db[static_cast<std::size_t>(out.levels)];
     out.settings.subdivision.levels = out.levels;
-    // Area of the planned trace, px, including the preview's overscan, whose pixels are `coarser` times as
-    // wide.
+    // Area of the planned trace, in px, including the overscan. The overscan is taken from the preview, whose
+    // pixels are `coarser` times as wide.
     const double window = (camera.width + 2.0 * coarser * traced.overscan_px) *
                           (camera.height + 2.0 * coarser * traced.overscan_px);
     const SmallThings things(scene, ObjectParts(scene), camera, asked.time_s.value_or(scene.time_s), 0,
@@ -185,8 +187,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
     // Beside an edge, `trace` records hidden surfaces in the strip that the lens may see behind the edge,
-    // plus a margin of a few pixels. In the preview this margin is wider, because pixels are larger, so the
-    // preview's number of hidden records is scaled down.
+    // plus a margin of a few pixels. In the preview this margin is wider, because pixels are larger. The
+    // preview's number of hidden records is therefore scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -194,8 +196,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of a surface at
-        // infinity. No two surfaces of the scene differ by more than this.
+        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of an infinitely
+        // far one. No two surfaces of the scene differ by more than this.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

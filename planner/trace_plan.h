@@ -12,9 +12,9 @@ namespace postlens {
 struct TracePlan {
     TraceSettings settings;  ///< given settings, with subdivision, hidden layers, overscan and keys chosen
     int levels = 0;          ///< chosen levels of subdivision
-    double floor_db = 0;     ///< expected record floor with these levels, as PSNR
+    double floor_db = 0;     ///< record floor that is expected with these levels, as PSNR
     bool met =
-        true;  ///< false: the record floor exceeds the target at every level. Always true with `for_rays`.
+        true;  ///< false if the record floor exceeds the target at every level; always true with `for_rays`
     double records = 0;             ///< expected number of records
     double bytes = 0;               ///< expected size of the file
     double seconds = 0;             ///< expected time of the trace, on this machine at its present load
@@ -22,16 +22,17 @@ struct TracePlan {
     std::string text;               ///< the plan in one sentence, for the log
 };
 
-/// Chooses the settings of a trace by a preview at a quarter of the width and height. The contrast and blur
-/// of the preview's edges determine the record floor of each level of subdivision. The record floor is the
-/// error that arises because edges are known only to within a quadtree cell (planner/errors/record_floor.h).
-/// The record floor may be at most half of the squared error that `target_db` allows, in the mean of the
-/// image and in nine of ten tiles. The coarsest level that satisfies this is chosen. With `for_rays`, rays
-/// into the scene will replace the view samples that the records do not determine. TraceSettings::ray_levels
-/// is then chosen for every target.
+/// Chooses the settings of a trace. A preview with a quarter of the width and height is traced for this.
 ///
-/// Hidden surfaces, overscan and recorded instants follow the rules of `trace` for the lens and the shutter.
-/// Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
+/// The contrast and blur of the preview's edges determine the record floor of each level of subdivision. The
+/// record floor is the error caused by knowing edges only to within a quadtree cell
+/// (planner/errors/record_floor.h). The coarsest level is chosen whose record floor is at most half of the
+/// squared error that `target_db` allows. This must hold for the mean of the image and for nine of ten tiles.
+/// If `for_rays` is set, rays will later replace the view samples that the records do not determine, and
+/// TraceSettings::ray_levels is chosen for every target.
+///
+/// Hidden surfaces, overscan and recorded instants are chosen by the rules of `trace` for the lens and the
+/// shutter. Hidden surfaces are not recorded if all circles of confusion differ by less than half a pixel.
 ///
 /// Throws Error(wrong_arguments) if `asked` has neither for_shutter nor both for_f_number and for_focus_m.
 /// Also throws the errors of trace_to_file. Writes a file to the system's temporary folder.

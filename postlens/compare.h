@@ -12,58 +12,60 @@ namespace postlens::api {
 
 /// Settings of `compare`.
 struct CompareSettings {
-    /// An independent render of the reference (`--noise`). It serves to measure the noise of the reference.
+    /// A second, independent render of the reference (`--noise`). The noise of the reference is measured from
+    /// the difference between the two.
     std::filesystem::path noise = {};
-    /// The pinhole picture (`--pinhole`). If it is given, errors are also computed over only the pixels that
-    /// the lens changes.
+    /// The pinhole picture (`--pinhole`). If it is given, the error is also computed for only those pixels
+    /// that the lens changes.
     std::filesystem::path pinhole = {};
-    std::filesystem::path map = {};  ///< PNG file to write: the error in colours (`--map`).
+    std::filesystem::path map = {};  ///< PNG file to write, with the error in colours (`--map`).
     std::filesystem::path side_by_side =
-        {};  ///< PNG file to write: both pictures and the map (`--side-by-side`).
-    /// Exposure at which the pictures are compared, stops, -100 to 100 (`--exposure`). Default: that of the
-    /// reference.
+        {};  ///< PNG file to write, with both pictures and the map (`--side-by-side`).
+    /// Exposure at which the pictures are compared, in stops from -100 to 100 (`--exposure`). Default: the
+    /// exposure of the reference.
     std::optional<double> exposure = {};
-    std::optional<double> fail_psnr_db = {};  ///< Least PSNR, dB, 0 or more (`--fail-psnr`).
-    std::optional<double> fail_relmse = {};   ///< Greatest relMSE, 0 or more (`--fail-relmse`).
-    std::optional<double> fail_flip = {};     ///< Greatest FLIP, 0 to 1 (`--fail-flip`).
+    std::optional<double> fail_psnr_db = {};  ///< Smallest acceptable PSNR, dB, 0 or more (`--fail-psnr`).
+    std::optional<double> fail_relmse = {};   ///< Greatest acceptable relMSE, 0 or more (`--fail-relmse`).
+    std::optional<double> fail_flip = {};     ///< Greatest acceptable FLIP, 0 to 1 (`--fail-flip`).
     /// Further options of `postlens compare`, for example {"--flip-white=2"}.
     std::vector<std::string> options = {};
 };
 
-/// The error of a picture. docs/compare.md defines the figures.
+/// The error of a picture. docs/compare.md defines how each figure is computed.
 struct CompareResult {
-    double psnr_db = 0;  ///< Peak signal-to-noise ratio of the sRGB values, dB; infinite for equal pictures.
+    double psnr_db = 0;  ///< Peak signal-to-noise ratio of the sRGB values, dB. Infinite for equal pictures.
     double rmse = 0;     ///< Root mean square error of the linear values.
     double relmse = 0;   ///< Mean of the squared error relative to the reference.
     double ssim = 0;     ///< Structural similarity, up to 1 for equal pictures.
-    double flip = 0;     ///< FLIP, 0 (equal) to 1: the difference that an observer sees.
+    double flip = 0;     ///< FLIP, the difference that an observer sees: 0 (equal) to 1.
     bool identical = false;  ///< All values are equal.
     std::optional<double> affected_share =
-        {};  ///< With `pinhole`: share of the pixels that the lens changes.
+        {};  ///< With `pinhole`: fraction of the pixels that the lens changes.
     std::optional<double> affected_psnr_db = {};  ///< With `pinhole`: PSNR of these pixels, dB.
     std::optional<double> noise_psnr_db = {};  ///< With `noise`: PSNR of the reference due to its noise, dB.
-    Report report = {};                        ///< Of `postlens compare`; its JSON has further figures.
+    Report report = {};                        ///< Report of `postlens compare`, with more figures.
 };
 
-/// Compares two picture files of the same size. If a file is a sample file, its pinhole picture is compared.
+/// Compares two picture files of the same size. For a sample file, its pinhole picture is compared.
 ///
-/// Throws Error(invalid_input) for unreadable files and different sizes, and Error(wrong_arguments) for a
-/// wrong setting.
-/// @param image The picture to measure.
-/// @param reference The picture that is taken for the truth.
+/// Throws Error(invalid_input) if a file cannot be read or if the sizes differ. Throws Error(wrong_arguments)
+/// for a wrong setting.
+/// @param image The picture whose error is measured.
+/// @param reference The picture that is taken to be correct.
 /// @param settings Further pictures, limits and maps.
-/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The error of `image`.
 [[nodiscard]] CompareResult compare(const std::filesystem::path& image,
                                     const std::filesystem::path& reference,
                                     const CompareSettings& settings = {}, Job* job = nullptr);
 
-/// Compares two pictures in memory, through temporary .exr files. Alpha and planes are not compared. Throws
-/// the errors of the other `compare`, and Error(cannot_write) if a temporary file cannot be written.
-/// @param image The picture to measure.
-/// @param reference The picture that is taken for the truth.
+/// Compares two pictures in memory. The pictures are passed on as temporary .exr files. Alpha and planes are
+/// not compared. Throws the errors of the other `compare`, and Error(cannot_write) if a temporary file cannot
+/// be written.
+/// @param image The picture whose error is measured.
+/// @param reference The picture that is taken to be correct.
 /// @param settings Further pictures, limits and maps.
-/// @param job Threads, progress and cancellation; null: a thread per core.
+/// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The error of `image`.
 [[nodiscard]] CompareResult compare(const Picture& image, const Picture& reference,
                                     const CompareSettings& settings = {}, Job* job = nullptr);

@@ -1,53 +1,56 @@
 /// @file
-/// Errors: a single exception type for all. Each error has one line of text and an exit code.
+/// The exception of the public interface. An error has one line of text and an exit code.
 #pragma once
 
 #include <stdexcept>
 #include <string>
 
-/// The project's namespace. Programs use only `postlens::api`, the namespace of the installed headers.
+/// The project's namespace. Programs should use only `postlens::api`, which contains everything that the
+/// installed headers declare.
 namespace postlens {}
 
 /// The public interface: the commands of `postlens` as functions.
 ///
 /// Every function runs the command of the same name inside the calling process. Settings have the names of
-/// the command's options, with the unit as the last word. A setting that is not given has the default of the
-/// command. `postlens COMMAND --help` states the bounds. Relative paths start at the current folder.
+/// the command's options, with the unit as the last word. A setting that is not given has the same default as
+/// in the command. `postlens COMMAND --help` states the accepted values. Relative paths start at the current
+/// folder.
 ///
 /// Errors: every function throws `Error` and no other exception. A file is either written completely or left
 /// unchanged.
 ///
-/// Threads: several threads may call functions at the same time, each with its own `Job`. Pictures are
+/// Threads: several threads may call functions at the same time if each has its own `Job`. Pictures are
 /// bit-identical for any number of threads.
 namespace postlens::api {
 
-/// The exit codes of the command. Codes 0, 1 and 6 are results (`Report::exit_code`). The other codes are
-/// errors (`Error::code`).
+/// The exit codes of the command. Codes 0, 1 and 6 are results (`Report::exit_code`). The others are errors
+/// (`Error::code`).
 enum class ExitCode {
     ok = 0,                 ///< The work is done.
     comparison_failed = 1,  ///< A figure of `compare` misses its limit.
-    /// A setting is out of range, unknown, missing, or not allowed together with another one.
+    /// A setting is out of range, unknown or missing, or must not be combined with another one.
     wrong_arguments = 2,
     invalid_input = 3,  ///< A file is missing, unreadable, damaged or of the wrong kind.
-    cannot_write = 4,   ///< A file cannot be written; no part of it remains.
-    /// The work needs more memory than is available. This is mostly detected before the work begins.
+    cannot_write = 4,   ///< A file cannot be written. No part of it remains.
+    /// The work needs more memory than is available. In most cases, this is found before the work begins.
     out_of_memory = 5,
-    /// The picture is complete, but its PSNR is below `target_db`. With `--strict`: the file does not suffice
-    /// for the lens or the shutter.
+    /// The picture is complete, but its PSNR is below `target_db`. With `--strict`, this code also means that
+    /// the file is not sufficient for the lens or the shutter.
     shortfall = 6,
     interrupted = 130,  ///< The job was cancelled.
 };
 
-/// The exception of every function in this namespace. `what()` is one line, "FILE:LINE: what is wrong (got X;
-/// expected Y)". Messages contain the names of the command's options: `--f-number` is the setting `f_number`.
+/// The exception of every function in this namespace. `what()` is one line of the form "FILE:LINE: what is
+/// wrong (got X; expected Y)". A message names the command's options instead of the settings, such as
+/// `--f-number` for `f_number`.
 class Error : public std::runtime_error {
   public:
     /// Makes an error.
-    /// @param code The exit code with which the command would end.
+    /// @param code The exit code that the command would have.
     /// @param text One line of text.
     Error(ExitCode code, const std::string& text) : std::runtime_error(text), code_(code) {}
 
-    /// @return The exit code with which the command would end.
+    /// @return The exit code that the command would have.
     [[nodiscard]] ExitCode code() const noexcept { return code_; }
 
   private:

@@ -95,7 +95,7 @@ Records Frame::records(std::size_t instant, Job* job) const {
             fail(postlens::ExitCode::wrong_arguments,
                  "{}: has no records (got a picture; expected a sample file)", impl_->path.string());
         }
-        // At an exposure of 0 stops, the reader returns the radiance as it is stored.
+        // With an exposure of 0 stops, the reader returns radiance unchanged.
         const SampleFileReader file(impl_->path, damage_of(impl_->salvage), 0.0);
         if (instant >= file.instants()) {
             fail(postlens::ExitCode::wrong_arguments,

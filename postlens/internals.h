@@ -1,5 +1,5 @@
-// Helpers that the functions of the public interface share: the words of a command line, the call of a
-// command, and the values in its report. Not installed.
+// Helpers that the functions of the public interface share. They compose a command line, run it, and read
+// values from its report. This header is not installed.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +41,8 @@ struct Internals {
 /// Rethrows the current exception as an Error of the public interface.
 [[noreturn]] void rethrow_as_error();
 
-/// Calls `work` for `job` (null: the job of the process) and returns its result. Throws only Error.
+/// Runs `work` for `job` and returns its result. If `job` is null, `work` runs for the job of the process.
+/// Throws only Error.
 template <typename Work>
 auto guarded(Job* job, const Work& work) -> decltype(work()) {
     try {
@@ -54,18 +55,19 @@ auto guarded(Job* job, const Work& work) -> decltype(work()) {
     }
 }
 
-/// Builds the words of a command line. An absent value adds no word.
+/// Composes the arguments of a command. An absent value adds no argument.
 class Words {
   public:
     Words(std::initializer_list<std::string> command) : words_(command) {}
     /// Adds the path of a frame, and `--salvage` if the frame was opened with it.
     void add(const Frame& frame);
-    /// Adds the name of a file, without an option. `what` describes the file in the error for an empty path.
+    /// Adds the name of a file, without an option. If the path is empty, the error message calls the file
+    /// `what`.
     void add_file(const char* what, const std::filesystem::path& path);
 
     void add(const char* option, const std::optional<double>& value);
     void add(const char* option, const std::optional<int>& value);
-    /// Adds an integer option. The value `automatic` becomes the word `auto`.
+    /// Adds an option with an integer. The value `automatic` is written as `auto`.
     void add_count(const char* option, const std::optional<int>& value);
     void add(const char* option, const std::optional<std::uint64_t>& value);
     void add(const char* option, const std::string& text);
@@ -101,24 +103,25 @@ struct Outcome {
     CommandResult result;
     Report report;
 
-    /// Returns a number from the JSON: infinity for null, and 0 for an absent key.
+    /// Returns a number from the JSON. Null is read as infinity, and an absent key as 0.
     [[nodiscard]] double number(const char* key) const;
-    /// Returns a number from the JSON: infinity for null, and empty for an absent key.
+    /// Returns a number from the JSON. Null is read as infinity. The result is empty if the key is absent.
     [[nodiscard]] std::optional<double> number_if_given(const char* key) const;
-    /// Returns a number from the JSON: empty for null and for an absent key.
+    /// Returns a number from the JSON. The result is empty for null and for an absent key.
     [[nodiscard]] std::optional<double> number_if_known(const char* key) const;
     [[nodiscard]] std::uint64_t count(const char* key) const;
     [[nodiscard]] std::string text(const char* key) const;
-    /// Moves the first image out of the result. Empty if the command has written it to a file.
+    /// Moves the first image out of the result. The picture is empty if the command has written it to a file.
     [[nodiscard]] Picture take_picture();
 };
 
-/// Runs a command for the current job. Throws the internal Error.
+/// Runs a command for the current job. Throws errors of the internal type Error.
 [[nodiscard]] Outcome run_words(const Words& words, const std::shared_ptr<KeptFrame>& kept = nullptr,
                                 bool pictures_stay = true);
 
 [[nodiscard]] Picture picture_of(Image image);
-/// Throws the internal Error(wrong_arguments) if the sizes of the vectors do not match that of the picture.
+/// Converts a picture to the internal type. Throws the internal Error(wrong_arguments) if the size of a
+/// vector does not match the size of the picture.
 [[nodiscard]] Image image_of(const Picture& picture);
 
 }  // namespace postlens::api

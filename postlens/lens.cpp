@@ -52,7 +52,7 @@ ImpulseResponse impulse_response(const ResponseSettings& settings, Job* job) {
         words.add("--size", settings.size_px);
         words.add(settings.options);
         Outcome out = run_words(words);
-        // The file has one channel, which read_image returns as grey.
+        // The file has a single channel, which read_image returns as red, green and blue.
         const Image image = read_image(file.path());
         ImpulseResponse response{.width = image.width,
                                  .height = image.height,

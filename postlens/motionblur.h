@@ -13,44 +13,45 @@ namespace postlens::api {
 
 /// Settings of `motionblur`.
 struct MotionBlurSettings {
-    /// Exposure time (`--shutter`). Default: the exposure in the file, which begins at the instant of the
-    /// frame.
+    /// Exposure time (`--shutter`). The default is the exposure time in the file, beginning at the frame's
+    /// instant.
     std::optional<Shutter> shutter = {};
-    /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
+    /// How much light the shutter transmits while it is open (`--shutter-curve`): "box" (default),
+    /// "triangle", or the name of a file.
     std::string shutter_curve = {};
-    /// File with the motion of objects, which replaces that of the sample file (`--paths`,
-    /// docs/motion_paths.md).
+    /// File with the motion of objects (`--paths`, docs/motion_paths.md). It replaces the motion in the
+    /// sample file.
     std::filesystem::path paths = {};
     /// "convolve", "lightfield" or "auto" (`--method`). Default: "auto".
     std::string method = {};
-    /// Number of instants that the method "lightfield" averages (`--views`). Default: one per two pixels of
-    /// the longest motion, 128 to 512.
+    /// Number of instants that the method "lightfield" averages (`--views`). The default is one instant per
+    /// two pixels of the longest motion, but at least 128 and at most 512.
     std::optional<int> views = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
-    std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.
+    std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
     /// Further options of `postlens motionblur`, for example {"--vectors=u,v"}.
     std::vector<std::string> options = {};
 };
 
 /// What `motionblur` has made.
 struct MotionBlurResult {
-    /// The picture, cut to the crop. Empty if `options` contain `--output`: the picture is then written to
-    /// that file.
+    /// The picture, or the part of it that `crop` selects. It is empty if `options` contain `--output`,
+    /// because the picture is then written to that file.
     Picture picture = {};
     std::string method = {};   ///< Method that was used.
     double touched_share = 0;  ///< Fraction of the pixels that the shutter changes, 0 to 1.
-    Report report = {};        ///< Of `postlens motionblur`; its JSON lists the objects.
+    Report report = {};        ///< Report of `postlens motionblur`. Its JSON lists the objects.
 };
 
 /// Makes the picture of a frame through a pinhole and an open shutter [Potmesil & Chakravarty 1983]. The
 /// frame is a sample file, or a picture of another program with motion vectors.
 ///
 /// Throws Error(wrong_arguments) for a wrong setting, Error(invalid_input) for a damaged file, and
-/// Error(out_of_memory).
+/// Error(out_of_memory) if the memory does not suffice.
 /// @param frame The sample file, or the picture of another program.
 /// @param settings Shutter and method.
-/// @param job Threads, progress and cancellation; null: a thread per core.
-/// @return Picture and figures.
+/// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
+/// @return The picture, and the fraction of pixels that the shutter changes.
 [[nodiscard]] MotionBlurResult motionblur(const Frame& frame, const MotionBlurSettings& settings = {},
                                           Job* job = nullptr);
 

@@ -1,5 +1,5 @@
 /// @file
-/// Renders the reference: distributed rays over lens, shutter and lights.
+/// Renders a reference picture with rays that are distributed over the lens, the shutter and the lights.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,12 @@ struct RenderSettings {
     LensSettings lens = {};         ///< Default: the lens of the camera.
     std::optional<Size> size = {};  ///< Raster (`--size`). Default: the camera's.
     std::string camera = {};        ///< Camera by name (`--camera`). Default: the scene's first.
-    /// Instant on the scene's clock, s, if there is no shutter (`--time`). Default: that of the scene.
+    /// Instant on the scene's clock, in s, if there is no shutter (`--time`). Default: the instant in the
+    /// scene.
     std::optional<double> time_s = {};
     std::optional<Shutter> shutter = {};  ///< Exposure time (`--shutter`). Default: an instant.
-    /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
+    /// How much light the shutter transmits while it is open (`--shutter-curve`): "box" (default),
+    /// "triangle", or the name of a file.
     std::string shutter_curve = {};
     /// "grid", "jittered", "random", "poisson" or "sobol" (`--sampler`).
     std::string sampler = {};
@@ -35,26 +37,27 @@ struct RenderSettings {
 
 /// What `render` has made.
 struct RenderResult {
-    /// The picture, cut to the crop. Empty if `options` contain `--output`: the picture is then written to
-    /// that file.
+    /// The picture, or the part of it that `crop` selects. It is empty if `options` contain `--output`,
+    /// because the picture is then written to that file.
     Picture picture = {};
-    /// With `halves`: two pictures from independent halves of the samples, whose difference measures the
+    /// With `halves`: two pictures from independent halves of the samples. Their difference measures the
     /// noise.
     std::vector<Picture> halves = {};
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
     double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
-    double focus_distance_m = 0;  ///< Focus distance that was used, m; may be infinite.
-    Report report = {};           ///< Of `postlens render`.
+    double focus_distance_m = 0;  ///< Focus distance that was used, m. It may be infinite.
+    Report report = {};           ///< Report of `postlens render`.
 };
 
-/// Renders a scene by distributed rays [Cook, Porter & Carpenter 1984]. Scenes are those of `trace`.
+/// Renders a scene by distributed ray tracing [Cook, Porter & Carpenter 1984]. The scene has one of the
+/// formats that `trace` reads.
 ///
 /// Throws Error(invalid_input) for an invalid scene, Error(wrong_arguments) for a wrong setting, and
-/// Error(out_of_memory).
+/// Error(out_of_memory) if the memory does not suffice.
 /// @param scene The scene file.
 /// @param settings Camera, lens, shutter and samples.
-/// @param job Threads, progress and cancellation; null: a thread per core.
-/// @return Picture and figures.
+/// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
+/// @return The picture, and the lens that was used.
 [[nodiscard]] RenderResult render(const std::filesystem::path& scene, const RenderSettings& settings,
                                   Job* job = nullptr);
 

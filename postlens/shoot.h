@@ -13,37 +13,40 @@ namespace postlens::api {
 /// Settings of `shoot`.
 struct ShootSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
-    /// Exposure time (`--shutter`). Default: the exposure in the file, which begins at the instant of the
-    /// frame.
+    /// Exposure time (`--shutter`). The default is the exposure time in the file, beginning at the frame's
+    /// instant.
     std::optional<Shutter> shutter = {};
-    /// Transmission while the shutter is open (`--shutter-curve`): "box" (default), "triangle" or a file.
+    /// How much light the shutter transmits while it is open (`--shutter-curve`): "box" (default),
+    /// "triangle", or the name of a file.
     std::string shutter_curve = {};
-    /// File with the motion of objects, which replaces that of the sample file (`--paths`,
-    /// docs/motion_paths.md).
+    /// File with the motion of objects (`--paths`, docs/motion_paths.md). It replaces the motion in the
+    /// sample file.
     std::filesystem::path paths = {};
     /// "lightfield" (default), "hybrid" or "auto" (`--method`).
     std::string method = {};
-    /// Number of lens points, each at its own instant (`--views`). Default: 128.
+    /// Number of views to average, each from its own lens point and at its own instant (`--views`). Default:
+    /// 128.
     std::optional<int> views = {};
-    /// Target PSNR of "auto", dB, 10 to 80 (`--target-db`).
+    /// PSNR that the method "auto" tries to reach, in dB, from 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
     /// The scene from which the frame was traced (`--scene`), as in `FocusSettings`.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
-    std::optional<double> exposure = {};  ///< Stops, -100 to 100 (`--exposure`). Default: the file's.
+    std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
     /// Further options of `postlens shoot`, for example {"--strict"}.
     std::vector<std::string> options = {};
 };
 
 /// Makes the picture of a sample file through a lens and an open shutter at once. The picture is the mean of
-/// many views, each with its own lens point and its own instant.
+/// many views, each from its own lens point and at its own instant.
 ///
-/// Throws Error(wrong_arguments) for a wrong setting or a frame without records, Error(invalid_input) for a
-/// damaged file or another scene, and Error(out_of_memory).
+/// Throws Error(wrong_arguments) for a wrong setting or a frame without records. Throws Error(invalid_input)
+/// if the file is damaged or was not traced from `scene`. Throws Error(out_of_memory) if the memory does not
+/// suffice.
 /// @param frame The sample file.
 /// @param settings Lens, shutter and method.
-/// @param job Threads, progress and cancellation; null: a thread per core.
-/// @return Picture and figures.
+/// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
+/// @return The picture, the lens that was used, and the error.
 [[nodiscard]] FocusResult shoot(const Frame& frame, const ShootSettings& settings = {}, Job* job = nullptr);
 
 }  // namespace postlens::api

@@ -1,4 +1,4 @@
-// A sample file of the same frame with fewer records, for quick previews.
+// Writes a smaller sample file of the same frame, from which a preview is quick to make.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,17 @@
 
 namespace postlens {
 
-/// Estimates the number of records, of all layers, that lie at pixel corners at the frame's own instant.
-/// Counts them in at most 32 rows, spread over the file.
+/// Estimates how many records, over all layers, lie exactly at pixel corners at the frame's own instant. The
+/// estimate extrapolates from the records of at most 32 rows, which are spread evenly over the file.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
-/// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. It has the
-/// samples of the frame's own instant, of all layers, at every by-th pixel corner in both directions. It has
-/// no subdivided pixels and no key instants. Rows and columns that do not fill a wider pixel are left out at
-/// the right, at the bottom, and in the overscan. `file` must be read at an exposure of 0 stops. Throws
-/// Error(wrong_arguments) if no pixel is left, and the errors of reader and writer.
+/// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file
+/// keeps the samples at every by-th pixel corner in both directions, with all their layers. It has no
+/// subdivided pixels, and only the frame's own instant. Rows and columns at the right, at the bottom and in
+/// the overscan are left out if they do not fill a wider pixel. `file` must have been opened with an exposure
+/// of 0 stops.
+///
+/// Throws Error(wrong_arguments) if no pixel is left. Also throws the errors of the reader and of the writer.
 void write_coarser_file(const SampleFileReader& file, int by, const std::filesystem::path& path);
 
 }  // namespace postlens

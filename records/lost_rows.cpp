@@ -15,7 +15,8 @@ class PixelPlaces {
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// True if a sample lies (u, v) steps of 1 / position_steps px from the pixel's upper-left corner.
+    /// Returns true if there is a sample at the position (u, v), which is counted from the pixel's upper-left
+    /// corner in steps of 1 / position_steps px.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -29,8 +30,9 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Adds the left corners of the quadtree leaves (undivided cells) along the pixel's lower edge, for the cell
-/// of width `size` that begins at u. A cell is subdivided if and only if it has a sample at its centre.
+/// Finds the quadtree leaves (undivided cells) that touch the pixel's lower edge, and appends the position of
+/// the left corner of each to `corners`. Works on the cell of width `size` that begins at u. A cell is
+/// subdivided if and only if there is a sample at its centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -11,7 +11,8 @@ namespace postlens {
 
 namespace {
 
-// Adds the hidden layers of the sample, which the file stores in the pixel that contains the sample.
+// Adds the nodes of hidden layers at the position of the sample. The file stores them in the pixel that
+// contains this position.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -34,7 +35,7 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A quadrant belongs to the pixel that contains the quadrant's centre.
+        // The weight of a quadrant counts if the centre of the quadrant's leaf lies in this pixel.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

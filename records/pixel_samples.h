@@ -8,21 +8,24 @@
 
 namespace postlens {
 
-/// A point sample of a pixel and its weight in that pixel; all weights of a pixel add up to 1. `nodes`
-/// contains its shading trees: that of the visible layer, primary node first, then those of the hidden
-/// layers.
+/// A point sample of a pixel and its weight. The weights of all samples of a pixel add up to 1. `nodes` lists
+/// the nodes of the sample's shading trees. The tree of the visible layer comes first and begins with its
+/// primary node. The trees of hidden layers follow.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;
     std::vector<Record> nodes;
 };
 
-/// Returns the samples of pixel (x, y), row by row: those at its four corners and, if the pixel is
-/// subdivided, those inside and on its sides. Throws Error(wrong_arguments) if the pixel is not recorded.
+/// Returns the samples that contribute to pixel (x, y), row by row. They lie at the four corners of the pixel
+/// and, if the pixel is subdivided, also on its sides and inside it. Throws Error(wrong_arguments) if the
+/// pixel is not recorded.
 [[nodiscard]] std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int y,
                                                      std::size_t instant = 0);
 
-/// z' of the primary node nearest to the given raster position, m; infinite if its ray hit nothing.
+/// Finds the point sample nearest to a raster position, among those of the pixel that contains the position.
+/// Returns z', the depth in metres, of its primary node. The depth is infinite if the ray of the sample hit
+/// nothing.
 [[nodiscard]] double depth_at(const SampleFileReader& file, double x, double y);
 
 }  // namespace postlens

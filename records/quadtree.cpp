@@ -9,17 +9,19 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps of 1 / position_steps px. The smallest quadtree leaf is one step wide.
+/// Width of a pixel in steps of 1 / position_steps px. The smallest quadtree leaf (undivided cell) is one
+/// step wide.
 constexpr int pixel_steps = position_steps;
 
-/// Position within a pixel, in steps from its upper-left corner. The value pixel_steps is the right or lower
-/// edge.
+/// Position within a pixel, in steps from its upper-left corner. The right and lower edges are at
+/// pixel_steps.
 struct Place {
     int u = 0, v = 0;
 };
 
-/// Calls leaf(position, size) for the leaves of a quadtree cell, in the order up-left, up-right, down-left,
-/// down-right. All sums use this order. A cell is subdivided if and only if there is a sample at its centre.
+/// Calls leaf(position, size) for each leaf of a quadtree cell, in the order up-left, up-right, down-left,
+/// down-right. Sums over leaves always use this order. A cell is subdivided if and only if there is a sample
+/// at its centre.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -38,8 +40,9 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
          x + at.u / static_cast<double>(pixel_steps), y + at.v / static_cast<double>(pixel_steps));
 }
 
-/// Calls sample(first_record, count) for every point sample of layer 0 in pixel (x, y), sorted by (y, x).
-/// Throws if the pixel has no sample at its upper-left corner.
+/// Calls on_sample(first_record, count) for every point sample of layer 0 (what the pinhole sees) in pixel
+/// (x, y). The samples are sorted by y, then by x. Throws if the pixel has no sample at its upper-left
+/// corner.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -51,8 +54,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have one sample. Then the first and last node have equal positions, and no others need a
-    // comparison.
+    // Most pixels have a single sample. Since records are sorted by position, that is the case if the first
+    // and the last record have the same position.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -66,8 +69,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
     }
 }
 
-/// The point samples of one pixel row. Pixel x has the samples [offsets[x - x_begin], offsets[x - x_begin +
-/// 1]).
+/// The point samples of one row of pixels. The samples of pixel x have the indices offsets[x - x_begin] to
+/// offsets[x - x_begin + 1] - 1.
 template <typename Sample>
 struct Row {
     Sample* samples = nullptr;
@@ -83,13 +86,14 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
     return found != end && found->x == x && found->y == y ? found : nullptr;
 }
 
-/// Table of the samples that may be corners of a pixel's cells, indexed by position. Finding a cell's corners
-/// and centre takes five look-ups, each much faster than a search.
+/// A table of the samples that may be corners or centres of a pixel's quadtree cells, indexed by position. A
+/// look-up in this table is much faster than a search in the list of samples.
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Enters the samples of pixel (x, y) and those on its right and lower edges. `above` is the pixel's own
-    /// row, `below` the next. Returns false if the pixel is divided more finely than the table.
+    /// Fills the table with the samples of pixel (x, y), including those on the pixel's right and lower
+    /// edges. `above` is the row of the pixel, and `below` is the next row. Returns false if the pixel is
+    /// divided more finely than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -97,8 +101,9 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // Neighbouring pixels may be divided more finely than this table. This pixel does not need their
-        // samples between the table's positions, so the result of add() is ignored.
+        // A neighbouring pixel may be divided more finely than the table. add() then returns false for some
+        // samples on the common edge. The result is ignored, because pixel (x, y) does not need these
+        // samples.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -114,7 +119,7 @@ class PlacedSamples {
     }
 
   private:
-    /// The table covers six levels of subdivision. A table for more levels would not fit the cache.
+    /// The table has room for six levels of subdivision. A larger table would not fit the cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -122,7 +127,7 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// Enters a sample. Returns false if the sample lies between the positions of the table.
+    /// Stores a sample in the table. Returns false if the sample lies between the positions of the table.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
@@ -137,9 +142,9 @@ class PlacedSamples {
     std::vector<std::size_t> used_;
 };
 
-/// Calls on_leaf(corners, size_px) for each quadtree leaf of pixel (x, y), with corners in the order up-left,
-/// up-right, down-left, down-right. `above` is the pixel's own row, `below` the next. A pixel with one sample
-/// is a single leaf.
+/// Calls on_leaf(corners, size_px) for each quadtree leaf of pixel (x, y). The corners are in the order
+/// up-left, up-right, down-left, down-right. `above` is the row of the pixel, and `below` is the next row. A
+/// pixel with only one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -200,8 +205,9 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Colours of the samples of pixels [x_begin, x_end) of row y. With `top_edge_only`, only samples on the
-/// upper edge of the row are included; the row above needs them as lower corners.
+/// Returns the colours of the samples in row y, for pixels x_begin to x_end - 1. With `top_edge_only`, only
+/// the samples on the upper edge of the row are returned. They are the lower corners of leaves in the row
+/// above.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -237,8 +243,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // The rows above and below the range contain corners of its leaves. The weights of those samples are not
-    // needed.
+    // Leaves at the border of the range have corners in the rows above and below. The weights of those
+    // corners are not used.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -257,8 +263,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Around each corner, the leaf fills the quadrant opposite to the
-                                       // corner: down-right of its up-left corner, and so on.
+                                       // Seen from each of its corners, the leaf lies in the opposite
+                                       // direction. For example, it lies down-right of its up-left corner.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -1,5 +1,5 @@
-// Rebuilds the quadtree of each pixel from the positions of its samples. Computes the weights of the samples
-// and the pinhole image from the quadtree.
+// Rebuilds the quadtree of each pixel from the positions of the pixel's samples. The quadtree determines the
+// weights of the samples, and thus the pinhole image.
 #pragma once
 
 #include <array>
@@ -13,30 +13,30 @@
 
 namespace postlens {
 
-/// A point sample of layer 0 (what the pinhole sees): consecutive records with the same x and y. They are the
-/// nodes of one shading tree.
+/// A point sample of layer 0 (what the pinhole sees). Its records are the nodes of one shading tree. They
+/// have the same position and are stored one after the other.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
     std::uint32_t record_count = 0;
     /// Weight of the sample in each quadrant around its position: [0] up-left, [1] up-right, [2] down-left,
-    /// [3] down-right. Every leaf (undivided cell) with a corner at the sample adds a quarter of its area to
-    /// the quadrant that contains the leaf. The weight in a pixel is the sum over the quadrants inside the
-    /// pixel.
+    /// [3] down-right. A leaf (undivided quadtree cell) gives a quarter of its area to each of its corners.
+    /// The weight of the sample in a pixel is the sum of the weights of the quadrants inside the pixel.
     std::array<float, 4> weight{};
-    /// Edge length, px, of the leaf that has a corner at the sample, for each of the four quadrants around
-    /// the sample (in the order of `weight`). 0 if there is no such leaf: the quadrant is outside the raster,
-    /// or the sample lies on an edge of a larger leaf.
+    /// Edge length in px of the leaf that has a corner at the sample, for each quadrant in the order of
+    /// `weight`. The value is 0 if there is no such leaf. Then the quadrant is outside the raster, or the
+    /// sample lies on the edge of a larger leaf.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
 
-/// Finds the point samples of the pixel rows [y_begin, y_end) of `band`, and their weights. Samples are
-/// listed pixel by pixel, and within a pixel by y, then by x. A sample gets weights from the leaves of all
-/// pixels around it in the columns [x_begin, x_end - 1) and the rows [pixel_y_begin, pixel_y_end), because
-/// all corners of these pixels are recorded. The weights of row y_begin need the pixels of row y_begin - 1.
-/// The lower corners of row y_end - 1 are stored in row y_end. If these two rows exist, `band` must contain
-/// them. Throws Error(invalid_input) if a corner of a quadtree is missing.
+/// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. The samples are listed
+/// pixel by pixel. Within a pixel, they are sorted by y, then by x.
+///
+/// Weights come from the leaves of all pixels in columns x_begin to x_end - 2 and in rows pixel_y_begin to
+/// pixel_y_end - 1. `band` must also contain rows y_begin - 1 and y_end if they exist. The pixels of row
+/// y_begin - 1 contribute to the weights of row y_begin. Row y_end contains the lower corners of the leaves
+/// in row y_end - 1. Throws Error(invalid_input) if a corner of a quadtree cell is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
@@ -44,18 +44,20 @@ struct PointSamples {
 void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixel_y_begin, int pixel_y_end,
                         PointSamples& out);
 
-/// A leaf (undivided cell) of a pixel's quadtree: a square of `size` px with point samples at its corners.
-/// The corners are in the order up-left, up-right, down-left, down-right.
+/// A leaf (undivided cell) of a pixel's quadtree: a square, `size` px wide, with a point sample at each
+/// corner. `corner` lists the samples in the order up-left, up-right, down-left, down-right.
 struct Leaf {
     std::array<std::uint32_t, 4> corner{};  ///< indices into PointSamples::samples
     float size = 1;
 };
-/// The quadtree leaves of the pixel rows [y_begin, y_end) of `band`, pixel by pixel, and the point samples at
-/// their corners. Pixel (x, y) has the leaves [leaf_offsets[k], leaf_offsets[k + 1]) with k = (y - y_begin) *
-/// band.width() + x - band.x_begin. The last column of the band contains only corners and no leaves, but is
-/// counted in k. `points` contains the samples of rows y_begin to y_end inclusive, in the order of
-/// find_point_samples but without weights. `band` must contain these rows. Throws Error(invalid_input) if a
-/// corner of a quadtree is missing.
+/// The quadtree leaves of the pixels in rows y_begin to y_end - 1, pixel by pixel, and the point samples at
+/// their corners. The leaves of pixel (x, y) have the indices leaf_offsets[k] to leaf_offsets[k + 1] - 1,
+/// where k = (y - y_begin) * band.width() + x - band.x_begin. The last column of the band has only corners
+/// and no leaves, but k counts it.
+///
+/// `points` holds the samples of rows y_begin to y_end inclusive, which `band` must contain. They are in the
+/// order of find_point_samples and have no weights. Throws Error(invalid_input) if a corner of a quadtree
+/// cell is missing.
 struct PixelLeaves {
     PointSamples points;
     std::vector<Leaf> leaves;
@@ -63,10 +65,10 @@ struct PixelLeaves {
 };
 void find_leaves(const RecordBand& band, int y_begin, int y_end, PixelLeaves& out);
 
-/// Computes pixel row y, columns [x_begin, x_end), of the pinhole image from the records. Each leaf of a
-/// pixel has the mean colour of its four corners; the pixel is the area-weighted mean of its leaves. Sums are
-/// in double precision and in a fixed order, so results are bit-identical on all machines. `band` must
-/// contain rows y and y + 1.
+/// Computes row y of the pinhole image from the records, for columns x_begin to x_end - 1. The colour of a
+/// leaf is the mean colour of its four corners. The colour of a pixel is the mean of its leaves, weighted by
+/// area. Sums are computed in double precision and in a fixed order, so that results are bit-identical on all
+/// machines. `band` must contain rows y and y + 1.
 void picture_row(const RecordBand& band, int y, int x_begin, int x_end, std::span<float> rgb);
 
 }  // namespace postlens

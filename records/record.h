@@ -1,4 +1,4 @@
-// The sample record: one node (a surface hit) of the shading tree of one point sample.
+// The sample record. A record holds one node (a surface hit) of the shading tree of one point sample.
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 
 namespace postlens {
 
-/// The reflections and transmissions on the way from the eye to a node, two bits per bounce, the first bounce
-/// in the lowest bits. 0 is the path of the primary node, the surface that the eye ray hits.
+/// The path from the eye to a node, as a sequence of reflections and transmissions. Each of them takes two
+/// bits, and the first is in the lowest bits. The primary node, which the eye ray hits directly, has the path
+/// 0.
 class NodePath {
   public:
     enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
@@ -29,7 +30,7 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// The last bounce, by which the path reached this node; `none` for the primary node.
+    /// Returns the last bounce of the path, or `none` for the primary node.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -37,14 +38,15 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// False if a bounce has the reserved value 3, or if a bounce comes after an empty one.
+    /// Returns false if a bounce has the reserved value 3, or if a bounce follows after an empty one.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
         }
         return true;
     }
-    /// "primary", or one letter per bounce (R reflected, T transmitted), for example "RTT".
+    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT". Returns
+    /// "primary" for an empty path.
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;
@@ -53,51 +55,52 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// A 2x2 matrix in raster axes (x right, y down). The matrix W of a record, 1/m, describes how the image of
-/// its node moves on the raster when the lens point moves. Rows are the direction in which the image moves,
-/// columns the direction in which the lens point moves. W = (dX/dp)^-1 dX/dq for a point X of the ray, where
-/// p is the ray's tangent at the pinhole and q the lens point. For surfaces seen directly or in flat mirrors,
-/// W = I / z'. See docs/sample_file.md.
+/// A 2x2 matrix whose axes are those of the raster (x right, y down). It is the type of a record's matrix W,
+/// in 1/m, which tells how far the node's image moves on the raster when the lens point moves. Rows stand for
+/// the direction in which the image moves, and columns for the direction in which the lens point moves. For a
+/// surface that is seen directly or in a flat mirror, W is the identity matrix divided by z'.
+/// docs/sample_file.md defines W for all other nodes.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Reasons why a record and its neighbours do not determine the radiance between them.
+/// Reasons why the radiance between a record and its neighbours cannot be determined from the records.
 struct RecordMark {
-    /// The surface's texture varies between this sample and its neighbours, although they are at the finest
-    /// subdivision.
+    /// The surface's texture varies between this sample and its neighbours, and the cell cannot be subdivided
+    /// further.
     static constexpr std::uint8_t fine_texture = 1;
-    /// This sample and its neighbours, at the finest subdivision, show parts of one object that are not
-    /// connected, so there may be a gap between them. Or a part of a mesh that none of them shows is between
-    /// them.
+    /// At the finest subdivision, this sample and its neighbours show parts of one object that are not
+    /// connected. There may be a gap between them. The mark is also set if a part of a mesh lies between the
+    /// samples and none of them shows it.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
 
-/// One node. r, g, b are scene-linear radiance times the throughput of the path to the node. So the radiance
-/// of a point sample is the sum over its nodes.
+/// One node of a shading tree. r, g and b are the node's scene-linear radiance times the throughput of the
+/// path to the node. The radiance of a point sample is therefore the sum over its nodes.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
-    float z = 0;         ///< z', m; +infinity where nothing was hit
+    float z = 0;         ///< z', path length along the optical axis, m; +infinity where nothing was hit
     float r = 0, g = 0, b = 0;
-    std::uint32_t id = 0;  ///< object; 0 for nothing
+    std::uint32_t id = 0;  ///< number of the object; 0 where nothing was hit
     NodePath path;
     std::uint32_t layer = 0;  ///< 0: visible from the pinhole
     Mat2 w;
-    /// Error, 1/m^2, of the first-order displacement -W q of the node's image at lens point q. At the rim of
-    /// a lens of diameter D, the error is about (film distance / pixel pitch) w_bend (D / 2)^2 px. 0: W is
-    /// exact, or its error was not measured. Infinity: other lens points do not see the node by this path.
-    /// Stored with the precision of a half float.
+    /// Error of W, in 1/m^2. W describes the displacement of the node's image to first order, as -W q for the
+    /// lens point q. At the rim of a lens of diameter D in metres, the displacement is wrong by about
+    /// (film distance / pixel pitch) w_bend (D / 2)^2 px. The value is 0 if W is exact or if its error was
+    /// not measured. It is infinite if other lens points do not see the node by this path. Files store a half
+    /// float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;
 };
 
-/// The records of rows [y_begin, y_end) and columns [x_begin, x_end) of pixels. Pixel (x, y) has the index k
-/// = (y - y_begin) * width() + (x - x_begin). Its records are [offsets[k], offsets[k + 1]), sorted by layer,
-/// y, x, path.
+/// The records of the pixels in rows y_begin to y_end - 1 and columns x_begin to x_end - 1. Pixel (x, y) has
+/// the index k = (y - y_begin) * width() + (x - x_begin). Its records are those from offsets[k] to
+/// offsets[k + 1] - 1. They are sorted by layer, then by y, x and path.
 struct RecordBand {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint32_t> offsets{0};  ///< width() * height() + 1 entries

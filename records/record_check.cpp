@@ -9,13 +9,13 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The last test rejects positions that were rounded to float, as happens far from the origin of a wide
-    // raster.
+    // The last test rejects a position that was rounded to float. Rounding happens far from the origin of a
+    // wide raster.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }
 
-/// x - x is 0 for finite x and NaN otherwise. So one comparison tests whether all three values are finite.
+/// For a finite x, x - x is 0. For any other x, it is NaN. One comparison can thus test all three values.
 bool all_finite(float a, float b, float c) {
     return (a - a) + (b - b) + (c - c) == 0;
 }

@@ -1,4 +1,5 @@
-// Conditions that every record of a sample file must satisfy. They are checked when writing and when reading.
+// Conditions that every record of a sample file must satisfy. They are checked when a file is written and
+// when it is read.
 #pragma once
 
 #include <span>
@@ -15,21 +16,22 @@ struct RecordChannels {
     bool has_marks = false;
 };
 
-/// Positions within a pixel are multiples of 1 / position_steps px. Half floats represent these numbers
-/// exactly in [0, 1).
+/// Positions within a pixel are multiples of 1 / position_steps px. From 0 to 1, half floats represent these
+/// multiples exactly.
 inline constexpr int position_steps = 1024;
 
-/// The canonical order of the records of a pixel: by layer, y, x, path. True if a comes before b.
+/// Returns true if record a comes before record b in the order in which the records of a pixel are stored: by
+/// layer, then by y, x and path.
 [[nodiscard]] bool canonical_before(const Record& a, const Record& b);
 
-/// Describes the first error in the records of pixel (x, y); nullptr if there is none. Conditions:
-/// - records are in canonical order and none occurs twice;
-/// - positions lie inside the pixel and are multiples of 1 / position_steps px;
-/// - colours and W are finite; z' > 0 and w_bend >= 0, both may be infinite;
-/// - paths are valid; marks have known bits only;
-/// - nodes after a bounce, hidden layers, w_bend and marks occur only if the file has channels for them;
-/// - there is a point sample at the upper-left corner of the pixel;
-/// - every point sample of layer 0 has a primary node.
+/// Describes the first error in the records of pixel (x, y). Returns null if all of these conditions hold:
+/// - The records are in canonical order, and no record occurs twice.
+/// - Positions lie inside the pixel and are multiples of 1 / position_steps px.
+/// - Colours and W are finite. z' is positive and w_bend is not negative; both may be infinite.
+/// - Paths are valid, and marks have only known bits.
+/// - Nodes after a bounce, hidden layers, w_bend and marks occur only if the file has channels for them.
+/// - There is a point sample at the upper-left corner of the pixel.
+/// - Every point sample of layer 0 has a primary node.
 [[nodiscard]] const char* problem_of_pixel(std::span<const Record> records, int x, int y,
                                            RecordChannels channels);
 

@@ -1,4 +1,5 @@
-// Callbacks that receive records while a file is read, so that several users share one pass over the file.
+// Callbacks that receive records while a file is read, so that one pass over the file serves several
+// purposes.
 #pragma once
 
 #include <functional>
@@ -10,17 +11,17 @@ namespace postlens {
 
 /// Either function may be empty.
 struct RecordsRead {
-    /// Receives the rows [y_begin, y_end) of pixel corners in `band`. Each row is passed once, from top to
-    /// bottom.
+    /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
+    /// from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives the pixel rows [y_begin, y_end) of `band` with their quadtree leaves (see find_leaves). Each
-    /// row is passed once. Several threads call this function.
+    /// Receives rows y_begin to y_end - 1 of pixels, which `band` contains, and their quadtree leaves (see
+    /// find_leaves). Each row is passed once. Several threads may call this function at the same time.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Passes the rows [y_begin, y_end) of pixel corners in `band` to the callbacks, and computes the quadtree
-/// leaves for them. If the file has row y_end, `band` must contain it; if not, row y_end - 1 contains only
-/// corners and no pixels. Throws the errors of find_leaves and of the callbacks.
+/// Computes the quadtree leaves of rows y_begin to y_end - 1 and passes the rows to the callbacks. `band`
+/// must also contain row y_end if the file has it. Otherwise, row y_end - 1 is the last row of the file and
+/// contains only corners, no pixels. Throws the errors of find_leaves and of the callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

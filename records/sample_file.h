@@ -1,5 +1,5 @@
-// The sample file: a multi-part OpenEXR file, written and read in bands of rows. docs/sample_file.md defines
-// the format.
+// Writes and reads sample files, one band of rows at a time. A sample file is an OpenEXR file with several
+// parts. docs/sample_file.md defines the format.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores it, so that it can be used without reading the
-/// records.
+/// Summary of one scanline of records. The file stores the summary, so that it is available without reading
+/// the records.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
@@ -28,9 +28,10 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes a sample file with a bounded amount of memory. Colours of records are radiance, whatever exposure
-/// the header states. Bands are written from top to bottom: first those of the frame's own instant, then
-/// those of each key (further recorded instant). The file appears at `path` only when `finish()` is called.
+/// Writes a sample file with a bounded amount of memory. The colours of the records must be radiance,
+/// whatever exposure the header states. Bands are written from top to bottom, first those of the frame's own
+/// instant, then those of each key (further recorded instant). No file appears at `path` before `finish()` is
+/// called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -41,16 +42,16 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records. Rows range over [-overscan, height + overscan + 1), columns over
-    /// [-overscan, width + overscan + 1). From the records of the frame's own instant, the pinhole image
-    /// (part 0) is computed as well.
+    /// Writes the next rows of records. Rows range from -overscan to height + overscan, and columns from
+    /// -overscan to width + overscan. At the frame's own instant, this also computes the rows of the pinhole
+    /// image.
     void write(const RecordBand& band);
-    /// Starts the next instant of the header's `key_times_s`, at the top row. Throws Error(invalid_input) if
-    /// rows of the current instant are missing, or if there are no further keys.
+    /// Starts the next instant in the header's `key_times_s`, beginning with the top row. Throws
+    /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
     void next_instant();
-    /// Completes the file and moves it to its path. Returns the file's size in bytes.
+    /// Completes the file and moves it to its path. Returns the size of the file in bytes.
     std::uint64_t finish();
-    /// The pinhole image of part 0; complete after the last band.
+    /// Returns the pinhole image, which is part 0 of the file. It is complete after the last band.
     [[nodiscard]] const Image& picture() const;
 
   private:
@@ -58,12 +59,12 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Size, bytes, that the rows [y_begin, y_end) of a band take in the file. Includes the rows' entries in
-/// offset tables, but not the pinhole image.
+/// Returns the size in bytes that rows y_begin to y_end - 1 of a band take in the file. This includes their
+/// entries in the offset tables, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 
-/// What a reader does about damage in the part of the file behind the header.
+/// What a reader does if the file is damaged after its header.
 enum class Damage {
     refuse,  ///< reading a damaged or missing scanline throws an error
     salvage  ///< damaged scanlines are found on opening and replaced
@@ -72,19 +73,18 @@ enum class Damage {
 /// Reads a sample file. Every function throws Error(invalid_input), which names the file, if the file is
 /// damaged or incomplete. Counts and windows are checked before memory is allocated.
 ///
-/// With Damage::salvage, all records are read and checked when the file is opened. A damaged or missing row
-/// is replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) without
-/// any undamaged row is removed. Two kinds of damage are still errors: a damaged header, and fewer than one
-/// undamaged row in `least_whole_share` at the frame's own instant. An undamaged file gives the same records
-/// with both settings.
+/// With Damage::salvage, opening a file reads and checks all its records. A damaged or missing row is
+/// replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is removed
+/// if all its rows are damaged. An error is thrown if the header is damaged, or if too few rows of the
+/// frame's own instant are undamaged (least_whole_share).
 class SampleFileReader {
   public:
-    /// The file is rejected if fewer than one row in this number is undamaged. The limit bounds the image
-    /// size that a small damaged file can claim.
+    /// With Damage::salvage, at least one row in this many must be undamaged. Otherwise, a small damaged file
+    /// could claim an image of any size.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Colours are read as radiance times 2^exposure_stops. If absent, the exposure in the header is used,
-    /// with which the value 1 is white.
+    /// Opens a file. Colours are multiplied by 2^exposure_stops when they are read. If `exposure_stops` is
+    /// absent, the exposure in the header is used, for which the value 1 is white.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
@@ -94,35 +94,36 @@ class SampleFileReader {
     SampleFileReader& operator=(SampleFileReader&&) = delete;
 
     [[nodiscard]] const SampleHeader& header() const;
-    /// The exposure at which colours are read.
+    /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Number of recorded instants. Instant 0 is the frame's own; the others are the keys.
+    /// Returns the number of recorded instants. Instant 0 is the frame's own, and the others are the keys.
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
-    /// One entry per scanline of records, from y = -overscan on.
+    /// Returns one summary per scanline of records, beginning with the scanline at y = -overscan.
     [[nodiscard]] std::span<const ScanlineFacts> scanlines(std::size_t instant = 0) const;
-    /// Number of records of all instants.
+    /// Returns the number of records at all instants.
     [[nodiscard]] std::uint64_t record_count() const;
     [[nodiscard]] std::uint64_t file_bytes() const;
     [[nodiscard]] RecordCompression compression() const;
-    /// Rows of records: [-overscan, height + overscan + 1).
+    /// Rows of records range from y_begin() = -overscan to y_end() - 1 = height + overscan.
     [[nodiscard]] int y_begin() const;
     [[nodiscard]] int y_end() const;
-    /// Columns of records: [-overscan, width + overscan + 1).
+    /// Columns of records range from x_begin() = -overscan to x_end() - 1 = width + overscan.
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Reads rows [y_begin, y_end) of an instant, from anywhere in the file, in canonical order. Verifies
-    /// checksums, paths and positions, and that all values are finite. Reuses the memory of `band`.
+    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order. Rows can be read in any order.
+    /// Checks checksums, paths and positions, and that values are finite. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Damaged rows that were replaced, by instant, from top to bottom. Empty without Damage::salvage.
+    /// Returns the damaged rows that were replaced, by instant and from top to bottom. The list is empty
+    /// without Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
-    /// Times of the removed keys, which have no undamaged row.
+    /// Returns the times of the keys that were removed because all their rows are damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// The pinhole image, stored as part 0. If part 0 is damaged, this throws even with Damage::salvage; the
-    /// image can be computed from the records instead.
+    /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
+    /// Damage::salvage. The image can then be computed from the records instead.
     [[nodiscard]] Image picture() const;
-    /// True if the file is an OpenEXR file that has the version attribute of postlens.
+    /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);
 
   private:

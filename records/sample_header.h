@@ -1,4 +1,4 @@
-// Properties of a whole frame, as stored in the header of a sample file.
+// Properties of a frame, as stored in the header of a sample file.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// Range of lens and shutter settings for which the trace recorded enough overscan and hidden layers. An
-/// absent value was not specified.
+/// The lens and shutter settings for which the trace recorded enough overscan and hidden layers. A value is
+/// absent if the trace did not specify it.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
@@ -28,43 +28,43 @@ struct SampleHeader {
     static constexpr std::size_t most_keys = 64;
 
     int version = current_version;
-    int width = 0, height = 0;  ///< raster, px: pixel centres at (i + 0.5, j + 0.5), y downwards
+    int width = 0, height = 0;  ///< raster in px; pixel centres at (i + 0.5, j + 0.5), y downwards
     int overscan_px = 0;        ///< pixels with records beyond each of the four sides
 
     Projection projection = Projection::perspective;
-    double film_distance_mm = 0;  ///< d, pinhole to film; perspective only
+    double film_distance_mm = 0;  ///< from the pinhole to the film; perspective only
     double pixel_pitch_mm = 0;    ///< on the film; for an orthographic camera, size of a pixel in the scene
     double focal_length_mm = 0;   ///< nominal F, the default of `focus`
     std::optional<double> f_number;
     std::optional<double> focus_m;  ///< may be infinite
     std::optional<double> exposure_s;
-    glm::dmat4 world_from_camera{1};  ///< camera frame: x right, y up, looking along -z; metres
+    glm::dmat4 world_from_camera{1};  ///< in metres; the camera's x points right, y up, and it looks along -z
     double time_s = 0;                ///< instant of the trace and of the pinhole image
-    /// Further instants at which records exist, in ascending order, without `time_s`; at most `most_keys`.
+    /// Further recorded instants, in ascending order and without `time_s`. There are at most `most_keys`.
     std::vector<double> key_times_s;
 
     int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel
     double subdivide_threshold = 0;
     int max_depth = 0;            ///< nodes along a path, including the primary node
-    double min_contribution = 0;  ///< smallest contribution of a node, relative to white
+    double min_contribution = 0;  ///< smallest contribution of a recorded node, relative to white
 
-    double exposure_stops = 0;  ///< radiance times 2^this is relative to white; records have radiance
+    double exposure_stops = 0;  ///< radiance times 2^exposure_stops is 1 for white; records store radiance
     std::optional<double> auto_exposure_stops;  ///< result of `--exposure auto` for this scene and camera
-    std::optional<double> lumens_per_watt;      ///< divisor of the scene's photometric lights
-    std::optional<double> metres_per_unit;      ///< of the scene's lengths; older files do not have it
+    std::optional<double> lumens_per_watt;      ///< the scene's photometric lights are divided by this
+    std::optional<double> metres_per_unit;      ///< unit of lengths in the scene; absent in older files
 
     std::string scene_name;
     std::string scene_sha256;
-    std::string made_by;                                ///< how the file was made; empty: unknown
+    std::string made_by;                                ///< how the file was made; empty if unknown
     std::map<std::uint32_t, std::string> object_names;  ///< without id 0
     std::vector<std::uint32_t> moving_ids;
     bool lights_move = false;
     SceneMotion motion;
 
-    bool has_w = false;       ///< false: all nodes are primary, and W is I / z'
-    bool has_layers = false;  ///< false: all records are of layer 0
-    bool has_bend = false;    ///< only with W; false: the error of W was not measured
-    bool has_marks = false;   ///< false: no record has a mark
+    bool has_w = false;       ///< if false, all nodes are primary, and W is the identity / z'
+    bool has_layers = false;  ///< if false, all records are of layer 0
+    bool has_bend = false;    ///< needs W; if false, the error of W was not measured
+    bool has_marks = false;   ///< if false, no record has a mark
     SufficientRange sufficient;
 };
 

@@ -1,4 +1,4 @@
-// SHA-256 of the files that a scene is read from.
+// SHA-256 of the files from which a scene is read.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace postlens {
 
-/// SHA-256 of bytes that are added in parts.
+/// Computes the SHA-256 of bytes that are added piece by piece.
 class Sha256 {
   public:
     Sha256();
@@ -21,7 +21,7 @@ class Sha256 {
     Sha256& operator=(Sha256&&) = delete;
 
     void add(std::string_view bytes);
-    /// 64 lower-case hexadecimal digits. Call once.
+    /// Returns 64 lower-case hexadecimal digits. Call it only once.
     [[nodiscard]] std::string hex();
 
   private:
@@ -29,7 +29,8 @@ class Sha256 {
     std::unique_ptr<Impl> impl_;
 };
 
-/// SHA-256 of a file, in hexadecimal digits. Throws Error(invalid_input) if the file cannot be read.
+/// Returns the SHA-256 of a file in hexadecimal digits. Throws Error(invalid_input) if the file cannot be
+/// read.
 [[nodiscard]] std::string sha256_of_file(const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ Material whitted_material(const MetallicRoughness& from) {
         m.transmission = dvec3(through);
         return m;
     }
-    // Below this roughness, lobes are narrower than a pixel, so reflection and refraction have exact
+    // Below this roughness, lobes are narrower than a pixel. Reflection and refraction then have exact
     // directions.
     constexpr double smoothest = 0.02, largest_exponent = 1e6;
     const double a = from.roughness * from.roughness, q = (1 - from.roughness) * (1 - from.roughness);
@@ -44,8 +44,8 @@ Material whitted_material(const MetallicRoughness& from) {
     m.ior = from.solid && from.alpha == 1 ? from.ior : 1;
     if (from.roughness > smoothest) {
         if (m.reflects()) m.reflection_exponent = m.shininess;
-        // Light that passes because alpha is below 1 keeps its direction. Transmitted light is therefore
-        // spread over a lobe only if alpha is 1.
+        // Light that passes because alpha is below 1 keeps its direction. So transmitted light is spread over
+        // a lobe only if alpha is 1.
         if (through == 0 && m.transmission != dvec3(0)) m.transmission_exponent = m.shininess;
     }
     return m;

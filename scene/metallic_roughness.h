@@ -12,8 +12,8 @@ struct MetallicRoughness {
     glm::dvec3 base{1};       ///< base colour, scene-linear, 0 to 1
     double alpha = 1;         ///< opacity, 0 to 1
     double metallic = 1;      ///< 0 to 1
-    double roughness = 1;     ///< 0 to 1; the square of it is the width parameter of the microfacets
-    double transmission = 0;  ///< fraction transmitted by the part that is not metallic, 0 to 1
+    double roughness = 1;     ///< 0 to 1; its square is the width parameter of the microfacets
+    double transmission = 0;  ///< fraction that the non-metallic part transmits, 0 to 1
     double ior = 1.5;         ///< >= 1
     bool solid = false;       ///< false: a thin surface, which transmits without refraction
     double specular = 1;      ///< KHR_materials_specular, 0 to 1
@@ -22,10 +22,15 @@ struct MetallicRoughness {
     bool unlit = false;  ///< emits its base colour, whatever the lights
 };
 
-/// Whitted's material with a = roughness^2 and q = (1 - roughness)^2. F0, the reflectance at normal
-/// incidence, is a mix by `metallic` of ((ior - 1) / (ior + 1))^2 specular specular_colour (not metallic) and
-/// `base` (metallic). F90 is that at grazing incidence:
-///   fresnel              true; F90 = mix by `metallic` of `specular` (not metallic) and 1 (metallic)
+/// Returns Whitted's material for a glTF material. F0 and F90 are the reflectances at normal and at grazing
+/// incidence. mix(x, y) interpolates by `metallic` between the value x of a non-metallic surface and the
+/// value y of a metallic surface.
+///   a                    roughness^2
+///   q                    (1 - roughness)^2
+///   F0                   mix(((ior - 1) / (ior + 1))^2 specular specular_colour, base)
+///   F90                  mix(specular, 1)
+/// The coefficients of the result are:
+///   fresnel              true
 ///   diffuse              base ((1 - metallic) (1 - transmission) + metallic a)
 ///   diffuse_transmission base (1 - metallic) transmission a
 ///   reflection           F0 q, at grazing angles F90 q
@@ -33,12 +38,15 @@ struct MetallicRoughness {
 ///   shininess            (1 / a^2 - 1) / 2, 1 to 1e6
 ///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0), 0 at grazing angles
 ///   ambient              0.1 diffuse
-/// The highlight has the centre value D = 1 / (pi a^2) and the width of GGX microfacets. Blinn's exponent for
-/// this width is 2 / a^2 - 2, and the exponent about the mirrored direction is a quarter of that. `diffuse`
+///
+/// The highlight has the width and the central value, 1 / (pi a^2), of GGX microfacets. Blinn's exponent for
+/// this width is 2 / a^2 - 2. The exponent about the mirrored direction is a quarter of it. `diffuse`
 /// includes the light that a rough metal reflects from all directions. If the roughness is above 0.02, the
-/// lobes of reflected and refracted rays have the exponent of the highlight. All coefficients are multiplied
-/// by `alpha`, the emission too, because glTF draws the surface's whole colour over what is behind it. If
-/// `alpha` is below 1, the remaining light passes without refraction, so the ior is 1.
+/// lobes of reflected and refracted rays have the exponent of the highlight.
+///
+/// All coefficients, including the emission, are multiplied by `alpha`, because glTF blends the colour of the
+/// surface over what is behind it. If `alpha` is below 1, the remaining light passes without refraction, so
+/// the ior is 1.
 [[nodiscard]] Material whitted_material(const MetallicRoughness& from);
 
 }  // namespace postlens

@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Returns for each position the first index in the order of coordinates at which the same position occurs.
+/// Returns, for each position, the lowest index of a position that is equal to it.
 std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& positions) {
     std::vector<std::uint32_t> order(positions.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -32,7 +32,7 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh) {
-    // The sides of all triangles, in the order of their lower ends.
+    // The sides of all triangles, grouped by the lower index of their two ends.
     struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };
@@ -72,7 +72,7 @@ std::vector<MeshEdge> edges_of(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges) {
-    // Connected triangles form a tree, whose root is the first of them.
+    // Connected triangles form a tree. The root of the tree is the first of these triangles.
     std::vector<std::uint32_t> parent(mesh.triangles.size());
     std::iota(parent.begin(), parent.end(), 0U);
     const auto root = [&](std::uint32_t t) {

@@ -1,5 +1,5 @@
 // The parts of objects: the shapes of a compound object, and the connected parts of a mesh, such as the
-// leaves of a tree. They have one id, but there may be gaps between them.
+// leaves of a tree. All parts of an object have the same id, but there may be gaps between them.
 #pragma once
 
 #include <cstddef>
@@ -10,41 +10,44 @@
 
 namespace postlens {
 
-/// An edge of a mesh, with the triangles on its two sides.
+/// An edge of a mesh, with the triangles on both sides.
 struct MeshEdge {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
-    std::uint32_t low_end = 0, high_end = 0;  ///< indices of its ends' positions
+    std::uint32_t low_end = 0, high_end = 0;  ///< indices of the positions of both ends
     std::uint32_t triangle = 0, other = none;
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Edges are the same if their ends have equal positions. Of several indices
-/// with the same position, the lowest is stored. An edge with more than two triangles is listed once for each
-/// pair of successive triangles.
+/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if the
+/// indices differ. The lowest index of a position is stored. An edge with more than two triangles is listed
+/// once for each pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
-/// Returns the part to which each triangle of the mesh belongs, numbered from 0 in the order of the parts'
-/// first triangles. Two triangles belong to one part if they share an edge, or if other triangles connect
-/// them in this way. Empty if the mesh has a single part. `edges`: the result of edges_of(mesh).
+/// Returns the part to which each triangle belongs. Two triangles belong to the same part if they are
+/// connected by edges, directly or through other triangles. Parts are numbered from 0 in the order of their
+/// first triangles. Returns an empty list if the mesh has a single part. `edges` is the result of
+/// edges_of(mesh).
 [[nodiscard]] std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges);
 
-/// The parts of all objects of a scene, each with its own index.
+/// The parts of all objects of a scene. Each part has its own index.
 class ObjectParts {
   public:
     explicit ObjectParts(const Scene& scene);
-    /// Whether an object has several parts.
+    /// Returns true if any object has several parts.
     [[nodiscard]] bool any() const { return any_; }
-    /// Returns the index of a part. `object`: index into Scene::objects. `triangle`: index of the triangle,
-    /// if the object is a mesh.
+    /// Returns the index of a part. `object` is an index into Scene::objects. `triangle` is the index of a
+    /// triangle of the object's mesh, and is ignored for other shapes.
     [[nodiscard]] std::uint32_t part(std::size_t object, std::size_t triangle) const {
         const std::vector<std::uint32_t>& parts = of_mesh(object);
         return first_[object] + (parts.empty() ? 0 : parts[triangle]);
     }
-    /// Returns parts_of(mesh of the object). Empty if the object is not a mesh.
+    /// Returns the result of parts_of for the mesh of an object, or an empty list if the object is not a
+    /// mesh.
     [[nodiscard]] const std::vector<std::uint32_t>& of_mesh(std::size_t object) const {
         return meshes_[mesh_[object]].parts;
     }
-    /// Returns edges_of(mesh of the object). Empty if the object is not a mesh.
+    /// Returns the result of edges_of for the mesh of an object, or an empty list if the object is not a
+    /// mesh.
     [[nodiscard]] const std::vector<MeshEdge>& edges(std::size_t object) const {
         return meshes_[mesh_[object]].edges;
     }
@@ -57,7 +60,7 @@ class ObjectParts {
         std::vector<std::uint32_t> parts;
         std::vector<MeshEdge> edges;
     };
-    std::vector<OfMesh> meshes_;  ///< the different meshes; the first is empty, for other shapes
+    std::vector<OfMesh> meshes_;  ///< the different meshes; the first is empty, for all other shapes
 };
 
 }  // namespace postlens

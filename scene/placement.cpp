@@ -11,7 +11,8 @@ using glm::dvec3;
 
 namespace {
 
-// Replaces columns that are too short to have a direction by vectors perpendicular to the other columns.
+// Replaces columns that are too short to define a direction. The new vectors are perpendicular to the other
+// columns.
 void mend_columns(dmat3& m, const dvec3& length, double longest) {
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 1e-12 * longest) continue;
@@ -45,8 +46,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // The columns are normalised, so that the polar factor depends only on their directions. The result is
-    // exact if the columns are perpendicular.
+    // The columns are normalised so that the polar factor depends only on their directions. If the columns
+    // are perpendicular, the result is exact.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

@@ -15,20 +15,20 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// A placement that approximates a matrix, and its error. Both transforms are applied to the three unit axes.
-/// The error is the largest distance between the two images of an axis, relative to the longest image. The
-/// error exceeds rounding only if the matrix contains shear. The rotation is the orthogonal factor of the
-/// polar decomposition [higham1986]. A mirroring matrix has a negative scale along x; a singular matrix has a
-/// scale of 0.
+/// The placement that approximates a matrix, and its error. To measure the error, the placement and the
+/// matrix are applied to the three unit axes. The error is the largest distance between the two results for
+/// an axis, relative to the longest result. Apart from rounding, it is 0 unless the matrix contains shear.
+/// The rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
+/// negative scale along x, and a singular matrix gives a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;
 };
 [[nodiscard]] Decomposed decompose(const glm::dmat4& m);
 
-/// Returns the product matrix_of(outer) * matrix_of(inner) as a placement. It is exact if the outer scale is
-/// uniform or the inner rotation is the identity. Otherwise the product may contain shear, and `decompose`
-/// approximates it.
+/// Returns the product matrix_of(outer) * matrix_of(inner) as a placement. The result is exact if the outer
+/// scale is uniform or the inner rotation is the identity. Otherwise the product may contain shear, and the
+/// result is an approximation by `decompose`.
 [[nodiscard]] Decomposed compose(const Placement& outer, const Placement& inner);
 
 }  // namespace postlens

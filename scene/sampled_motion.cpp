@@ -10,8 +10,8 @@ namespace {
 using glm::dvec3;
 
 constexpr int most_halvings = 12;
-// number of equal parts into which the gap between two keys is divided; the error is measured at the 7
-// instants between these parts
+// Number of equal parts into which the gap between two keyframes is divided. The error is measured at the 7
+// times between these parts.
 constexpr int looks = 8;
 
 struct Sampler {
@@ -43,7 +43,7 @@ struct Sampler {
         return worst;
     }
 
-    // Adds the keys that are needed between a and b, and then b. Key a must have been added before.
+    // Adds the keyframes that are needed between a and b, and then b. a must have been added before.
     void add(const TransformKey& a, const TransformKey& b, int halvings) {
         const double gap = b.time_s - a.time_s;
         const bool may_divide = gap > 2 * shortest_key_gap_s && halvings < most_halvings;

@@ -1,5 +1,5 @@
-// The scene in the form that the tracer uses: lengths in metres, scene-linear colours, and all defaults
-// filled in. read_scene makes it from a file; RayScene prepares it for ray tracing.
+// The scene in the form that the tracer uses. Lengths are in metres, colours are scene-linear, and all
+// defaults are filled in. read_scene makes a Scene from a file, and RayScene prepares it for ray tracing.
 #pragma once
 
 #include <cmath>
@@ -19,7 +19,7 @@
 
 namespace postlens {
 
-/// Whitted's model with a colour for each coefficient:
+/// A material of Whitted's model, with a colour for each coefficient:
 /// I = emission + ambient Ia + sum over lights (diffuse N.L + diffuse_transmission (-N.L) + specular (R.V)^n)
 ///     + reflection R + transmission T.
 struct Material {
@@ -33,42 +33,43 @@ struct Material {
     glm::dvec3 transmission{0};
     double ior = 1;  ///< index of refraction inside; 1 outside
     /// If true, `reflection`, `specular` and `transmission` are the values at normal incidence. Towards
-    /// grazing incidence they approach the `_grazing` values, with Schlick's weight (1 - cos)^5
+    /// grazing incidence, they approach the `_grazing` values with Schlick's weight (1 - cos)^5
     /// [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n about the exact directions of reflection and refraction; infinity for
-    /// exact directions only. If a lobe is wider than the lens, the trace records the mean radiance over the
-    /// lobe (tracer/shading_trees/lobe_means.h). For a narrower lobe it records the exact direction.
+    /// Exponents n of the lobes cos^n about the exact directions of reflection and refraction. Infinity means
+    /// that there is no lobe, only the exact direction. For a lobe that is wider than the lens, the trace
+    /// records the mean radiance over the lobe (tracer/shading_trees/lobe_means.h). For a narrower lobe it
+    /// records the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
-    /// Multiplies `ambient`, `diffuse` and `diffuse_transmission`; null: white.
+    /// Texture that multiplies `ambient`, `diffuse` and `diffuse_transmission`. Null means white.
     std::shared_ptr<const Texture> colour_texture;
-    /// Multiplies `emission`; null: white.
+    /// Texture that multiplies `emission`. Null means white.
     std::shared_ptr<const Texture> emission_texture;
-    /// If true, `colour_texture` and the colours of a mesh multiply `emission`, too.
+    /// If true, `colour_texture` and the colours of a mesh also multiply `emission`.
     bool emission_has_colour = false;
-    /// True if the material reflects rays at some angle.
+    /// Returns true if the material reflects rays at some angle.
     [[nodiscard]] bool reflects() const {
         return reflection != glm::dvec3(0) || (fresnel && reflection_grazing != glm::dvec3(0));
     }
-    /// True if the material has a specular highlight at some angle.
+    /// Returns true if the material has a specular highlight at some angle.
     [[nodiscard]] bool has_highlight() const {
         return specular != glm::dvec3(0) || (fresnel && specular_grazing != glm::dvec3(0));
     }
-    /// True if the radiance of the material depends on the lights.
+    /// Returns true if the radiance of the material depends on the lights.
     [[nodiscard]] bool answers_lights() const {
         return diffuse != glm::dvec3(0) || has_highlight() || diffuse_transmission != glm::dvec3(0);
     }
-    /// True if the material reflects or transmits into a lobe of directions.
+    /// Returns true if the material reflects or transmits into a lobe of directions.
     [[nodiscard]] bool has_lobe() const {
         return (reflects() && std::isfinite(reflection_exponent)) ||
                (transmission != glm::dvec3(0) && std::isfinite(transmission_exponent));
     }
 };
 
-// Shapes in object space. In refraction, the side to which the normal points is the outside.
+// Shapes in object space. For refraction, the outside is the side to which the normal points.
 struct Sphere {
     glm::dvec3 centre{0};
     double radius = 1;
@@ -86,8 +87,9 @@ struct Rectangle {  // corner + a * edge_u + b * edge_v, 0 <= a, b <= 1; normal 
 struct Plane {  // infinite
     glm::dvec3 point{0}, normal{0, 0, 1};
 };
-/// Cone or cylinder. The radius changes linearly from base to apex. u runs about the axis from the object's
-/// +X towards +Y, v from base to apex. (docs/scene_format.md describes axes other than +Z.)
+/// A cone or a cylinder. The radius changes linearly from base to apex. The texture coordinate u runs around
+/// the axis from the object's +X towards +Y, and v runs from base to apex. (docs/scene_format.md describes
+/// axes other than +Z.)
 struct Cone {
     glm::dvec3 base{0}, apex{0, 0, 1};
     double base_radius = 1, apex_radius = 1;
@@ -99,7 +101,7 @@ struct Mesh {
     std::vector<glm::vec3> normals;  ///< per position, or empty for flat shading
     std::vector<glm::vec2> uvs;      ///< per position, or empty
     std::vector<glm::vec3>
-        colours;  ///< one per position, or empty; factors of the material's colour_texture, 0 to 1
+        colours;  ///< one per position, or empty; multiplied by the material's colour_texture, 0 to 1
 };
 using Shape = std::variant<Sphere, Box, Disc, Rectangle, Plane, Cone, std::shared_ptr<const Mesh>>;
 
@@ -109,11 +111,11 @@ struct Object {
     std::size_t material = 0;
     Shape shape;
     glm::dmat4 world_from_object{1};  ///< at rest; affine
-    /// Keyframes of the motion. If there are any, key(t) * motion_base is used instead of world_from_object
-    /// at time t.
+    /// Keyframes of the motion. If there are any, the transform at time t is key(t) * motion_base instead of
+    /// world_from_object.
     std::vector<TransformKey> keys;
     glm::dmat4 motion_base{1};
-    /// false: the object blocks no light, such as an emitting ball around a point light
+    /// If false, the object blocks no light. An example is an emitting ball around a point light.
     bool casts_shadows = true;
 };
 
@@ -121,16 +123,16 @@ struct Light {
     enum class Kind { point, directional, spot, sphere, rectangle };
     Kind kind = Kind::point;
     std::string name;
-    glm::dvec3 position{0};          ///< point, spot; centre of a sphere or rectangle
-    glm::dvec3 direction{0, 0, -1};  ///< directional, spot: direction in which light travels, unit length
-    /// radiance of a surface of diffuse coefficient 1 that faces the light (N.L = 1)
+    glm::dvec3 position{0};          ///< of a point or spot light, or the centre of a sphere or rectangle
+    glm::dvec3 direction{0, 0, -1};  ///< unit direction in which the light travels (directional, spot)
+    /// radiance of a surface that has a diffuse coefficient of 1 and faces the light (N.L = 1)
     glm::dvec3 intensity{1};
     double cone_degrees = 30;  ///< spot: full angle of the lit cone
     double cone_soft_degrees =
-        0;  ///< spot: full angle at which the fall-off begins; a hard edge if equal to cone_degrees
-    /// factors a0, a1, a2 of the attenuation 1 / (a0 + a1 r + a2 r^2) at the distance r, m
+        0;  ///< spot: full angle at which the fall-off begins; cone_degrees gives a hard edge
+    /// factors a0, a1, a2 of the attenuation 1 / (a0 + a1 r + a2 r^2), where r is the distance in metres
     glm::dvec3 attenuation{1, 0, 0};
-    /// Size, m, of lights that have an extent and therefore cast penumbrae.
+    /// Size, in metres, of a light that has an extent and therefore casts penumbrae.
     double radius = 0;                ///< sphere
     glm::dvec3 edge_u{0}, edge_v{0};  ///< rectangle
     [[nodiscard]] bool has_extent() const { return kind == Kind::sphere || kind == Kind::rectangle; }
@@ -146,8 +148,8 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera, at most one of the following is set: the film distance (which is the focal
-    /// length if the lens is focused at infinity), or one of the fields of view.
+    /// For a perspective camera, at most one of the following three is set. The film distance equals the
+    /// focal length if the lens is focused at infinity, so `focal_length_mm` contains the film distance.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;
@@ -156,17 +158,17 @@ struct Camera {
     bool fov_between_pixel_centres = false;
     double orthographic_width_m = 1;
     int width = 960, height = 540;   ///< raster, px
-    std::optional<double> f_number;  ///< default lens settings, which are copied to the sample file
+    std::optional<double> f_number;  ///< default lens settings; copied to the sample file
     std::optional<double> focus_m;
     std::optional<double> exposure_s;
-    std::vector<TransformKey> keys;  ///< rigid motion; empty: still
+    std::vector<TransformKey> keys;  ///< rigid motion; empty if the camera does not move
 };
 
-/// A scene in memory. A radiance of 1 is white: all intensities, emissions, background and ambient_light are
+/// A scene in memory. A radiance of 1 is white. Intensities, emissions, background and ambient_light are
 /// those of the file times 2^exposure_stops (tracer/exposure.h).
 struct Scene {
     std::string name;
-    std::string sha256;                           ///< of the file and of all files to which it refers
+    std::string sha256;                           ///< SHA-256 of the file and all files to which it refers
     std::vector<std::filesystem::path> referred;  ///< paths of the files to which the scene refers
     std::vector<Material> materials;
     std::vector<Object> objects;
@@ -178,17 +180,17 @@ struct Scene {
     /// Number by which the intensities of photometric lights were divided. Empty if the file has no such
     /// lights.
     std::optional<double> lumens_per_watt;
-    double metres_per_unit = 1;      ///< factor by which the reader has multiplied all lengths of the file
-    double time_s = 0;               ///< default instant
-    std::vector<std::string> notes;  ///< warnings of the reader about defaults and omitted contents
+    double metres_per_unit = 1;      ///< factor by which all lengths of the file were multiplied
+    double time_s = 0;               ///< default time
+    std::vector<std::string> notes;  ///< warnings about defaults and omitted contents
 };
 
 struct SceneReadOptions {
-    double metres_per_unit = 1;    ///< finite, > 0; factor of all lengths in the file
-    double lumens_per_watt = 683;  ///< finite, > 0; lux and candela values of glTF are divided by it
+    double metres_per_unit = 1;    ///< finite, > 0; all lengths in the file are multiplied by it
+    double lumens_per_watt = 683;  ///< finite, > 0; divides lux and candela values of glTF
 };
 
-/// Whether `read_scene` supports the file's extension.
+/// Returns true if `read_scene` supports the extension of the file.
 [[nodiscard]] bool is_scene_file(const std::filesystem::path& path);
 
 /// Reads a scene. The extension of the file selects the reader: .toml, .nff, .gltf, .glb, .obj or .ply.

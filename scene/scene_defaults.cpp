@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec3;
 
-// Returns the bounding box of all finite objects at rest. Empty if there are only planes.
+// Returns the bounding box of all finite objects at rest. It is empty if all objects are planes.
 Bounds finite_bounds(const Scene& scene, const std::filesystem::path& path) {
     Bounds all;
     for (const Object& object : scene.objects) {
@@ -40,7 +40,7 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
         centre = 0.5 * (box.min + box.max);
         radius = std::max(0.5 * glm::length(box.max - box.min), smallest_extent_m);
     }
-    // The camera's distance is chosen so that the bounding sphere of the box fits the height of the film, its
+    // The camera is so far away that the bounding sphere of the box fits the height of the film, which is its
     // shorter side.
     const double film_height_mm = camera.film_width_mm * camera.height / camera.width;
     const double half_angle = std::atan(0.5 * film_height_mm / *camera.focal_length_mm);
@@ -49,8 +49,8 @@ Camera framing_camera(const Bounds& box, const dvec3& from) {
     return camera;
 }
 
-// Default direction to the camera, from the right and above. From there a floor is not seen edge-on, and the
-// visible sides of a box differ in brightness.
+// Default direction to the camera, from the right and above. From this direction a floor is not seen edge-on,
+// and the visible sides of a box differ in brightness.
 const dvec3 usual_side = glm::normalize(dvec3(0.3, 0.4, 1));
 
 Light eye_light(const Camera& camera, double time_s, double intensity) {

@@ -1,4 +1,5 @@
-// Notes of scene readers about defaults, changes and skipped contents. Equal notes are merged and counted.
+// Notes to the user about defaults, changes and skipped contents of a scene. Equal notes are merged and
+// counted.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +13,8 @@ namespace postlens {
 class SceneNotes {
   public:
     void add(const std::string& text);
-    /// Appends all notes, in the order in which they first occurred: "FILE: text" or "FILE: text (N times)".
+    /// Appends all notes in the order in which they first occurred, as "FILE: text" or "FILE: text (N
+    /// times)".
     void append_to(std::vector<std::string>& out, const std::filesystem::path& file) const;
 
   private:
@@ -24,8 +26,8 @@ class SceneNotes {
     std::vector<Note> notes_;
 };
 
-/// Returns a valid name for a scene: control characters are replaced by '?', and at most 255 bytes remain.
-/// Returns `fallback` if `name` is empty.
+/// Returns a name that is valid in a scene. Control characters are replaced by '?', and the name is cut to
+/// 255 bytes. Returns `fallback` if `name` is empty.
 [[nodiscard]] std::string printable_name(const std::string& name, const std::string& fallback);
 
 }  // namespace postlens

@@ -17,8 +17,8 @@ Bounds around(const dvec3& centre, const dvec3& half) {
     return {centre - half, centre + half};
 }
 
-// Returns the half extents of the image of a disc under the linear map M. For a disc of radius r with the
-// unit normal n, the half extent along a world axis e is r |(I - n n^T) M^T e|.
+// Returns the half extents of a disc after the linear map M. For a disc of radius r with the unit normal n,
+// the half extent along a world axis e is r |(I - n n^T) M^T e|.
 dvec3 disc_half_extent(const dmat3& linear, const dvec3& unit_normal, double radius) {
     dvec3 half;
     const dmat3 rows = glm::transpose(linear);

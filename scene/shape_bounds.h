@@ -1,4 +1,4 @@
-// Bounding boxes of shapes.
+// Computes bounding boxes of shapes.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -23,8 +23,8 @@ struct Bounds {
     }
 };
 
-/// Returns the axis-aligned bounding box of the shape in the world, m. It is tight except for rounding. The
-/// box of a plane is infinite along all axes; the box of an empty mesh is empty.
+/// Returns the axis-aligned bounding box of the shape in the world, in metres. The box is tight except for
+/// rounding. It is infinite along all axes for a plane, and empty for an empty mesh.
 [[nodiscard]] Bounds shape_bounds(const Shape& shape, const glm::dmat4& world_from_object);
 
 }  // namespace postlens

@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// Greatest number of squares (or texels) along an edge of the rectangle that are read one by one.
+/// Greatest number of texels, or squares of texels, that are read one by one along an edge of the rectangle.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -60,7 +60,7 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the finest level at which the rectangle has at most `most_across` squares along each edge.
+    // Finds the finest level at which the rectangle spans at most `most_across` squares along each edge.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

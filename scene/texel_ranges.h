@@ -18,17 +18,18 @@ struct ColourRange {
     }
 };
 
-/// The least and the greatest value of each channel in squares of 4, 8, 16, ... texels.
+/// The least and greatest value of each channel, precomputed for squares of 4, 8, 16, ... texels.
 class TexelRanges {
   public:
     TexelRanges() = default;
-    /// Computes the ranges of `rgb`, an image of `width` x `height` texels. Keeps no reference to `rgb`.
+    /// Computes the ranges of an image `rgb` with `width` x `height` texels. Keeps no reference to `rgb`.
     TexelRanges(std::span<const float> rgb, int width, int height);
 
-    /// Returns the range of the colours of texels [x_first, x_last] x [y_first, y_last] of `rgb`, which must
-    /// be the array of the constructor. Outside the image, texels are repeated (`wrap_x`, `wrap_y`), or those
-    /// of the border are used. If the rectangle is longer than 9 texels, the range also includes texels
-    /// around it. They reach up to two fifths of its greater length beyond each side.
+    /// Returns the range of colours of the texels [x_first, x_last] x [y_first, y_last]. `rgb` must be the
+    /// array that was passed to the constructor. Outside the image, texels are repeated if `wrap_x` or
+    /// `wrap_y` is set. Otherwise, the texels of the border are used. If the rectangle is longer than 9
+    /// texels, the range may include texels outside it, at a distance of up to two fifths of its greater
+    /// length.
     [[nodiscard]] ColourRange of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                                  double y_last, bool wrap_x, bool wrap_y) const;
 

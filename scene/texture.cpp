@@ -10,16 +10,16 @@
 namespace postlens {
 namespace {
 
-// The function is inlined so that floor, round and fma compile to instructions in multiversioned callers
-// instead of function calls.
+// Inlined so that floor, round and fma become instructions instead of function calls in multiversioned
+// callers.
 [[gnu::always_inline]] inline double exact_cell(double c, double offset, double size) {
     if (std::isinf(size)) return 0;
     const double d = c - offset;
     const double quotient = d / size;
     const double cell = std::floor(quotient);
-    // Rounding can move the quotient across the border of a cell only if the quotient is very near to the
-    // border. There, the sign of the remainder decides. This sign is exact: fma rounds once, and `lost` is
-    // the rounding error of the subtraction (Knuth's two-sum).
+    // Rounding can move the quotient across a cell border only if the quotient is very close to the border.
+    // There, the sign of the remainder decides. This sign is exact, because fma rounds only once and `lost`
+    // is the rounding error of the subtraction (Knuth's two-sum).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;
@@ -45,13 +45,13 @@ glm::dvec3 texel(const ImageTexture& image, int column, int row) {
     return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// Returns the fractional part of a coordinate, in [0, 1]; 0 for NaN.
+// Returns the fractional part of a coordinate, in [0, 1]. Returns 0 for NaN.
 double tile_share(double c) {
     const double share = c - std::floor(c);
     return share >= 0 ? std::min(share, 1.0) : 0.0;
 }
 
-// Maps a coordinate to [0, 1], either by repetition or by clamping.
+// Maps a coordinate to [0, 1] by repetition or by clamping.
 double wrapped_or_stopped(double c, bool wraps) {
     if (wraps) return tile_share(c);
     return c >= 0 ? std::min(c, 1.0) : 0.0;
@@ -121,8 +121,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Selects all texels that bilinear interpolation reads. They are counted from the upper left, and their
-    // centres lie at half-integer positions.
+    // Finds all texels that bilinear interpolation reads. Texels are counted from the upper left, and their
+    // centres are at half-integer positions.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

@@ -1,5 +1,5 @@
-// Textures: colours over a surface. Checkers are functions of the object-space position or of (u, v), images
-// are functions of (u, v).
+// Textures, which give colours to a surface. A checker depends on the position in object space or on (u, v).
+// An image depends on (u, v).
 #pragma once
 
 #include <cstdint>
@@ -13,53 +13,54 @@
 namespace postlens {
 
 /// A checker pattern that is exact at cell borders. The cell of coordinate c is floor((c - offset) / size),
-/// so a border belongs to the higher cell. Cells whose indices have an even sum have the colour `even`.
+/// so a border belongs to the higher cell. The colour is `even` if the sum of the cell indices is even.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
-    /// edge of a cell, in object-space metres or (u, v); infinite: no borders along this axis
+    /// length of a cell, in object-space metres or in (u, v); infinite if there are no borders along this
+    /// axis
     glm::dvec3 size{1};
     glm::dvec3 offset{0};
     glm::dvec3 even{1}, odd{0};
 };
 
-/// An image over the unit square of (u, v), with u to the right and v upwards. u repeats unless `clamp_u` is
-/// set. v repeats if `wrap_v` is set or `repeat.y` is not 1. Otherwise v is clamped to the first and last
-/// row, so that the two poles of a sphere do not mix.
+/// An image over the unit square of (u, v), where u points right and v points up. The image repeats along u
+/// unless `clamp_u` is set. It repeats along v if `wrap_v` is set or `repeat.y` is not 1. Otherwise v is
+/// clamped to the first and last row, so that the two poles of a sphere do not mix.
 struct ImageTexture {
     int width = 0, height = 0;
     std::vector<float> rgb;  ///< scene-linear, top row first
     glm::dvec2 repeat{1};    ///< number of repetitions in the unit square
-    bool nearest = false;    ///< false: bilinear interpolation
+    bool nearest = false;    ///< if false, texels are interpolated bilinearly
     bool clamp_u = false;    ///< clamps u to the first and last column
     bool wrap_v = false;
 };
 
-/// Returns floor((c - offset) / size) without rounding error, for finite c and offset and size > 0. Returns 0
-/// for an infinite size.
+/// Returns floor((c - offset) / size) without rounding error. c and offset must be finite, and size must be
+/// above 0. Returns 0 for an infinite size.
 [[nodiscard]] double checker_cell(double c, double offset, double size);
 
 class Texture {
   public:
     explicit Texture(Checker checker);
     explicit Texture(ImageTexture image);
-    /// Returns the colour at a hit: `object` is the position in object space, m, and `uv` are the texture
-    /// coordinates. A pure function.
+    /// Returns the colour at a point of a surface. `object` is the position in object space, in metres, and
+    /// `uv` are the texture coordinates.
     [[nodiscard]] glm::dvec3 colour(const glm::dvec3& object, const glm::dvec2& uv) const;
-    /// True if `colour` depends on uv; false if it depends on the position in object space.
+    /// Returns true if `colour` depends on uv, and false if it depends on the position in object space.
     [[nodiscard]] bool uses_uv() const { return is_image_ || checker_.dimensions == 2; }
-    /// The greatest channel value that `colour` can return.
+    /// Returns the greatest channel value that `colour` can return.
     [[nodiscard]] double maximum() const { return maximum_; }
-    /// The texture coordinates on which `colour` depends: uv, or the position in object space.
+    /// Returns the coordinates on which `colour` depends: uv, or the position in object space.
     [[nodiscard]] glm::dvec3 place(const glm::dvec3& object, const glm::dvec2& uv) const {
         return uses_uv() ? glm::dvec3(uv, 0) : object;
     }
-    /// The colour at a texture position.
+    /// Returns the colour at a texture position (see `place`).
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of colours in the bounding box of two texture positions. All cells or texels that
-    /// overlap the box are included. If the positions are half an image or more apart, a seam of the texture
-    /// is assumed to lie between them. The range then has only the colours at the two positions.
+    /// Returns the range of colours in the bounding box of two texture positions. The range includes all
+    /// cells or texels that overlap the box. If the positions are half an image or more apart, a seam of the
+    /// texture is assumed to lie between them. The range then includes only the colours at the two positions.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -11,13 +11,13 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Twice the signed area of a, b, c.
+// Returns twice the signed area of the triangle a, b, c.
 double turn(const dvec2& a, const dvec2& b, const dvec2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
 dvec3 newell_normal(std::span<const dvec3> polygon) {
-    // Positions are measured from the first corner, so that a polygon far from the origin loses no precision.
+    // Positions are relative to the first corner, so that a polygon far from the origin loses no precision.
     dvec3 normal(0);
     for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
         normal += glm::cross(polygon[i] - polygon[0], polygon[i + 1] - polygon[0]);
@@ -25,7 +25,7 @@ dvec3 newell_normal(std::span<const dvec3> polygon) {
     return normal;
 }
 
-// Projects the polygon along the largest axis of the normal. The result runs counterclockwise.
+// Projects the polygon along the largest axis of its normal. The projected polygon runs counterclockwise.
 std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
@@ -41,15 +41,15 @@ std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal
     return out;
 }
 
-// Total turning angle of an outline: 2 pi for a simple polygon, 0 for a figure eight, 4 pi for a five-pointed
-// star.
+// Total turning angle of an outline. It is 2 pi for a simple polygon, 0 for a figure eight, and 4 pi for a
+// five-pointed star.
 struct Turning {
     double total = 0;
     bool only_left = true;
 };
 
 Turning turning(const std::vector<dvec2>& corners, double no_turn) {
-    std::vector<dvec2> p;  // without repeated corners, because an edge of length 0 has no direction
+    std::vector<dvec2> p;  // without repeated corners: an edge of length 0 has no direction
     for (const dvec2& q : corners) {
         if (p.empty() || p.back() != q) p.push_back(q);
     }
@@ -86,7 +86,7 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
     const dvec3 normal = newell_normal(polygon);
     double longest2 = 0;
     for (const dvec3& p : polygon) longest2 = std::max(longest2, glm::dot(p - polygon[0], p - polygon[0]));
-    // Areas below 1e-14 of the squared extent are treated as rounding errors of the coordinates.
+    // Areas below 1e-14 times the squared extent are treated as rounding errors of the coordinates.
     const double no_turn = 1e-14 * longest2;
     if (!(glm::length(normal) > no_turn)) {
         out.fault = PolygonFault::no_area;
@@ -118,8 +118,8 @@ Triangulation triangulate(std::span<const dvec3> polygon) {
             if (!straight) add(a, b, c);
             left.erase(left.begin() + static_cast<std::ptrdiff_t>(at));
             tried = 0;
-            // The next corner is skipped, so that the ears are distributed over the polygon. Adjacent ears
-            // would be thin slivers.
+            // Skips the next corner, so that the ears are spread over the polygon. Adjacent ears would be
+            // thin slivers.
             ++at;
         } else {
             ++at;

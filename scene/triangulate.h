@@ -8,21 +8,21 @@
 
 namespace postlens {
 
-/// Greatest number of corners that readers accept in a polygon. The limit is needed because the time of ear
+/// Greatest number of corners that readers accept in a polygon. It is limited because the time for ear
 /// clipping grows with the square of this number.
 inline constexpr std::size_t largest_polygon = 4096;
 
 enum class PolygonFault { none, no_area, crosses_itself };
 
 struct Triangulation {
-    std::vector<glm::uvec3> triangles;  ///< indices of corners; the winding is that of the polygon
+    std::vector<glm::uvec3> triangles;  ///< indices of corners; they wind like the polygon
     PolygonFault fault = PolygonFault::none;
 };
 
-/// Divides a simple polygon of at least 3 corners into triangles. The polygon may be concave, and only nearly
-/// flat: it is projected along its Newell normal. A convex polygon becomes a fan about its first corner; a
-/// concave one is divided by ear clipping [meisters1975]. Collinear and repeated corners are allowed.
-/// Triangles without area are omitted. `triangles` is empty if `fault` is set.
+/// Divides a simple polygon of at least 3 corners into triangles. The polygon may be concave and need not be
+/// exactly flat: it is projected along its Newell normal. A convex polygon becomes a fan about its first
+/// corner. A concave one is divided by ear clipping [meisters1975]. Collinear and repeated corners are
+/// allowed. Triangles without area are omitted. If `fault` is set, `triangles` is empty.
 [[nodiscard]] Triangulation triangulate(std::span<const glm::dvec3> polygon);
 
 }  // namespace postlens

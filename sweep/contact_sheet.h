@@ -1,4 +1,4 @@
-// A contact sheet: a single image that shows many images as thumbnails with captions.
+// A contact sheet is one image that shows many images as thumbnails with captions.
 #pragma once
 
 #include <cstddef>
@@ -10,21 +10,21 @@
 
 namespace postlens {
 
-/// Images are set one by one, in any order. A cell whose image is not set is dark grey.
+/// Images can be set in any order. The cell of an image that is not set is dark grey.
 class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;
 
-    /// `captions`: ASCII, one per image, 1 to `most_pictures` in number. `columns`: requested number of
-    /// columns. If the sheet would have a single row or column, or thumbnails too small to see, it is made
-    /// approximately square instead.
+    /// `captions` holds one ASCII caption per image, for 1 to `most_pictures` images. `columns` is the
+    /// requested number of columns. The sheet is made roughly square instead if it would have a single row or
+    /// column, or thumbnails too small to see.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);
     [[nodiscard]] EncodedPicture picture() const;
 
     [[nodiscard]] std::size_t columns() const { return columns_; }
-    /// Size of a thumbnail, px. It is at most that of the image.
+    /// Returns the size of a thumbnail, in px. A thumbnail is never larger than the image.
     [[nodiscard]] ImageSize thumbnail() const { return {width_, height_}; }
 
   private:
@@ -34,8 +34,8 @@ class ContactSheet {
     std::vector<EncodedPicture> small_;  ///< thumbnails; empty if not set
 };
 
-/// Scales an image down with a box filter, in scene-linear values: each pixel is the mean of the area that it
-/// covers. The new size must be between 1 px and the size of the image.
+/// Scales an image down with a box filter. Each pixel becomes the mean of the area that it covers, in
+/// scene-linear values. The new width and height must be at least 1 px and at most those of the image.
 [[nodiscard]] Image made_smaller(const Image& image, int width, int height);
 
 }  // namespace postlens

@@ -16,7 +16,7 @@
 namespace postlens {
 namespace {
 
-/// XXH3 checksum of a file's bytes; empty if the file cannot be read.
+/// Returns the XXH3 checksum of a file's bytes. Empty if the file cannot be read.
 std::optional<std::uint64_t> file_checksum(const std::filesystem::path& path) {
     std::ifstream in(path, std::ios::binary);
     if (!in) return std::nullopt;

@@ -1,5 +1,5 @@
-// Finds images that an earlier run of a sweep made with the same settings, so that this run need not make
-// them again.
+// Finds images that an earlier run of a sweep made with the same settings. The current run can then keep
+// them.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,20 @@
 
 namespace postlens {
 
-/// Returns the checksum (XXH3) of a file's bytes, in the form in which the table stores it. Empty if the file
-/// cannot be read.
+/// Returns the XXH3 checksum of a file's bytes, in the text form that the table of the sweep stores. Empty if
+/// the file cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 
-/// Keys that identify the images of a sweep (SweepRow::settings_key). Images with equal keys are equal.
+/// Computes a key for each image of a sweep (SweepRow::settings_key). Images with equal keys are equal.
 class SweepKeys {
   public:
-    /// `exposure_stops`: exposure of all images. `at`: raster positions, px, at which the CoC is reported.
+    /// `exposure_stops` is the exposure of all images. `at` lists the raster positions, in px, at which the
+    /// CoC (circle of confusion) is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// True if an image with this key can stay: it is the same image, with at least the same figures.
+    /// Returns true if an earlier image with this key can be kept. The earlier image must be the same, and
+    /// its table row must have at least the values that this sweep reports.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }
@@ -35,13 +37,13 @@ class SweepKeys {
   private:
     [[nodiscard]] std::string key(const SweepSetting& s, bool predicted) const;
 
-    std::string common_;      ///< everything on which all images of the sweep depend
-    bool predicted_ = false;  ///< their errors are predicted
+    std::string common_;      ///< settings and contents that all images of the sweep share
+    bool predicted_ = false;  ///< true if the errors of the images are predicted
 };
 
-/// Returns table rows of earlier runs, by file name. They are read from the table `json`. A run of the whole
-/// sweep also reads the tables of its shares (parts that several machines have made), so a name may have
-/// several rows. Empty if `settings.resume` is not set.
+/// Reads the rows that earlier runs wrote to the table `json`, and returns them by file name. A run of the
+/// whole sweep also reads the tables of its shares (parts that several machines have made), so a name may
+/// have several rows. The result is empty if `settings.resume` is not set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -22,7 +22,7 @@ std::size_t sharper_than(const FocusGeometry& geometry, double limit_px, const f
     return out;
 }
 
-/// Luminances of a row of pixels, clamped to 0..1.
+/// Computes the luminances of a row of pixels, clamped to 0..1.
 POSTLENS_MULTIVERSION
 void luminances(const float* __restrict rgb, std::size_t width, double* __restrict luminance) {
     for (std::size_t x = 0; x < width; ++x) {
@@ -35,7 +35,7 @@ void luminances(const float* __restrict rgb, std::size_t width, double* __restri
 /// below.
 POSTLENS_MULTIVERSION
 double squared_steps(const double* here, const double* below, std::size_t width) {
-    // The number of partial sums is fixed. Every instruction set therefore adds in the same order, with
+    // With a fixed number of partial sums, every instruction set adds in the same order and gives
     // bit-identical results.
     constexpr std::size_t lanes = 8;
     double sums[lanes] = {};
@@ -89,7 +89,7 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Rows per block. Only at the borders of blocks are the luminances of a row computed twice.
+    // Number of rows per block. The luminances of the rows at the borders of blocks are computed twice.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

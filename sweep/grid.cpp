@@ -15,7 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Formats values with as few digits as keep them distinct, but at least `digits`.
+/// Formats the values with the smallest number of digits that keeps them distinct, but with at least
+/// `digits`.
 template <typename Value, typename Format>
 std::vector<std::string> distinct_labels(const std::vector<Value>& values, int digits, const Format& format) {
     std::vector<std::string> out;
@@ -31,8 +32,8 @@ std::vector<std::string> labels_of(const std::vector<double>& values) {
     return distinct_labels(values, 4, [](double v, int digits) { return fmt::format("{:.{}g}", v, digits); });
 }
 
-/// Returns names of impulse responses, which consist of letters, digits, dots and dashes. A number is
-/// appended to names that would be equal.
+/// Returns a name for each impulse response, made of letters, digits, dots and dashes. A number is appended
+/// to names that would otherwise be equal.
 std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     std::vector<std::string> out;
     for (const Impulse& i : impulses) {
@@ -49,7 +50,7 @@ std::vector<std::string> labels_of(const std::vector<Impulse>& impulses) {
     return out;
 }
 
-/// Returns names of shutters, such as "0to0.02" for a shutter that is open from 0 s to 0.02 s.
+/// Returns a name for each shutter. A shutter that is open from 0 s to 0.02 s is named "0to0.02".
 std::vector<std::string> labels_of(const std::vector<TimeSpan>& spans) {
     return distinct_labels(spans, 6, [](const TimeSpan& s, int digits) {
         return fmt::format("{:.{}g}to{:.{}g}", s.open_s, digits, s.close_s, digits);

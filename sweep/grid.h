@@ -1,4 +1,4 @@
-// The images of a sweep: one for every combination of its settings, in a fixed order, each with a name.
+// The images of a sweep: one image for every combination of its settings, in a fixed order, each with a name.
 #pragma once
 
 #include <optional>
@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value.
-/// Impulse responses of lens prescriptions are an exception: the focal length of the prescription replaces
-/// `focal_lengths_mm`, and its f-number is used if `f_numbers` is empty.
+/// The values of each setting that a sweep varies. All lists except `shutters` need at least one value. An
+/// impulse response that is a lens prescription has its own focal length, which replaces `focal_lengths_mm`.
+/// The f-number of the prescription is used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur
@@ -32,20 +32,24 @@ struct SweepSetting {
 
 struct SweepGrid {
     std::vector<SweepSetting> pictures;
-    /// Length of a row of the contact sheet: the number of values of the setting that varies fastest.
+    /// Length of a row of the contact sheet, which is the number of values of the setting that varies
+    /// fastest.
     std::size_t row = 1;
 };
 
-/// Returns all combinations of the settings. Impulse responses vary slowest, then shutters, focal lengths and
-/// f-numbers; focus distances vary fastest. A file name always contains the f-number after "f" and the focus
-/// distance after "s". The focal length after "F", the shutter after "t" and the impulse response are
-/// included only if they vary. Numbers have 4 digits, or as many as keep the values of a list distinct.
-/// Throws Error(wrong_arguments) for more than `most_pictures` images and for a missing list, and the errors
-/// of reading a prescription.
+/// Returns all combinations of the settings. From the slowest to the fastest, the settings vary in this
+/// order: impulse response, shutter, focal length, f-number, focus distance.
+///
+/// A file name always contains the f-number after "f" and the focus distance after "s". The focal length
+/// (after "F"), the shutter (after "t") and the impulse response are included only if they vary. Numbers have
+/// 4 digits, or more if the values of a list need more to be distinct.
+///
+/// Throws Error(wrong_arguments) if there are more than `most_pictures` images or if a list is missing. Also
+/// throws the errors of reading a prescription.
 [[nodiscard]] SweepGrid sweep_grid(const SweepAxes& axes);
 
-/// Replaces the conversion in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Returns an empty
-/// value if the pattern does not contain exactly one conversion.
+/// Replaces the placeholder in a pattern such as "NAME.%04d" or "%d.exr" by the number `i`. Returns an empty
+/// value unless the pattern contains exactly one placeholder.
 [[nodiscard]] std::optional<std::string> numbered_name(const std::string& pattern, std::size_t i);
 
 }  // namespace postlens

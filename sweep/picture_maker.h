@@ -1,4 +1,4 @@
-// Makes many images of one sample file. The records are read and prepared only once.
+// Makes many images of one sample file, whose records are read and prepared only once.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@
 
 namespace postlens {
 
-/// Settings that are common to all images of a sweep. Names and defaults are those of the command `focus`, or
-/// of `shoot` if there is a shutter.
+/// Settings that are common to all images of a sweep. Their names and defaults are those of the command
+/// `focus`, or of the command `shoot` if there is a shutter.
 struct PictureSettings {
-    /// If absent: the default method for the file (usual_method), or lightfield if there is a shutter. With a
-    /// shutter, only lightfield, hybrid and automatic are allowed.
+    /// If absent, the method is lightfield for images with a shutter, and otherwise the default method for
+    /// the file (usual_method). Images with a shutter allow only lightfield, hybrid and automatic.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -30,25 +30,25 @@ struct PictureSettings {
     std::optional<int> depths;
     std::optional<int> views;  ///< absent: 64 without a shutter, 128 with one
     ShutterCurve curve = ShutterCurve::box();
-    std::vector<ObjectPath> paths;  ///< motion of objects, which replaces the file's
+    std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// PSNR, dB, that `automatic` must reach. If this and the scene are absent and there is no shutter,
-    /// `automatic` is the default method for the file.
+    /// The PSNR, in dB, that the method `automatic` must reach. If it is absent, `automatic` uses the default
+    /// method for the file, unless there is a scene or a shutter.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
-/// Views with a shutter, if their number is not given.
+/// Number of views for images with a shutter, unless the settings give another number.
 inline constexpr int default_shutter_views = 128;
 
-/// Refuses a number of depths or views if the method does not use it. `automatic` must already be replaced by
-/// the method that it selects. Throws Error(wrong_arguments).
+/// Throws Error(wrong_arguments) if a number of depths or views is given but the method does not use it. The
+/// caller must first replace `automatic` by the method that it selects.
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
-/// Refuses --depth-spacing, and --depth-model (how depth is measured through mirrors and glass), if the
-/// method does not use them. Throws Error(wrong_arguments).
+/// Throws Error(wrong_arguments) if --depth-spacing or --depth-model is given but the method does not use it.
+/// --depth-model selects how depth is measured through mirrors and glass.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Refuses the option `name` (--scene or --explain) if the method traces no rays. For images without a
-/// shutter. Throws Error(wrong_arguments).
+/// Throws Error(wrong_arguments) for the option `name` (--scene or --explain) if the method traces no rays.
+/// Use it for images without a shutter.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -60,12 +60,14 @@ struct MadePicture {
     std::optional<double> predicted_db{};  ///< stated or predicted PSNR, dB; absent if unknown
 };
 
-/// Makes images one at a time. Each is bit-identical to the result of focus_picture, hybrid_picture,
-/// auto_picture or, for f/inf with a shutter, motion_blur with the same settings.
+/// Makes images one at a time. Each image is bit-identical to the result of focus_picture, hybrid_picture or
+/// auto_picture with the same settings. With f/inf and a shutter, it is bit-identical to the result of
+/// motion_blur.
 class PictureMaker {
   public:
-    /// Keeps a reference to `file`. Throws Error(wrong_arguments) for a method that does not support a
-    /// shutter, and Error(invalid_input) for a motion path whose id is not in the file.
+    /// Keeps a reference to `file`. Throws Error(wrong_arguments) if there is a shutter and the method does
+    /// not support one. Throws Error(invalid_input) if a motion path has an object id that is not in the
+    /// file.
     PictureMaker(const SampleFileReader& file, PictureSettings settings, bool with_shutter);
     PictureMaker(const PictureMaker&) = delete;
     PictureMaker& operator=(const PictureMaker&) = delete;
@@ -77,7 +79,7 @@ class PictureMaker {
 
     [[nodiscard]] const PictureSettings& settings() const { return settings_; }
     [[nodiscard]] FocusMethod method() const { return method_; }
-    /// The frame with its prepared records, so that other code can use the same records.
+    /// Returns the frame with its prepared records, so that other code can use the same records.
     [[nodiscard]] FocusFrame& frame() { return frame_; }
 
   private:
@@ -94,10 +96,10 @@ class PictureMaker {
     std::optional<FrameMotion> motion_;
 };
 
-/// Name of a method, as in the option `--method`.
+/// Returns the name of a method as the option `--method` spells it.
 [[nodiscard]] const char* method_name(FocusMethod method);
 
-/// Throws Error(wrong_arguments) if a target error is given for a method that has none.
+/// Throws Error(wrong_arguments) if a target error is given but the method does not support one.
 void check_target(const std::optional<double>& target_db, FocusMethod method);
 
 }  // namespace postlens

@@ -35,7 +35,7 @@ double seconds_since(Clock::time_point start) {
 
 void make_folder(const std::filesystem::path& folder) {
     std::error_code error;
-    std::filesystem::create_directory(folder, error);  // creates a single level of folders, as `chart` does
+    std::filesystem::create_directory(folder, error);  // creates only the last folder of the path
     if (!std::filesystem::is_directory(folder)) {
         fail(ExitCode::cannot_write,
              "{}: cannot be the folder of a sweep ({}; expected a folder, or a name "
@@ -87,8 +87,8 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images of an earlier run are entered in the table first, so that an interruption does not lose
-            // them.
+            // Images of an earlier run are entered in the table first, so that they are not lost if this run
+            // is interrupted.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::whole) check_complete();
@@ -114,15 +114,16 @@ class Sweep {
     }
 
   private:
-    /// Refuses to overwrite input files. They may lie in the output folder, but must not have the name of an
-    /// output.
+    /// Throws if an output file would overwrite an input file. Input files may be in the output folder, but
+    /// must not have the name of an output file.
     void check_outputs(const std::filesystem::path& frame) const {
         std::vector<std::filesystem::path> written{out_.csv, out_.json, folder_ / "contact.png"};
         for (const std::string& name : names_) written.push_back(folder_ / name);
         refuse_overwriting(sweep_inputs(frame, settings_), written);
     }
 
-    /// True if this run makes image i of the sweep. With --share, a run makes only a part of the images.
+    /// Returns true if this run makes image i of the sweep. With --share, a run makes only a part of the
+    /// images.
     [[nodiscard]] bool is_mine(std::size_t i) const { return !settings_.share || settings_.share->has(i); }
     [[nodiscard]] std::size_t pictures_to_make() const {
         std::size_t count = 0;
@@ -130,7 +131,8 @@ class Sweep {
         return count;
     }
 
-    /// Keeps image `i` of an earlier run if it is valid. Reads it into `image` unless that is null.
+    /// Keeps image `i` of an earlier run if the image is valid. Reads it into `image`, unless `image` is
+    /// null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(names_[i]);
         if (begin == end) return false;
@@ -206,29 +208,30 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. It is two, which keeps all threads busy. For a large
-    /// frame it is one, because a single image then has work for all threads and needs much memory.
+    /// Number of images that are made at the same time. Two images keep all threads busy if each image only
+    /// reads the records of a small frame. In all other cases, one image already has work for all threads and
+    /// needs much memory.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// True if the method reads the records that FocusFrame keeps. Several images may read these records at
-    /// the same time.
+    /// Returns true if the method reads the records that FocusFrame keeps. Several images can then read these
+    /// records at the same time.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
     }
 
-    /// Greatest number of images that are written to disk at the same time: 1 to 4, with at most 64 MiB in
-    /// total.
+    /// Largest number of images that are written to disk at the same time, 1 to 4. Together, these images
+    /// take at most 64 MiB of memory, unless a single image is larger.
     [[nodiscard]] static std::size_t most_finishing(const Image& image) {
         constexpr std::size_t most = 4, bytes_together = std::size_t{64} << 20;
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its figures, while the next images are made. This work is a separate job.
-    /// It is not cancelled with the sweep, so a finished image is not lost.
+    /// Writes an image and computes its table values while the next images are made. This work is a separate
+    /// job, which is not cancelled with the sweep. A finished image is therefore not lost.
     void start_finishing(std::size_t i, Making made) {
         finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
                                   const ThreadLimit one(1);
@@ -239,7 +242,7 @@ class Sweep {
                               })});
     }
 
-    /// Waits for the oldest image that is being written.
+    /// Waits until the oldest of the images in progress is written.
     void finish() {
         Finishing first = std::move(finishing_.front());
         finishing_.pop_front();
@@ -262,7 +265,7 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // Before the focus of a pinhole the diameter is -0, to which adding 0 gives 0.
+        // For a pinhole, points in front of the focus have a diameter of -0. Adding 0 turns it into 0.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
@@ -275,11 +278,11 @@ class Sweep {
         return row;
     }
 
-    /// Computes data that the figures of all images need: depths, and the gradient energy of the pinhole
-    /// image.
+    /// Computes what the table values of all images need: the depths of the frame, and the gradient energy of
+    /// the pinhole image.
     void prepare() {
-        // A FocusFrame for the light field keeps prepared surfaces instead of records, so a second FocusFrame
-        // reads the records.
+        // For the light field, FocusFrame keeps prepared surfaces instead of records. A second FocusFrame
+        // therefore reads the records.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -296,14 +299,14 @@ class Sweep {
                                 .image);
     }
 
-    // Records the warning that the matrix W (shift of a reflected or refracted image when the lens point
-    // moves) is inaccurate. The command `focus` warns under the same conditions.
+    // Records a warning if the matrix W is inaccurate. W describes how a reflected or refracted image shifts
+    // when the lens point moves. The command `focus` warns under the same conditions.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning depends on the lens only through its area, so it is computed once for each area.
+        // Only the area of the lens affects this warning, so it is computed once for each area.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -322,7 +325,7 @@ class Sweep {
         if (w.share > known->worst.share) known->worst = w;
     }
 
-    /// Writes sweep.json with all rows that are finished, in order.
+    /// Writes sweep.json with the rows of all finished images, in the order of the sweep.
     void save() {
         out_.table.rows.clear();
         for (const auto& row : rows_) {
@@ -332,7 +335,7 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// Saves finished images after an error. Errors in this function are ignored, because the first error is
+    /// Saves finished images after an error. Further errors are ignored here, because the first error is
     /// reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
@@ -352,7 +355,7 @@ class Sweep {
     SampleFileReader file_;
     SweepGrid grid_;
     std::vector<std::string> names_;
-    std::vector<std::optional<SweepRow>> rows_;  ///< parallel to names_; absent: not finished yet
+    std::vector<std::optional<SweepRow>> rows_;  ///< parallel to names_; empty until an image is finished
     PictureMaker maker_;
     std::optional<SweepKeys> keys_;  ///< present after all checks
     FrameDepths depths_;
@@ -366,7 +369,8 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    /// This member is declared last, so that its work ends before the members that it uses are destroyed.
+    /// This member is declared last. It is destroyed first and waits for its work, which uses the other
+    /// members.
     std::deque<Finishing> finishing_;
 };
 

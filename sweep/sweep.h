@@ -1,5 +1,5 @@
-// Makes images of one sample file with many lens settings. Also writes a table of measured values and a
-// contact sheet.
+// Makes images of one sample file with many lens settings. Also writes a contact sheet and a table of
+// measured values.
 #pragma once
 
 #include <filesystem>
@@ -20,20 +20,21 @@ struct SweepSettings {
     SweepAxes axes;
     PictureSettings picture;
     std::string format = "exr";  ///< extension of the images: exr, png, tif or jpg
-    /// numbered names such as "pull.%04d"; if absent, names contain the settings
+    /// Pattern for numbered names, such as "pull.%04d". If absent, the names contain the settings.
     std::optional<std::string> frames;
     std::vector<glm::dvec2> at;  ///< raster positions, px, at which the CoC is reported; empty: a 3 x 3 grid
     double coc_limit_px = 1;     ///< CoC diameter below which a pixel is in focus, px; positive
-    /// Keeps an image of an earlier run in the same folder if two conditions hold: sweep.json shows that it
-    /// was made with equal settings from an equal file, and its checksum shows that it is unchanged.
+    /// Keeps an image of an earlier run in the same folder if sweep.json shows that it was made with equal
+    /// settings from an equal file. The image's checksum must also show that it is unchanged.
     bool resume = false;
-    /// Makes only every N-th image (a share of the sweep). The table of these images is sweep.I-of-N.json;
-    /// sweep.csv and contact.png are not written. A later sweep of all images with `resume` in the same
-    /// folder keeps the images of all shares, and writes the tables and the contact sheet.
+    /// Makes only every N-th image (one share of the sweep). The table of these images is sweep.I-of-N.json.
+    /// A share writes neither sweep.csv nor contact.png. To complete the sweep, run it once more without a
+    /// share, in the same folder and with `resume`. This run keeps the images of all shares and writes the
+    /// tables and the contact sheet.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< with `resume`: makes no image
-    /// Further files on which the images depend, such as files that the settings refer to. Their contents are
+    /// Other files on which the images depend, such as files that the settings refer to. Their contents are
     /// part of every settings_key.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
@@ -41,22 +42,24 @@ struct SweepSettings {
 };
 
 struct SweepWarning {
-    FocusWarning worst;        ///< warning of the image with the largest affected fraction of pixels
+    FocusWarning worst;        ///< warning of the image with the largest fraction of affected pixels
     std::size_t pictures = 0;  ///< number of images with this warning
 };
 
 struct SweepResult {
     SweepTable table;
-    std::vector<SweepWarning> warnings;  ///< one per code, for the images that this run has made
+    std::vector<SweepWarning> warnings;  ///< one per warning code, for the images that this run made
     std::size_t made = 0, kept = 0;
     std::filesystem::path csv, json;
     std::optional<std::filesystem::path> contact_sheet;  ///< absent above ContactSheet::most_pictures
 };
 
 /// Writes the images, sweep.csv, sweep.json and contact.png into `folder`, which is created if it does not
-/// exist. Every file is written atomically. sweep.json is updated about once a second and when the sweep is
-/// interrupted. The images are those of PictureMaker. Throws Error(wrong_arguments) for settings out of
-/// range, before anything is written. Throws Error(cannot_write), and the errors of PictureMaker.
+/// exist. PictureMaker makes the images. Every file is written atomically. sweep.json is updated about once a
+/// second, and also when the sweep is interrupted.
+///
+/// Throws Error(wrong_arguments) if a setting is out of range, before anything is written. Throws
+/// Error(cannot_write) and the errors of PictureMaker.
 [[nodiscard]] SweepResult sweep(const std::filesystem::path& frame, const SweepSettings& settings,
                                 const std::filesystem::path& folder);
 

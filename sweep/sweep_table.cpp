@@ -111,7 +111,7 @@ std::string json_text(const SweepTable& table) {
     for (const SweepRow& row : table.rows) rows.push_back(row_json(table, row));
     Json all = {{"frame", table.frame}, {"coc_limit_px", table.coc_limit_px}, {"pictures", rows}};
     if (!table.part.empty()) all["part"] = Json::parse(table.part);
-    // Invalid UTF-8 is replaced, because a file name may contain any bytes.
+    // A file name may contain any bytes, so invalid UTF-8 is replaced.
     return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -1,5 +1,5 @@
-// The table of a sweep, with one row per image. It is written twice: as CSV for other programs, and as JSON,
-// which an interrupted sweep reads to resume.
+// The table of a sweep, with one row per image. It is written as CSV for other programs, and as JSON, from
+// which an interrupted sweep resumes.
 #pragma once
 
 #include <filesystem>
@@ -21,14 +21,14 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Gradient energy of the image divided by that of the pinhole image. Absent if the pinhole image has
-    /// none.
+    /// Gradient energy of the image, divided by that of the pinhole image. Absent if the gradient energy of
+    /// the pinhole image is 0.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;
     std::string settings_key;      ///< hash of the settings and of the file's contents
     std::string picture_checksum;  ///< checksum of the image file as written
-    bool kept = false;             ///< true for an image of an earlier run
+    bool kept = false;             ///< true if an earlier run made the image
 };
 
 struct SweepTable {
@@ -39,17 +39,18 @@ struct SweepTable {
     std::string part;  ///< SweepSettings::part
 };
 
-/// Returns CSV with a header line and one line per image. Columns: file, f_number, focal_length_mm, focus_m,
-/// shutter_open_s, shutter_close_s, impulse, method, "coc_px X Y" for every position, largest_coc_px,
-/// in_focus_share, sharpness, predicted_db, seconds. An unknown value is empty, and infinity is `inf`.
-/// Strings with commas or quotes are quoted [rfc4180].
+/// Returns the table as CSV, with a header line and one line per image. The columns are: file, f_number,
+/// focal_length_mm, focus_m, shutter_open_s, shutter_close_s, impulse, method, "coc_px X Y" for every
+/// position, largest_coc_px, in_focus_share, sharpness, predicted_db, seconds. Unknown values are left empty,
+/// and infinity is written as `inf`. Strings with commas or quotes are quoted [rfc4180].
 [[nodiscard]] std::string csv_text(const SweepTable& table);
 
-/// The table as JSON. Unknown and infinite values are null.
+/// Returns the table as JSON. Unknown and infinite values are written as null.
 [[nodiscard]] std::string json_text(const SweepTable& table);
 
-/// Reads the figures and checksums of each image from a text that `json_text` has written, by file name. Does
-/// not read the settings. Throws Error(invalid_input) for any other text; the message begins with `source`.
+/// Reads the measured values and the checksums of all images from JSON that `json_text` wrote, and returns
+/// them by file name. Does not read the settings. Throws Error(invalid_input) for any other text. The error
+/// message begins with `source`.
 [[nodiscard]] std::map<std::string, SweepRow> rows_of_json(const std::string& text,
                                                            const std::string& source);
 

@@ -66,7 +66,7 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
         fail(ExitCode::wrong_arguments, "{}: range runs backwards (got {}; expected FROM not above TO)",
              option, text);
     }
-    // stops; f/11 and f/22 are nominal values of 11.31 and 22.63, which are 0.08 stops more
+    // In stops. The markings f/11 and f/22 stand for 11.31 and 22.63, which are 0.08 stops more.
     constexpr double missed_stops = 0.1;
     const double stops = 2 * std::log2(to / from);
     const double steps = std::floor((stops + std::min(missed_stops, *step / 2)) / *step);
@@ -74,7 +74,7 @@ void add_stops(const std::string& option, std::string_view text, std::vector<dou
     for (int i = 0; i <= static_cast<int>(steps); ++i) out.push_back(from * std::exp2(i * *step / 2));
 }
 
-/// Parses a range FROM:TO:COUNT. Its values are uniformly spaced in scale(value).
+/// Parses a range FROM:TO:COUNT, whose values are evenly spaced in scale(value).
 template <typename Scale, typename Value>
 void add_even(const std::string& option, std::string_view text, bool infinite, const Scale& scale,
               const Value& value, std::vector<double>& out) {

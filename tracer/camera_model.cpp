@@ -23,8 +23,8 @@ double positive(double value, const char* option, const char* unit) {
     return value;
 }
 
-// Returns the film distance, mm, at which `pixels` pixels subtend the angle `degrees`. The angle is measured
-// between the centres of the outermost pixels or between their outer edges.
+// Returns the film distance, mm, at which `pixels` pixels subtend the angle `degrees`. Depending on the
+// camera, the angle is measured between the centres or between the outer edges of the outermost pixels.
 double film_distance(const Camera& c, double degrees, double pitch_mm, int pixels) {
     const double film_mm = pitch_mm * (c.fov_between_pixel_centres ? pixels - 1 : pixels);
     return film_mm / 2 / half_tangent(degrees);
@@ -105,8 +105,8 @@ CameraRay CameraModel::ray(double x, double y) const {
         const double metres_per_px = pixel_pitch_mm * 1e-3;
         return {position + (px * metres_per_px) * right + (py * metres_per_px) * down, forward, 1.0};
     }
-    // The only division is the one by the square root. More divisions would take as long as Embree needs for
-    // an eye ray.
+    // The only division is the reciprocal of the square root. Any further division would take as long as
+    // Embree needs for an eye ray.
     const double tx = px * tangent_per_px, ty = py * tangent_per_px;
     const double cosine = 1 / std::sqrt(1 + tx * tx + ty * ty);
     return {position, (forward + tx * right + ty * down) * cosine, cosine};

@@ -15,8 +15,8 @@ struct CameraOverrides {
     std::optional<double> film_width_mm;
 };
 
-/// A ray of the camera. With the tangents tan_x and tan_y along the raster's axes (x right, y down), its
-/// direction in the camera frame is (tan_x, -tan_y, -1), normalised.
+/// A ray of the camera. Its direction in the camera frame is (tan_x, -tan_y, -1), normalised. tan_x and tan_y
+/// are the tangents along the raster's axes (x right, y down).
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis
@@ -24,28 +24,28 @@ struct CameraRay {
 
 class CameraModel {
   public:
-    /// Throws Error(wrong_arguments) for overrides out of range. Throws Error(invalid_input) if position,
-    /// look_at and up of the camera do not define an orientation.
+    /// Throws Error(wrong_arguments) if an override is out of range. Throws Error(invalid_input) if the
+    /// position, look_at and up of the camera do not define an orientation.
     CameraModel(const Camera& camera, double time_s, const CameraOverrides& overrides = {});
 
     /// Returns the ray through a raster position, px. The position may lie outside the raster.
     [[nodiscard]] CameraRay ray(double x, double y) const;
     /// Returns the raster position of a world point, px. Empty if the point is not in front of the pinhole.
     [[nodiscard]] std::optional<glm::dvec2> place(const glm::dvec3& point) const;
-    /// Returns the raster position, px, of a point at infinity in a world direction. Perspective cameras
-    /// only. Empty if the direction does not point forwards.
+    /// Returns the raster position, px, of a point at infinity in a world direction. Empty if the direction
+    /// does not point forwards. Only for perspective cameras.
     [[nodiscard]] std::optional<glm::dvec2> place_at_infinity(const glm::dvec3& direction) const;
 
     int width = 0, height = 0;
     Camera::Projection projection = Camera::Projection::perspective;
     double film_distance_mm = 0;  ///< perspective only
-    double pixel_pitch_mm = 0;    ///< on the film; orthographic: in the scene
+    double pixel_pitch_mm = 0;    ///< on the film, or in the scene if orthographic
     double tangent_per_px = 0;    ///< pixel pitch / film distance; perspective only
     glm::dmat4 world_from_camera{1};
     glm::dmat4 rest_from_camera{1};  ///< world_from_camera without the camera's motion
 
-    /// Pose of the camera in the world: unit vectors of the raster axes (x right, y down) and of the optical
-    /// axis, and the position of the pinhole, m.
+    /// Pose of the camera in the world. `right`, `down` and `forward` are unit vectors along the raster axes
+    /// and the optical axis. `position` is the pinhole, m.
     glm::dvec3 right{1, 0, 0}, down{0, -1, 0}, forward{0, 0, -1}, position{0};
 };
 

@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
-// sums are added one sample at a time. The result is therefore bit-identical for any number of threads and
+// samples are added one at a time. This makes the result bit-identical for any number of threads and
 // interruptions.
 class Renderer {
   public:
@@ -58,8 +58,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The two halves of the samples differ only in their seeds. The seeds are hashed, so that renders
-            // with neighbouring values of --seed have no half in common.
+            // The two halves of the samples differ only in their seeds. The seeds are hashed. Otherwise,
+            // renders with neighbouring values of --seed would have one half in common.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -69,16 +69,16 @@ class Renderer {
         }
     }
 
-    /// Returns into how many blocks the samples of a pixel are divided, and into how many groups (of rays
-    /// traced together) each block is divided.
+    /// Returns the number of blocks into which the samples of a pixel are divided, and the number of groups
+    /// in each block. The rays of a group are traced together.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks of a pixel's samples that this run renders: all blocks, or only some if the render is
-    /// divided into parts.
+    /// The blocks of samples that this run renders. These are all blocks, unless the render is divided into
+    /// parts.
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -90,7 +90,7 @@ class Renderer {
         static_cast<void>(sample_blocks(count, settings.spp, settings.halves));  // refuses too many shares
         return {blocks * index / count, blocks * (index + 1) / count, false};
     }
-    /// An empty state for these settings.
+    /// Returns an empty state for these settings.
     static RenderState state_for(const RenderSetup& setup, const RenderSettings& settings, double stops,
                                  const std::string& what) {
         const int halves = settings.halves ? 2 : 1;
@@ -123,7 +123,8 @@ class Renderer {
         return done;
     }
 
-    // Traces round `round` of those tiles in [begin, end) that have not finished it.
+    // Traces one round of samples for those tiles in [begin, end) that have not finished it. `round` is the
+    // number of the round.
     void trace(int round, std::size_t begin, std::size_t end) {
         std::vector<RayCounts> counts(end - begin);
         const auto add_up = [&] {
@@ -174,7 +175,7 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of a block begins at 0. It is therefore bit-identical to the sum in a part of the
+            // The sum of every block starts at 0. This makes it bit-identical to the sum in a part of the
             // render that contains only this block.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
@@ -231,8 +232,9 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice takes 0.1 to 0.4 s. That is long enough that the cost of starting a loop is negligible,
-            // and short enough that stopping and saving are not delayed.
+            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s: long
+            // enough to hide the cost of starting the loop, and short enough not to delay stopping and
+            // saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);
             begin = end;
@@ -314,7 +316,7 @@ RenderResult render_to_file(const Scene& scene, const RenderSettings& settings, 
     }
     const auto start = Clock::now();
     auto saved = start;
-    constexpr double least_interval_s = 5;  // at which the unfinished image is saved
+    constexpr double least_interval_s = 5;  // between two saves of the unfinished image
     double interval_s = least_interval_s;
     const auto save = [&] {
         const auto began = Clock::now();

@@ -1,5 +1,5 @@
-// `render` makes an image by rays that are distributed over lens and time. This image is the reference for
-// post-processed images.
+// `render` makes an image with rays that are distributed over the lens and over time. This image is the
+// reference for images made by post-processing.
 #pragma once
 
 #include <array>
@@ -25,21 +25,21 @@ namespace postlens {
 
 struct RenderSettings {
     CameraOverrides camera;
-    std::string camera_name;       ///< empty: the scene's first
+    std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< instant if there is no shutter; if absent, that of the scene
 
     std::optional<double> focal_length_mm;  ///< focal length F; if absent, the film distance of the camera
     std::optional<double> f_number;  ///< if absent, that of the camera, or a pinhole if the camera has none
-    std::optional<double> focus_m;   ///< empty: the camera's
+    std::optional<double> focus_m;   ///< if absent, that of the camera
     std::optional<std::pair<double, double>>
         focus_at;  ///< raster position, px, of the point in focus; replaces focus_m
     Framing framing = Framing::keep;
     std::shared_ptr<const Aperture> aperture;  ///< null: a disc
-    /// A lens prescription, used instead of a thin lens. `focal_length_mm` must then be absent. Without
-    /// `f_number`, the lens is wide open.
+    /// A lens prescription, which replaces the thin lens. `focal_length_mm` must then be absent. If
+    /// `f_number` is absent too, the lens is wide open.
     std::shared_ptr<const Prescription> prescription;
 
-    std::optional<TimeSpan> shutter;  ///< empty: the exposure is an instant
+    std::optional<TimeSpan> shutter;  ///< if absent, the exposure is an instant
     ShutterCurve curve = ShutterCurve::box();
 
     SamplerKind sampler = SamplerKind::sobol;
@@ -49,16 +49,17 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// The crop of the image that is rendered. Tiles of 8 px outside the crop stay black. The other tiles are
-    /// bit-identical to those without a crop. Files contain only the crop (see write_image). A run may be
-    /// resumed with another crop.
+    /// The part of the image to render. Tiles of 8 px outside the crop stay black. The other tiles are
+    /// bit-identical to those of a render without a crop. Files contain only the crop (see write_image). A
+    /// resumed run may use another crop.
     std::optional<Crop> crop;
-    std::string made_by;  ///< for the files of the pictures (Image::made_by)
-    /// text stored in each file, which is then a part of a render (records/picture_part.h); if empty, the
-    /// files are images
+    std::string made_by;  ///< written to the image files (Image::made_by)
+    /// Text stored in each file to mark it as a part of a render (records/picture_part.h). If empty, the
+    /// files are ordinary images.
     std::string part_mark;
-    /// With `part_mark`: the file contains some of the samples of every pixel, part `sample_share[0]` of
-    /// `sample_share[1]` (render_state.h). Separate files for the two halves of the samples are not written.
+    /// With `part_mark`: this run renders only some of the samples of every pixel, part `sample_share[0]` of
+    /// `sample_share[1]` (render_state.h). The two halves of the samples are then not written to separate
+    /// files.
     std::optional<std::array<int, 2>> sample_share;
 };
 
@@ -73,25 +74,25 @@ struct RenderResult {
     double motion_error_px = 0;  ///< greatest error, px, of the linear steps by which Embree moves meshes
 };
 
-/// Returns the number of blocks into which the samples of a pixel are divided. Each of `shares` parts of a
-/// render consists of some blocks (distributed/render_state.h). Throws Error(wrong_arguments) if there are
-/// more parts than blocks.
+/// Returns the number of blocks into which the samples of a pixel are divided. If a render is divided into
+/// `shares` parts, each part consists of some of these blocks (distributed/render_state.h). Throws
+/// Error(wrong_arguments) if there are more parts than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
-/// Paths of the two files of `halves`: NAME.a.EXT and NAME.b.EXT.
+/// Returns the paths of the two files of `halves`, NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
-/// Returns the path of an unfinished image: NAME.partial.exr. Any viewer can display it. Additional channels
-/// contain the sums.
+/// Returns the path of an unfinished image, NAME.partial.exr. Any viewer can display this file. Its
+/// additional channels contain the sums from which the render resumes.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
 /// Renders to the file `path`, and to half_paths. The file is bit-identical for any number of threads, and
-/// for a run that was interrupted and resumed. Throws Error(wrong_arguments) for settings out of range,
-/// Error(interrupted) after writing partial_path, Error(invalid_input) if that file is damaged or has other
-/// settings, Error(out_of_memory), and Error(cannot_write).
+/// also after an interruption. Throws Error(wrong_arguments) if a setting is out of range. Throws
+/// Error(interrupted) after writing partial_path. Throws Error(invalid_input) if that file is damaged or has
+/// other settings. Also throws Error(out_of_memory) and Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 
-/// Renders into memory, without files and without resuming; for tests and benchmarks.
+/// Renders into memory, without files and without resuming. Used by tests and benchmarks.
 RenderResult render_picture(const Scene& scene, const RenderSettings& settings);
 
 }  // namespace postlens

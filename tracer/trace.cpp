@@ -24,8 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Margin around the recorded pixels, px, in which edges are searched. The surfaces that a lens sees past
-// edges outside this margin only affect the border of the records.
+// Margin, in px, around the recorded pixels that is also searched for depth edges. Edges farther out affect
+// only the border of the recorded area.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -74,8 +74,8 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One instant of a trace: the scene and the camera at this instant, and the hidden surfaces that are
-// recorded.
+// One instant of a trace. It contains the scene and the camera at this instant, and the hidden surfaces that
+// are recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -88,7 +88,7 @@ class Instant {
         }
         tracer_.emplace(rays_, camera_, settings.whitted, hidden_layers(settings));
     }
-    // After this call, the hidden surfaces that a lens sees past edges in the window `w` are also recorded.
+    // Makes the trace also record the hidden surfaces that a lens sees past edges in the window `w`.
     void look_through_lens(const TraceSettings& settings, const SampledWindow& w) {
         if (!settings.for_f_number || settings.hidden_layers ||
             camera_.projection == Camera::Projection::orthographic)
@@ -106,7 +106,8 @@ class Instant {
 
     [[nodiscard]] const WhittedTracer& tracer() const { return *tracer_; }
     [[nodiscard]] const CameraModel& camera() const { return camera_; }
-    /// The motion from this instant to those of the whole shutter; null without one.
+    /// Returns the motion from this instant to all instants of the shutter interval. Null if there is no
+    /// shutter.
     [[nodiscard]] const FilmMotion* motion() const { return motion_ ? &*motion_ : nullptr; }
     [[nodiscard]] bool has_hidden_layers() const { return hidden_; }
 
@@ -133,7 +134,8 @@ class Instant {
     bool hidden_ = false;
 };
 
-// Divides the records by the exposure of the scene, because sample files contain radiance.
+// Divides the radiance of the records by the exposure of the scene, because sample files contain radiance
+// without exposure.
 class Radiance {
   public:
     explicit Radiance(double exposure_stops) : gain_(exposure_gain(-exposure_stops)) {}
@@ -151,8 +153,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Returns the radius, m, of the widest lens for which the sample file is made: the lens of `for_f_number`,
-// else of the camera's f-number, else of f/1.4.
+// Returns the radius, m, of the widest lens for which the sample file is made. Its f-number is
+// `for_f_number`. If that is absent, it is the camera's f-number, or f/1.4 if the camera has none.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -161,8 +163,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion`: the motion
-// from this instant to the instants at which its records are used; may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` describes
+// the motion from this instant to all instants at which its records are used. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -179,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns the instants at which views use the key (recorded instant) `at_s`: from the recorded instant before
-// it to the one after it.
+// Returns the instants at which views use the records of the key (recorded instant) `at_s`. They range from
+// the previous recorded instant to the next one.
 std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
@@ -190,13 +192,11 @@ std::vector<double> instants_near(double at_s, const std::vector<double>& record
     return looked_at_instants(before_s, after_s, std::vector<double>{at_s});
 }
 
-// Returns a lower bound of the memory of a trace, from the buffers that grow with the raster. A trace may
-// need more memory than this, but never less.
+// Returns a lower bound of the memory that a trace needs. Only buffers that grow with the raster are counted.
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores for each pixel an inverse depth, and ranges of inverse depths in a pyramid over the
-    // pixels.
+    // For each pixel, LensReach stores one inverse depth and its share of a pyramid of inverse depth ranges.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -305,8 +305,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // The camera as the header describes it. The scene is then translated so that this camera is at the
-    // origin, as in `render`.
+    // This is the camera that the header describes. The scene is then translated so that this camera is at
+    // the origin, as in `render`.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);
@@ -343,7 +343,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // The overscan of a key (recorded instant) must suffice for the time up to the neighbouring keys.
+    // The overscan of a key (recorded instant) must suffice for motion until the previous and the next key.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));
@@ -351,15 +351,15 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         result.overscan_px = std::max(result.overscan_px, overscan_for(settings, *instant, &near));
     }
     go_to(time_s);
-    // Some methods use only the frame's own instant. Its overscan must therefore suffice for the whole
-    // shutter.
+    // Some methods read only the frame's own instant, so its overscan must suffice for the whole shutter
+    // interval.
     if (settings.overscan_auto)
         result.overscan_px =
             std::max(result.overscan_px, overscan_for(settings, *instant, instant->motion()));
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // A file has a single grid, so its levels must suffice for the narrow objects at all instants.
+    // A file has only one grid, so the grid needs enough levels for the narrow objects at every instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

@@ -1,4 +1,5 @@
-// The command `chart --atlas`, which runs an atlas of failure.
+// The command `chart --atlas`. It runs the atlas of failure, a collection of scenes in which the methods
+// fail.
 #pragma once
 
 #include <string>

@@ -32,8 +32,8 @@ void check_limits(const CompareLimits& limits) {
     }
 }
 
-// Reads only the headers of the files. Checks that all images have the size of the reference and fit into
-// memory.
+// Checks that all images have the size of the reference, and that they fit into memory. Reads only the
+// headers of the files.
 void check_files(const CompareCommandOptions& o) {
     const ImageSize size = read_image_size(o.reference);
     int pictures = 2;
@@ -158,7 +158,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // A difference of more than four standard errors occurs by chance only once in 16000 comparisons.
+    // By chance, a difference of more than four standard errors occurs only once in 16000 comparisons.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -194,8 +194,8 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// The exposure at which all images are compared: that of the option, else that of the reference, else that of
-// the image.
+// Determines the exposure at which all images are compared. It is the exposure in the options, or else that
+// of the reference, or else that of the image.
 class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
@@ -216,7 +216,7 @@ class Exposer {
     double stops_;
 };
 
-// Writes the map of error causes, and reports for each cause the fraction of the error that it explains.
+// Writes the map of error causes. Reports which fraction of the error each cause explains.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     warn_of_missing_rows(file, out.warnings);
@@ -281,7 +281,8 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The images are read again. The comparison has freed them, because it needs most of the memory.
+        // The comparison has freed the images, because it needs most of the memory. They are therefore read
+        // again.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

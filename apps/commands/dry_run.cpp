@@ -27,7 +27,7 @@ struct Cost {
     std::uint64_t memory_bytes = 0;
 };
 
-/// Seconds of a run as a linear function of the number of samples or views.
+/// The time of a run in seconds, as a linear function of the number of samples or views.
 struct Line {
     double fixed_s = 0, each_s = 0;
     int measured = 1;  ///< largest number of samples or views that was measured
@@ -35,8 +35,8 @@ struct Line {
     [[nodiscard]] Cost at(double amount) const { return {fixed_s + each_s * amount, memory_bytes}; }
 };
 
-/// Returns the indices of at most `most` of `count` items. They are evenly spaced and include the first and
-/// the last item.
+/// Selects at most `most` of `count` items. Returns their indices, which are evenly spaced and include the
+/// first and the last item.
 std::vector<int> spread(int count, int most) {
     std::vector<int> out;
     const int n = std::min(count, most);
@@ -46,7 +46,7 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the cost of item i by linear interpolation between the measured items.
+/// Returns the cost of item i, interpolated linearly between the measured items.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -63,8 +63,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that the command would report before its work, except for those that the measured
-    /// parts report.
+    /// Throws the errors that the command would report before it starts to work. Errors that also occur when
+    /// the parts are measured are not checked here.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -92,7 +92,7 @@ class Measured {
         return out;
     }
 
-    /// The command that joins the parts; null if nothing has to be joined.
+    /// Returns the command that joins the parts, or null if there is nothing to join.
     [[nodiscard]] Json merge() const {
         if (work_.shares == 1 || work_.frames) return nullptr;
         Json words{"merge"};
@@ -115,8 +115,8 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command with the additional words `more` and measures its cost. If the command has an option
-    /// for the number of samples or views, `amount` is its value.
+    /// Runs the command with the additional words `more` and measures its cost. `amount` replaces the number
+    /// of samples or views if the command has such an option.
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -140,7 +140,7 @@ class Measured {
         return run(more, amount, fs::path(work_.output).extension().string());
     }
 
-    /// Throws the error with which a child process of the command has ended.
+    /// Throws the error that a child process has reported.
     [[noreturn]] static void refuse(const ChildResult& child, const fs::path& log) {
         constexpr std::uintmax_t longest = 1'000'000;
         const std::string said = read_text_file(log, longest);
@@ -153,9 +153,9 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Measures the command with a number of samples or views, and with twice that number. The number begins
-    /// at a 16th of `amount` and is doubled until the two times differ by more than `clear_s`. A smaller
-    /// difference may be noise.
+    /// Measures the command with a number of samples or views, and again with twice that number. The first
+    /// number is a 16th of `amount`. Both are doubled until the two times differ by more than `clear_s`,
+    /// because a smaller difference may be noise.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -192,8 +192,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // Frames may differ in cost. The ratio between the costs of two frames is assumed to be the same
-            // for all samples or views as for the few that are measured.
+            // The frame was measured with only a few samples or views. It is assumed to cost the same
+            // multiple of the middle frame for any number of samples or views.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -207,9 +207,9 @@ class Measured {
         return out;
     }
 
-    /// Costs of the tasks of a sweep. A sweep of a single image is measured first. Its total time minus the
-    /// time of the image is the fixed cost of a task. Then one or two sweeps of evenly spaced images, at
-    /// least four in total if there are as many, determine the cost of each further image.
+    /// Predicts the costs of the tasks of a sweep. First, a sweep of a single image is measured. The time
+    /// that is not spent on the image is the fixed cost of a task. Then, one or two sweeps with evenly spaced
+    /// images are measured to find the cost of each image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -244,7 +244,7 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A share of the samples stores separate sums for each of its blocks of samples. It therefore needs
+        // A share of the samples keeps separate sums for each of its blocks of samples. It therefore needs
         // more memory than an undivided run.
         const ImageSize size = read_image_size(output_);
         const int blocks =
@@ -259,8 +259,7 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A share of the rows takes less time than the whole image. It can therefore be measured with more
-        // samples or views.
+        // A share of the rows takes less time than the whole image, so more samples or views can be measured.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

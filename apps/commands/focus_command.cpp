@@ -51,10 +51,10 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // Apertures are compared by their diameters. The f-number in the sample file refers to the film distance
-    // instead of the focal length, so f-numbers cannot be compared. The focus distance is not compared: the
-    // hidden surfaces that a lens sees do not depend on it, and each method checks itself whether the
-    // overscan suffices.
+    // The f-number in the sample file is computed with the film distance instead of the focal length. The
+    // f-number of the lens is converted accordingly, so that the comparison is between diameters of the
+    // aperture. The focus distance does not matter here: the hidden surfaces that a lens sees do not depend
+    // on it, and each method checks the overscan itself.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -77,11 +77,10 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
-    // it.
+    // With --salvage, the header may be damaged. The input is then assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // For any input but a sample file, the reader reports what kind of file it is.
+    // If the input is not a sample file, the reader reports below what kind of file it is.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -131,8 +130,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // With a scene, rays also see surfaces between the recorded corners of a pixel. Views are therefore
-    // useful even for a pinhole.
+    // Several views (reprojections) are useful even for a pinhole if there is a scene. Rays then also show
+    // surfaces that lie between the recorded corners of a pixel.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -151,7 +150,8 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // With a scene, rays replace the samples that W would reproject to wrong positions.
+    // The warning concerns samples that are reprojected to wrong positions, because W (how the image of a
+    // node moves with the lens point) is only exact to first order. With a scene, rays replace these samples.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

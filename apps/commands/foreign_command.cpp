@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind, nearest first, as further layers to every pixel of an image. Edge pixels that
-/// mix several surfaces are first split into those surfaces in all images, so that each surface is composited
+/// Adds the images of --behind to every pixel of an image as further layers, nearest first. In all images,
+/// edge pixels that mix several surfaces are first split into those surfaces. Each surface is then composited
 /// at its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
@@ -78,7 +78,8 @@ void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, cons
     }
 }
 
-/// Blends the pinhole image and the blurred image by the matte. A matte of 0 selects the pinhole image.
+/// Blends the pinhole image and the blurred image by the matte. Where the matte is 0, the result is the
+/// pinhole image.
 void limit_to(const std::vector<float>& matte, const Image& pinhole, Image& image) {
     for (std::size_t i = 0; i < matte.size(); ++i) {
         const auto mix = [&](float from, float to) { return from + matte[i] * (to - from); };
@@ -94,7 +95,7 @@ void check_passes(const FocusOptions& options) {
     check_exr_path(options.output, "passes");
 }
 
-/// Multiplies the colours by the exposure of the option. Returns the exposure in stops.
+/// Multiplies the colours by the exposure that the option asks for. Returns this exposure in stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
     if (stops == 0) return 0;
@@ -103,7 +104,7 @@ double expose(ForeignPicture& picture, const ExposureOption& asked) {
     return stops;
 }
 
-/// JSON that `info` reports for one part of an OpenEXR file.
+/// Returns the JSON that `info` reports for one part of an OpenEXR file.
 nlohmann::ordered_json part_json(const ForeignPart& part) {
     return {{"name", part.name},
             {"view", part.view},
@@ -160,7 +161,7 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // For any other input, the reader reports what kind of file it is.
+    // If the input is not a sample file, the reader reports later what kind of file it is.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -217,8 +218,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The focal length of a lens prescription is not that of the camera that rendered the image, so it is not
-    // copied.
+    // The focal length of a lens prescription is not copied, because it is not that of the camera that
+    // rendered the image.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -229,7 +230,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // The channels of --passes are measured by views (reprojections to lens points), whatever the method.
+    // The channels of --passes are computed from views (reprojections to lens points), whatever the method
+    // is.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

@@ -8,8 +8,7 @@ namespace postlens {
 CommandResult run_image(const ImageOptions& options) {
     const std::string& output = options.output;
     check_output(output);
-    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
-    // it.
+    // With --salvage, the header may be damaged. The input is then assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return foreign_image(options);
     refuse_foreign_options(options.foreign, options.input);
     const Damage damage = damage_rule(options.salvage);

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Number of layers in the file, from the visible layer 0 to the deepest hidden layer with a record. Reads all
+// Returns the number of layers in the file. The deepest layer is the last one that has a record. Reads all
 // records.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
@@ -221,7 +221,7 @@ CommandResult run_info(const InfoOptions& options) {
     std::error_code error;
     if (!fs::exists(input, error) && !error)
         fail(ExitCode::invalid_input, "{}: cannot read (no such file)", input);
-    static_cast<void>(InputFile(input));  // throws if it is no file or may not be read
+    static_cast<void>(InputFile(input));  // throws if it is not a file, or cannot be read
     if (options.salvage) return sample_file_info(input, true);
     if (is_prescription(input)) return lens_info(input);
     if (is_scene_file(input)) return scene_info(input);

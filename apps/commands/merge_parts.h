@@ -1,5 +1,5 @@
-// The parts that `merge` joins: the result files of shares of a command. These functions read from each part
-// which share it contains, and check that all parts belong to the same command.
+// The parts that `merge` joins. Each part is the result file of one share of a command. These functions find
+// out which share a part contains, and check that all parts come from the same command.
 #pragma once
 
 #include <map>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Reads the index and the number of shares from `mark`, the JSON that describes a part (mark_of in share.h).
-/// Throws Error(invalid_input) if postlens has not written this JSON.
+/// Returns the index of the share, and the number of shares, from `mark`. This is the JSON that describes a
+/// part (mark_of in share.h). Throws Error(invalid_input) if postlens has not written the JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -25,27 +25,29 @@ struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of t
 /// Throws Error(invalid_input) if the two parts come from different commands.
 void check_same_work(const PartFacts& first, const PartFacts& other);
 
-/// The parts that were found, in the order of their shares. Throws Error(invalid_input) if two parts contain
-/// the same share.
+/// Lists the parts that were found, in the order of their shares. Throws Error(invalid_input) if two parts
+/// contain the same share.
 class FoundParts {
   public:
     void add(const PartFacts& part);
-    /// Returns the indices of the shares that have no part. Throws if there are any, unless `partial` is set.
+    /// Returns the indices of the shares for which there is no part. Throws if there are any, unless
+    /// `partial` is set.
     [[nodiscard]] std::vector<int> missing(int count, bool partial) const;
 
   private:
     std::map<int, std::string> names_;
 };
 
-/// "0/8, 3/8"; a long list is cut short.
+/// Returns a text such as "0/8, 3/8". A long list is cut short.
 [[nodiscard]] std::string listed(const std::vector<int>& shares, int count);
 
-/// Joins the parts of a trace, which are sample files, into the sample file that an undivided trace would
-/// write.
+/// Joins the parts of a trace, which are sample files. The result is the sample file that an undivided trace
+/// would write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the results that the shares of a sweep or a chart have written into one folder. The parts are the
-/// tables FOLDER/*.I-of-N.json, one per share. The joined result is written to the same folder.
+/// Joins the results that the shares of a sweep or a chart have written into one folder. Each share has
+/// written a table named FOLDER/*.I-of-N.json, which serves as its part. The joined result is written to the
+/// same folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

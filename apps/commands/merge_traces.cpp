@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Exposure, stops, at which radiance is read without a change.
+/// Exposure in stops that leaves radiance unchanged.
 constexpr double as_stored = 0;
 
 PartFacts facts_of(const std::string& name, const SampleFileReader& file) {

@@ -27,7 +27,7 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// Name of the method that blurred one object. `automatic` means that the object was not blurred.
+// Returns the name of the method that blurred an object. For `automatic`, the object was not blurred.
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -69,8 +69,8 @@ void refuse_for_pictures(bool given, const char* option, const char* expected = 
          expected);
 }
 
-/// Reports the results that sample files and images of other programs have in common: warnings, exit code,
-/// and the JSON keys that scripts rely on.
+/// Reports the results that are the same for sample files and for images of other programs: the warnings, the
+/// exit code, and the JSON keys on which scripts rely.
 CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
                      std::vector<Warning> warnings = {}) {
     CommandResult out;
@@ -89,7 +89,7 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// First line of the human-readable result: "FILE: 960x540 px, convolve, more".
+/// Returns the first line of the human-readable result, for example "FILE: 960x540 px, convolve, more".
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
@@ -98,7 +98,7 @@ std::string headline(const MotionBlurOptions& options, const MotionBlurResult& r
                        100 * result.touched_share);
 }
 
-// Blurs a flat image of another program by its motion vectors.
+// Blurs an image of another program, which has one sample per pixel, by its motion vectors.
 CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     refuse_for_pictures(options.paths.has_value(), "--paths");
     refuse_for_pictures(options.settings.fit_px.has_value(), "--fit-paths");
@@ -150,8 +150,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur in which traced rays replace the samples that the records do not determine. Runs `shoot`
-/// with a pinhole lens.
+/// Makes motion blur in which traced rays replace the samples that the records do not determine. This is
+/// `shoot` with a pinhole.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -186,7 +186,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // A focus distance must be set even for a pinhole, where it has no effect.
+    // `shoot` requires a focus distance, although it has no effect for a pinhole.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);
@@ -216,11 +216,10 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // With --salvage the header may be damaged, so the input is assumed to be a sample file without reading
-    // it.
+    // With --salvage, the header may be damaged. The input is then assumed to be a sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // For any input but a sample file, the reader reports what kind of file it is.
+    // If the input is not a sample file, the reader reports below what kind of file it is.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,
@@ -249,7 +248,7 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     const SampleFileReader& file = open->file;
     settings.exposure = resolve_exposure(options.shutter, file.header(), options.shutter_from_frame);
     const SampleHeader& h = file.header();
-    // Settings of a pinhole. Its focus distance has no effect.
+    // These are the settings of a pinhole. The focus distance has no effect.
     const FocusSettings pinhole{
         .lens = {.focal_length_mm = h.focal_length_mm, .f_number = std::numeric_limits<double>::infinity()},
         .crop = settings.crop};

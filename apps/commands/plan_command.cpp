@@ -10,9 +10,9 @@
 namespace postlens {
 namespace {
 
-// Writes the explanation image. Its hue shows the method in each pixel: blue for scattered, grey for light
-// field, red for rays. Its brightness is that of the image. With the method auto, tiles of the light field
-// that average more views (reprojections to a lens point) are brighter.
+// Writes the explanation image. Its colours show how each pixel was computed: scattered (blue), light field
+// (grey) or rays (red). Its brightness is that of the image. With the method auto, a tile of the light field
+// is brighter if it averages more views (reprojections to a lens point).
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -23,8 +23,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // A tile of more views is drawn brighter. The factor grows with the logarithm of the number of
-            // views, from 1/4 for 16 views to 2 for 2048.
+            // The factor of the brightness grows with the logarithm of the number of views. It is 1/4 for 16
+            // views and 2 for 2048 views.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }
@@ -33,8 +33,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Reads the scene in which rays are traced. Checks the output files first, so that a wrong name is reported
-// before the long work.
+// Reads the scene in which rays are traced. Output files are checked first, so that a wrong file name is
+// reported before the long work begins.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-// The two diameters, px, of an elliptical circle of confusion. They are the singular values of gain * 2R *
-// (I/s - W). Here R is the lens radius, m, s the focus distance, m, W the matrix of the node, 1/m, and gain a
-// scale, px m.
+// The two diameters, in px, of an elliptical circle of confusion. They are the singular values of gain * 2R *
+// (I/s - W). R is the lens radius and s the focus distance, both in metres. W is the matrix of the node in
+// 1/m, and I the identity matrix. The gain is film distance / pixel pitch, in px.
 struct CocAxes {
     double longer_px, shorter_px;
 };
@@ -56,7 +56,8 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     return line + "\n";
 }
 
-// Returns the lens from the options and the file. Empty if they do not define one; no CoC is then shown.
+// Returns the lens that the options and the file define. Returns an empty value if they define none. Circles
+// of confusion are then not shown.
 std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFileReader& file) {
     const SampleHeader& h = file.header();
     if (h.projection == Projection::orthographic) return std::nullopt;
@@ -73,7 +74,7 @@ CommandResult run_records(const RecordsOptions& options) {
     const SampleFileReader file(options.input, damage_rule(options.salvage), 0.0);  // 0 stops: radiance
     const SampleHeader& h = file.header();
     const auto lens = lens_of(options.lens, file);
-    const double limit = 1e6;  // px; larger than any raster, but representable as an int
+    const double limit = 1e6;  // in px; larger than any raster, but representable as an int
     if (std::abs(options.at.first) > limit || std::abs(options.at.second) > limit) {
         fail(ExitCode::wrong_arguments, "--at: outside the picture (got {},{})", options.at.first,
              options.at.second);

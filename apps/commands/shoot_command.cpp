@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Warns of shadows, lights and reflections that do not move with the surfaces. Does nothing if the file
-/// contains several recorded instants.
+/// Warns of shadows, lights and reflections that should move but do not move with the surfaces. A file with
+/// several recorded instants needs no such warning.
 void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
                            CommandResult& out) {
     constexpr int rows_at_once = 64;

@@ -19,14 +19,14 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// Returns the lists of values from the options. If an option is absent, the list is the value in the sample
-/// file.
+/// Returns the lists of values that the options give. If an option is absent, its list consists of the value
+/// in the sample file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
     out.focus_m = o.focus ? focus_list("--focus", *o.focus) : only(h.focus_m);
     if (o.settings.picture.method == FocusMethod::pinhole) {
-        // A pinhole needs neither f-number nor focus distance, so the options are not required.
+        // A pinhole needs no f-number and no focus distance, so these options are not required.
         if (!o.f_number) out.f_numbers = {std::numeric_limits<double>::infinity()};
         if (out.focus_m.empty()) out.focus_m = {1};
     }
@@ -52,7 +52,7 @@ SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     return out;
 }
 
-/// Sets the format from the extension of --frames, as in "pull.%04d.png".
+/// Sets the format of the images from the extension of --frames, for example "pull.%04d.png".
 void take_format(const SweepOptions& o, SweepSettings& s) {
     if (s.frames) {
         for (const std::string ending : {"exr", "png", "tif", "jpg"}) {
@@ -87,7 +87,7 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Settings for which the sample file does not suffice are counted and reported as one warning.
+    // Collects the settings for which the sample file does not suffice. They are reported as one warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {
@@ -145,7 +145,7 @@ CommandResult run_sweep(const SweepOptions& o) {
         out.warnings.push_back({"contact_sheet", fmt::format("of {} no contact sheet is made",
                                                              counted(result.table.rows.size(), "picture"))});
     }
-    // --strict ignores exposure warnings, because they only concern how the images are displayed.
+    // --strict ignores warnings about exposure, because they only concern how the images are displayed.
     if (o.strict && std::any_of(out.warnings.begin(), out.warnings.end(),
                                 [](const Warning& w) { return w.code != "exposure"; }))
         out.exit_code = ExitCode::shortfall;

@@ -11,7 +11,8 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as typed. If a list is absent, the value in the sample file is used.
+    /// Lists of values, as the user has typed them. If a list is absent, the value in the sample file is
+    /// used.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file
@@ -23,7 +24,7 @@ struct SweepOptions {
     bool strict = false;
 };
 
-/// Returns the number of images of a sweep. Throws the errors of run_sweep for wrong options.
+/// Returns the number of images of a sweep. Throws the errors of run_sweep if the options are wrong.
 [[nodiscard]] std::size_t pictures_of(const SweepOptions& options);
 [[nodiscard]] CommandResult run_sweep(const SweepOptions& options);
 

@@ -17,8 +17,8 @@ namespace postlens {
 
 namespace {
 
-// Adds a warning for each id whose shapes have different motions, because the header stores only one motion
-// per id.
+// Adds a warning for each id whose shapes have different motions. The header can store only one motion per
+// id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
@@ -65,8 +65,8 @@ void check_room(std::uint64_t bytes, const std::string& output) {
                  "expected enough, a smaller --size or --subdivide, or --force to try all the same");
 }
 
-// True if the free disk space is ample: more than 16 KiB per pixel, which is far more than usual traces need.
-// The size of the file is then not predicted.
+// Returns true if the disk has more than 16 KiB of free space per pixel, which is far more than a usual trace
+// needs. The size of the file is then not predicted.
 bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
     constexpr double ample_bytes_per_px = 16384;
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);
@@ -93,7 +93,7 @@ CommandResult run_trace(const TraceOptions& options) {
     Scene scene = read_scene_of_command(options.scene, options.units, {options.output}, out);
     warn_of_motion(scene, out);
     TraceSettings settings = options.settings;
-    // `--subdivide` has cleared this flag, and overrides `--for-rays`.
+    // `--subdivide` clears this flag, because it overrides `--for-rays`.
     if (options.for_rays && settings.subdivide_for_lens) {
         settings.subdivide_for_lens = false;
         settings.subdivision.levels = TraceSettings::ray_levels;

@@ -15,13 +15,14 @@ struct LensCommandOptions {
     double focal_length_mm = 50, f_number = 8, focus_m = 1;
     std::optional<double> depth_m;
     double coc_limit_mm = 0.03;
-    double pixel_pitch_um = 18.75;  ///< a film of 36 mm with 1920 px
+    double pixel_pitch_um = 18.75;  ///< film 36 mm wide with 1920 px
 };
 
 [[nodiscard]] CommandResult run_lens_coc(const LensCommandOptions& options);
 [[nodiscard]] CommandResult run_lens_dof(const LensCommandOptions& options);
 
-/// Options that `lens show`, `trace` and `fit` have in common: a lens prescription and its settings.
+/// A lens prescription and its settings: the options that `lens show`, `lens trace` and `lens fit` have in
+/// common.
 struct PrescriptionOptions {
     std::string input;
     std::optional<double> f_number, focus_m, wavelength_nm;
@@ -37,7 +38,7 @@ struct LensShowOptions {
 
 struct LensTraceOptions {
     PrescriptionOptions lens;
-    std::optional<double> depth_m;  ///< absent: the focus distance
+    std::optional<double> depth_m;  ///< if absent, the focus distance
     std::vector<double> fields_deg;
     double film_width_mm = 36;
     int rays = 65;
@@ -58,8 +59,8 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_trace(const LensTraceOptions& options);
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
-/// Returns the settings of the traced lens. If the option `focus_m` is absent, the focus is that of the
-/// prescription, or infinity.
+/// Returns the settings of a lens through which rays are traced. If `focus_m` is absent, the lens is focused
+/// at the distance in the prescription, or else at infinity.
 [[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
                                                       double film_radius_mm);
 

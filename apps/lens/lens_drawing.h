@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Draws the meridional section of the lens, with the scene on the left. Ticks on the axis mark the pupils.
+/// Draws a meridional section of the lens, with the scene on the left. Ticks on the axis mark the pupils.
 [[nodiscard]] Drawing draw_section(const LensSection& section, const Prescription& lens,
                                    const TracedLens& traced);
 
@@ -18,14 +18,14 @@ struct Spot {
     std::vector<glm::dvec2> points_mm;  ///< positions in the upright image: x to the right, y up
     double rms_mm = 0;
 };
-/// Draws spot diagrams side by side. All have the same scale, which a scale bar shows.
+/// Draws spot diagrams side by side. A scale bar shows their common scale.
 [[nodiscard]] Drawing draw_spots(const std::vector<Spot>& spots);
 
 struct Curve {
     std::string title, unit;
     std::vector<double> x, y;
 };
-/// Plots the curves one below the other. They have a common x axis.
+/// Plots the curves one below the other, with a common x axis.
 [[nodiscard]] Drawing draw_curves(const std::vector<Curve>& curves, const std::string& x_title);
 
 }  // namespace postlens

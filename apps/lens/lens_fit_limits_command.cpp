@@ -74,7 +74,7 @@ CommandResult fit_sharp(const LensFitLimitsOptions& o) {
             {"why_not", lens.why_not.empty() ? nullptr : nlohmann::ordered_json(lens.why_not)}};
         std::string view;
         if (o.sensor_mm) {
-            // V is the film distance. It determines the field of view.
+            // The film distance V determines the field of view.
             const double V_mm =
                 lens.focal_length_mm / (1 - lens.focal_length_mm * 1e-3 / found.focus_distance_m);
             const double degrees = 360 / std::numbers::pi * std::atan(o.sensor_mm->first / (2 * V_mm));

@@ -1,5 +1,6 @@
-// Two commands that need no lens prescription: `lens fit --pairs` fits a thin lens to measured circles of
-// confusion, and `lens fit --sharp` finds the lens that keeps a range of depths sharp.
+// Variants of `lens fit` that need no lens prescription. With --pairs, the command fits a thin lens to
+// measured circles of confusion. With --sharp, it finds the lens that keeps a range of depths sharp. With
+// --picture, it estimates the lens with which an image was made.
 #pragma once
 
 #include <optional>
@@ -20,15 +21,15 @@ struct LensFitLimitsOptions {
     Impulse impulse;
 };
 
-/// Parses a range of depths, m, such as "1.2:4" or "1.2:inf". Throws Error(wrong_arguments).
+/// Parses a range of depths in metres, such as "1.2:4" or "1.2:inf". Throws Error(wrong_arguments).
 [[nodiscard]] std::pair<double, double> parse_depths(const std::string& option, const std::string& text);
-/// Parses a sensor size, mm, such as "36x24". Throws Error(wrong_arguments).
+/// Parses a sensor size in mm, such as "36x24". Throws Error(wrong_arguments).
 [[nodiscard]] std::pair<double, double> parse_sensor(const std::string& option, const std::string& text);
 
 /// Runs `lens fit --picture --frame`, which estimates the lens with which an image was made.
 [[nodiscard]] CommandResult run_lens_fit_picture(const LensFitLimitsOptions& options);
 
-/// Runs `lens fit --pairs` or `lens fit --sharp`. Requires exactly one of `pairs` and `sharp`.
+/// Runs `lens fit --pairs` or `lens fit --sharp`. Exactly one of `pairs` and `sharp` must be given.
 [[nodiscard]] CommandResult run_lens_fit_limits(const LensFitLimitsOptions& options);
 
 }  // namespace postlens

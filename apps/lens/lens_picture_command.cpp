@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// Focus distance, m, of an inverse focus distance; infinite for 0.
+/// Returns the focus distance in metres. It is infinite if its inverse is 0.
 double focus_m(const LensPlace& place) {
     return 1 / place.inverse_focus_per_m;
 }

@@ -13,9 +13,9 @@ namespace postlens {
 struct LensPsfOptions {
     std::string output;  ///< may be empty with `crossover`
     std::optional<double> focal_length_mm, f_number, focus_m, depth_m;
-    std::optional<double> wavelength_nm;  ///< absent: 550
-    double pixel_pitch_um = 18.75;        ///< a film of 36 mm with 1920 px
-    int size_px = 0;                      ///< 0: as large as the response
+    std::optional<double> wavelength_nm;  ///< 550 if absent
+    double pixel_pitch_um = 18.75;        ///< film 36 mm wide with 1920 px
+    int size_px = 0;                      ///< 0 means as large as the response
     Impulse impulse;
     std::optional<std::string> profile;  ///< a CSV file to write
     bool crossover = false;

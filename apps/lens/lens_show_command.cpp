@@ -16,9 +16,9 @@ double degrees(double tangent) {
     return std::atan(tangent) * 180 / std::numbers::pi;
 }
 
-// Returns the tangent of the field angle for the outermost rays of the drawing. The angle comes from the film
-// width, else from the prescription file. If neither is given, it is that of a 50 mm lens on 36 mm film. The
-// angle is reduced until light passes through the lens.
+// Returns the tangent of the field angle up to which rays are drawn. The angle comes from the film width, or
+// else from the prescription. If both are absent, it is the angle of a 50 mm lens on 36 mm film. The angle is
+// then reduced until light passes through the lens.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {
@@ -46,8 +46,8 @@ nlohmann::ordered_json numbers_json(const FirstOrder& f) {
             {"film_distance_mm", json_number(f.film_distance_mm)}};
 }
 
-// Returns the field of view, degrees, on a film of the given width. It includes distortion, because it is
-// computed from traced chief rays.
+// Returns the field of view, in degrees, on a film of the given width. It is computed from traced chief rays
+// and therefore includes distortion.
 std::optional<double> traced_field_deg(const TracedLens& traced, double film_width_mm) {
     try {
         return 2 * degrees(lens_model_range(traced, 1, 2, 0.5 * film_width_mm, 2).tangents.back());
@@ -81,7 +81,7 @@ CommandResult run_lens_show(const LensShowOptions& o) {
     const double film_radius =
         o.film_width_mm ? 0.5 * *o.film_width_mm : std::max(1e-3, 0.43 * std::abs(f.efl_mm));
     std::optional<TracedLens> traced;
-    // Only a converging lens can be focused, stopped down and drawn. For a diverging lens only the
+    // Only a converging lens can be focused, stopped down and drawn. For a diverging lens, only the
     // first-order data are reported.
     if (f.efl_mm > 0 || o.output || o.lens.f_number || o.lens.focus_m) {
         traced.emplace(lens, traced_lens_settings(o.lens, film_radius));

@@ -74,7 +74,7 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     std::string out = "field_deg,pupil_x_mm,pupil_y_mm,passes,film_x_mm,film_y_mm\n";
     for (const FieldResult& f : fields) {
         for (std::size_t k = 0; k < f.mesh.passes.size(); ++k) {
-            constexpr std::size_t often = 4096;  // lines: often enough to stop at once
+            constexpr std::size_t often = 4096;  // number of lines between two tests for cancellation
             if (k % often == 0) throw_if_interrupted();
             const dvec2 film = f.mesh.film_mm[k] + (f.mesh.passes[k] != 0 ? f.mesh.chief_film_mm : dvec2(0));
             out += fmt::format("{},{},{},{},{},{}\n", f.deg, f.mesh.pupil_mm[k].x, f.mesh.pupil_mm[k].y,
@@ -84,8 +84,8 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     return out;
 }
 
-// Returns the height of a chief ray on the film, mm from the centre, for the tangent of its field angle. NaN
-// if no ray passes.
+// Returns the distance in mm from the centre of the film to the point where a chief ray meets it. `tangent`
+// is that of the ray's field angle. Returns NaN if no ray passes.
 double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     const auto aim = traced.aim_at_stop(depth_m, {0, tangent});
     if (!aim) return NAN;
@@ -111,8 +111,9 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Area of the entrance pupil that transmits light of a point on the axis, mm^2. Areas of other points are
-/// compared with it on the same grid of rays, so that the ratio is exactly 1 for the point on the axis.
+/// Returns the area in mm^2 of the entrance pupil through which light from a point on the axis passes. It is
+/// measured with the same grid of rays as for other points, so that the ratio of the areas is exactly 1 for
+/// the point on the axis.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
@@ -121,7 +122,7 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // The paraxial scale of the image is computed from a chief ray near its centre.
+    // The paraxial scale of the image is computed from a chief ray close to the axis.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;
@@ -163,8 +164,8 @@ void write_curves(const std::string& path, const FieldCurves& c) {
                               "field, degrees"));
 }
 
-// Writes the impulse responses of all fields side by side. Each is in a square of the same size, centred on
-// its chief ray.
+// Writes the impulse responses of all field points side by side. Each is in a square of the same size,
+// centred on its chief ray.
 void write_impulse(const std::string& path, const TracedLens& traced, double depth_m,
                    const std::vector<FieldResult>& fields, double pitch_mm) {
     std::vector<ResponseGrid> grids;

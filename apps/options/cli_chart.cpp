@@ -72,7 +72,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([=, &app, &common] {
         o->request.join = common.join;
-        // The option is read here, because the option objects of CLI11 no longer exist when the command runs.
+        // This is read now, because CLI11's option objects no longer exist when the command runs.
         const bool of_atlas = atlas_option->count() > 0;
         common.run = [=, asked = asked_for(app), words = words_of(app)] {
             if (of_atlas) {

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Inserts the range of accepted values into a help text, after its first clause and before the default.
+/// Inserts the range of accepted values into a help text, between its first clause and the default.
 std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     const std::string text = bounds.text();
     if (text.empty()) return help;
@@ -17,8 +17,8 @@ std::string with_bounds(const std::string& help, const OptionRange& bounds) {
     return help.substr(0, at) + ", " + text + help.substr(at);
 }
 
-/// Adds an option that checks the bounds of parse(name, text) and stores it in `to`. `To` is a number or an
-/// optional number.
+/// Adds an option whose value is parsed by parse(name, text), checked against the bounds, and stored in `to`.
+/// The type `To` is a number or an optional number.
 template <typename To, typename Parse>
 CLI::Option* bounded(CLI::App& app, const std::string& name, To& to, const std::string& help,
                      const OptionRange& bounds, const Parse& parse) {
@@ -140,7 +140,8 @@ void crop_option(CLI::App& app, std::optional<Crop>& to) {
         ->type_name("X,Y,W,H");
 }
 
-// `source`: the end of each help text. It states where the value comes from if the option is absent.
+// Adds the lens options. Each help text ends with `source`, which states where the value comes from if the
+// option is absent.
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source) {
     const std::string otherwise = " [default: " + source + "]";
     number(app, "--f-number", to.f_number, "Aperture number n; inf: pinhole" + otherwise, "N", f_numbers,

@@ -1,5 +1,5 @@
-// Options that several subcommands have, and helpers that parse option values. Only cli*.cpp include this
-// header, because CLI11 is slow to compile.
+// Options that several subcommands have, and functions that parse option values. Only the files cli*.cpp
+// include this header, because CLI11 is slow to compile.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,9 +18,8 @@
 
 namespace postlens {
 
-// Adds a numeric option that the functions of apps/numbers.h parse instead of CLI11's: they allow inf, check
-// bounds and name the option in messages. The help text states the bounds, which are checked even if the
-// option has no effect.
+// These functions add a numeric option. Its value is parsed by apps/numbers.h instead of CLI11, so that "inf"
+// is accepted, bounds are checked, and error messages name the option. The help text states the bounds.
 CLI::Option* number(CLI::App& app, const std::string& name, std::optional<double>& to,
                     const std::string& help, const std::string& unit, const OptionRange& bounds,
                     bool infinite = false);
@@ -30,7 +29,7 @@ CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::s
                    const std::string& unit, const OptionRange& bounds);
 CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds);
-/// Add an option that must be given. Its help text names no default.
+/// Adds an option that must be given. Its help text has no default.
 CLI::Option* required_number(CLI::App& app, const std::string& name, double& to, const std::string& help,
                              const std::string& unit, const OptionRange& bounds, bool infinite = false);
 CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
@@ -38,36 +37,36 @@ CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, con
 inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views},
     depth_counts{.low = 2, .high = DepthLevels::most_depths};
 
-/// Adds an option OPEN:CLOSE, two instants in s. OPEN must not be after CLOSE.
+/// Adds an option OPEN:CLOSE for two instants in seconds. OPEN must not be after CLOSE.
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// The flag --dry-run of commands that can be divided.
+/// Adds the flag --dry-run to a command whose work can be divided.
 void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
-/// Adds --exposure. `absent`: part of the help text that states the default.
+/// Adds --exposure. `absent` is the part of the help text that states the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to commands that read the scene of a sample file. `when` is the beginning of the
-/// help text.
+/// Adds --lumens-per-watt to a command that reads the scene of a sample file. The help text begins with
+/// `when`.
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
-/// Adds --strict, which turns warnings into an exit code.
+/// Adds --strict, with which a warning changes the exit code.
 void strict_option(CLI::App& app, bool& to);
-/// Adds --salvage, for commands that read a sample file.
+/// Adds --salvage to a command that reads a sample file.
 void salvage_option(CLI::App& app, bool& to);
 /// Adds --predict, which reports the predicted error of the image.
 void predict_option(CLI::App& app, bool& to);
 void output_option(CLI::App& app, std::string& to, const std::string& help);
 void crop_option(CLI::App& app, std::optional<Crop>& to);
 void lens_options(CLI::App& app, LensOptions& to, const std::string& source = "the file's");
-/// Adds the options of the impulse response for focus and render. `real_lenses`: allow lens prescriptions.
+/// Adds the options of the impulse response to `focus` or `render`. `real_lenses` allows lens prescriptions.
 void impulse_options(CLI::App& app, Impulse& to, bool real_lenses = true);
 void scene_options(CLI::App& app, std::string& scene, SceneReadOptions& units, CameraOverrides& camera,
                    std::string& camera_name);
-/// Options for reading images of other programs.
+/// These functions add options for reading images of other programs.
 void foreign_channel_options(CLI::App& app, ForeignChoice& to);
 void foreign_camera_options(CLI::App& app, ForeignCameraChoice& to);
 void behind_options(CLI::App& app, ForeignOptions& to);

@@ -149,8 +149,8 @@ void add_sweep(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([o, &app, &common] {
         o->settings.join = common.join;
-        // The lambda copies the options, because the option objects of CLI11 no longer exist when the command
-        // runs.
+        // The lambda has copies of all options, because CLI11's option objects no longer exist when the
+        // command runs.
         common.run = [o, dry = common.dry_run, asked = asked_for(app), words = words_of(app)] {
             SweepSettings& s = o->settings;
             if (dry) {

@@ -1,4 +1,4 @@
-// Options that divide the work of a command into frames or shares, or predict its cost.
+// Options that divide the work of a command into frames or shares, or that predict the cost of the work.
 #include <limits>
 
 #include "apps/numbers.h"

@@ -1,4 +1,4 @@
-// The options of the subcommands, and the functions that declare them.
+// The options of the subcommands, and the functions that add the subcommands to the parser.
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ namespace postlens {
 
 inline constexpr const char* exposure_of_file = "the sample file's; 0 of another program's picture";
 
-// All values that the parser sets. The parsed command owns them.
+// All values that the parser sets. They belong to the parsed command.
 struct CommandOptions {
     ParsedCommand common;
     TraceOptions trace;
@@ -32,7 +32,7 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// The options of --frames, with `speak` set from the common options.
+    /// Returns the options of --frames, after setting `speak` from the common options.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
@@ -52,12 +52,12 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// Adds --share. `what`: text for the help about the items or rows that are divided into shares without
-/// --frames.
+/// Adds --share. `what` completes the help text. It names the items or rows that are divided into shares if
+/// there is no --frames.
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
-/// Adds --frames and --keep. Commands whose frames are instants also get --fps.
+/// Adds --frames and --keep. Also adds --fps if the frames of the command are instants (`in_time`).
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// Returns the command for which --dry-run predicts the tasks, with its parsed options.
+/// Returns the command whose tasks --dry-run predicts, with the options that were parsed.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

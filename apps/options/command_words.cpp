@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-// Options are tagged with marks, for example to show that an option names a file. CLI11 has no tags, so a
-// mark is a named check that accepts every text.
+// A mark tells what an option means, for example that its value is the name of an input file. CLI11 cannot
+// attach such data to an option. A mark is therefore a named check that accepts every text.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -29,7 +29,7 @@ bool has_mark(CLI::Option* option, const std::string& mark) {
     }
 }
 
-/// The file name in the text of an option; empty if there is none.
+/// Returns the file name in the value of an option, or an empty text if there is none.
 std::string path_in(CLI::Option* option, const std::string& text) {
     if (has_mark(option, read_mark) || has_mark(option, write_mark)) return text;
     if (has_mark(option, curve_mark)) return text == "box" || text == "triangle" ? "" : text;
@@ -102,8 +102,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // These options change where or how fast the result is computed and which messages are printed, but not
-    // the result itself.
+    // These options do not change the result. They change where or how fast it is computed, and which
+    // messages are printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -115,7 +115,8 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // All options except these name the same file for every frame (frame_commands.cpp).
+        // Apart from arguments without a name, only these options may name a different file for each frame
+        // (frame_commands.cpp).
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);
@@ -157,8 +158,8 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // A separate word that begins with a dash would be parsed as an option, so it is attached to the
-            // option's name.
+            // The value is attached to the option's name. As a separate word, a value that begins with a dash
+            // would be parsed as an option.
             if (option->get_positional())
                 out.push_back(text);
             else

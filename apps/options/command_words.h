@@ -11,26 +11,27 @@
 
 namespace postlens {
 
-/// Mark an option whose text is a file name or contains one (`image:FILE`, `box|triangle|FILE`, an object or
-/// its mask), so that files_of finds the file. A command that writes files must mark all such options. Both
-/// functions return the option.
+/// These functions mark an option whose value is a file name or contains one, so that files_of finds the
+/// file. Values may have the form `image:FILE` or `box|triangle|FILE`, or name an object or a file with the
+/// object's mask. If a command writes files, all its options of this kind must be marked. The functions
+/// return the option.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
-/// Returns the innermost subcommand that was parsed, such as `lens psf`; `app` itself if there is none.
+/// Returns the innermost subcommand that was parsed, such as `lens psf`. Returns `app` itself if there is
+/// none.
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
-/// Returns the files that the marked options of the parsed subcommand name.
+/// Returns the files that are named by the marked options of the parsed subcommand.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
-/// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value, for example
-/// because a shell variable is not set. No option accepts an empty value. An output with an empty name would
-/// be computed but not written.
+/// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value. The cause may be a
+/// shell variable that is not set. An output with an empty name would otherwise be computed but not written.
 void refuse_empty_values(CLI::App& app);
 /// Returns the options of the parsed subcommand and the files that it reads.
 [[nodiscard]] AskedFor asked_for(CLI::App& root);
 
-/// Returns the words of the command line without --share, --dry-run, --json and the options that name
+/// Returns the words of the command line, without --share, --dry-run, --json and the options that name
 /// outputs.
 [[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
 

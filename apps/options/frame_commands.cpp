@@ -1,4 +1,4 @@
-// The options of each command that change from frame to frame.
+// For each command, the options that change from frame to frame.
 #include <cmath>
 #include <functional>
 
@@ -15,7 +15,8 @@ namespace {
 
 constexpr double default_fps = 24;
 
-/// Returns the instant of a frame on the scene's clock, s: frame / fps, plus the offset --time.
+/// Returns the instant of a frame on the scene's clock, in seconds. It is frame / fps plus the value of
+/// --time.
 double time_of(const FrameOptions& options, int frame, const std::optional<double>& time_s) {
     return frame / options.fps.value_or(default_fps) + time_s.value_or(0);
 }
@@ -40,8 +41,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Limits a command without --frames to its share of the rows. Sets the crop, and the text that identifies
-/// the result for `merge`.
+/// Without --frames, limits a command to its share of the rows. Sets the crop, and the mark by which `merge`
+/// recognises the result.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -55,8 +56,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Refuses --share if `decides` is true. The method auto then measures errors on the whole image, because it
-/// has a target error or a scene.
+/// Throws if --share is given and `decides` is true. In that case, the method auto has a target PSNR or a
+/// scene, and measures errors on the whole image.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -74,7 +75,7 @@ ExposureOption of_first_frame(const ExposureOption& asked, const std::function<d
     return {.stops = stops()};
 }
 
-/// Returns the input file of the first frame. `hashes`: # is a placeholder for the frame number.
+/// Returns the input file of the first frame. If `hashes` is set, # is a placeholder for the frame number.
 std::string first_input(const FrameOptions& frames, const std::string& name, bool hashes) {
     return FrameName(name, hashes).of(frames.frames->front());
 }
@@ -99,7 +100,7 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
-/// Returns the files with depths, ids and motion vectors of an image, from the options.
+/// Returns the separate files in the options that contain depths, ids and motion vectors of an image.
 std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
     return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
 }
@@ -117,7 +118,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct of the options that contains the exposure and the description of the output.
+/// Returns the struct that contains the exposure and the description of the output. It may be the options
+/// themselves or a member of them.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -127,8 +129,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// Runs a command once for each frame, after `adapt` has changed its options, or a single time without
-/// --frames. The commands trace and render also receive the instant of the frame.
+/// With --frames, runs a command once for each frame, after `adapt` has changed the options for this frame.
+/// Otherwise, runs the command once. For trace and render, the options also get the instant of the frame.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -144,8 +146,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // The exposure `auto` is computed from the first frame, so it is stated even if this run does not
-            // make that frame.
+            // The exposure `auto` comes from the first frame. It is stated even if this run does not make
+            // that frame.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

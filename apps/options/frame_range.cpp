@@ -28,7 +28,7 @@ constexpr std::size_t most_frames = 1'000'000;
          option, text.empty() ? "nothing" : text, last_frame);
 }
 
-/// Parses a number at the front of `text` and removes it.
+/// Parses a number at the beginning of `text` and removes it from `text`.
 std::optional<int> taken_number(std::string_view& text) {
     int value = 0;
     if (text.empty() || text[0] < '0' || text[0] > '9') return std::nullopt;
@@ -44,8 +44,8 @@ bool taken(std::string_view& text, char c) {
     return true;
 }
 
-/// Returns the length of the placeholder at the front of the text, and its number of digits; 0 if there is
-/// none.
+/// Returns the length of the placeholder at the beginning of the text, and its number of digits. Both are 0
+/// if the text does not begin with a placeholder.
 std::pair<std::size_t, int> place_of_number(std::string_view text) {
     if (text.starts_with("%d")) return {2, 1};
     const bool zeros = text.size() >= 4 && text[0] == '%' && text[1] == '0' && text[2] >= '1' &&
@@ -53,7 +53,7 @@ std::pair<std::size_t, int> place_of_number(std::string_view text) {
     return zeros ? std::pair<std::size_t, int>{4, text[2] - '0'} : std::pair<std::size_t, int>{0, 0};
 }
 
-/// True if the file exists and can be read to its end.
+/// Returns true if the file exists and can be read to its end.
 bool is_whole(const fs::path& path) {
     std::error_code none;
     if (!fs::is_regular_file(path, none)) return false;
@@ -62,8 +62,7 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // The last rows are written last. To detect an incomplete file, it suffices to read the last row of
-        // each instant.
+        // Rows are written in order, so the file is complete if the last row of each instant can be read.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -80,25 +79,26 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Returns the fingerprint of a command (options and inputs) as text. Invalid UTF-8 is replaced, because an
-/// option may contain any bytes.
+/// Returns the fingerprint of a command (its options and inputs) as text. Invalid UTF-8 is replaced, because
+/// an option may contain any bytes.
 std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? ""
                              : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// Returns why an output must be made again: the first setting that differs from the command. Empty if all
-/// settings agree.
+/// Returns the reason why an output must be made again, which is the first setting that differs from the
+/// command. Returns an empty text if all settings agree.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // `made_by` is converted to text and back, so that invalid UTF-8 is replaced as in the file.
+    // `made_by` is converted to text and back, so that invalid UTF-8 is replaced in the same way as in the
+    // file.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames: one for each code, with the text of the first frame that has this
-/// code.
+/// Collects the warnings of all frames. Of all warnings with the same code, only the first is listed,
+/// together with the number of further frames.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

@@ -37,8 +37,8 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // An input without a placeholder is the same file in every frame. An output without one is refused
-        // later.
+        // An input without a placeholder is the same file in every frame. An output without a placeholder is
+        // refused later.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

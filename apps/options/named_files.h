@@ -1,4 +1,4 @@
-// The files that a command line names. A file that is written must not also be read, and must not be written
+// The files that a command line names. A file that is written must not be read, and must not be written
 // twice.
 #pragma once
 
@@ -17,7 +17,7 @@ struct NamedFile {
     bool numbered = false, hashes = false;
 };
 
-/// Throws Error(wrong_arguments) if a written file occurs twice in `files`, for any frame of a range.
+/// Throws Error(wrong_arguments) if a file that is written occurs twice in `files`, for any frame of a range.
 void refuse_shared_files(const std::vector<NamedFile>& files, const std::optional<std::vector<int>>& frames);
 
 }  // namespace postlens

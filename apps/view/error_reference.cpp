@@ -10,16 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Wanted duration of tracing the reference, s.
+/// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// The noise variance is averaged over squares of 2 noise_radius_px + 1 px, because it cannot be estimated
-/// reliably from the two halves of a single pixel.
+/// The noise is estimated from only two values per pixel, the two halves. For a reliable estimate, its
+/// variance is averaged over squares of 2 noise_radius_px + 1 px.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Per pixel, the noise variance of the mean of the two halves, in sRGB values, averaged over the channels.
-/// The expected square of half the difference of two halves is the variance of their mean.
+/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. The noise is that of
+/// the mean of the two halves. Its variance is estimated by the square of half the difference between the
+/// halves.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

@@ -1,4 +1,4 @@
-// For each pixel, the inverse of the focus distance at which the object in the pixel is in focus.
+// For each pixel, the inverse of the focus distance that brings the object in the pixel into focus.
 #pragma once
 
 #include <cstdint>
@@ -9,19 +9,21 @@
 
 namespace postlens {
 
-/// Values of the surface that each pixel shows, row by row. In a sample file, it is the brightest visible
-/// node. In another program's image, it is the sample at which the composited alpha reaches one half.
+/// Values of the surface that each pixel shows, row by row. In a sample file, this surface is the brightest
+/// node of the visible layer. In another program's image, it is the sample at which the composited alpha
+/// reaches one half.
 struct ImageDepths {
-    /// Inverse focus distance, 1/m, at which the node is in focus. The image in a curved mirror has two such
-    /// distances; the value is the mean of their inverses. The value is negative if no focus distance up to
-    /// infinity brings the node into focus, as for some reflections.
+    /// Inverse focus distance, in 1/m, at which the surface is in focus. What is seen in a curved mirror may
+    /// be in focus at two distances, and the value is then the mean of their inverses. It is negative for
+    /// some reflections that no focus distance up to infinity brings into focus.
     std::vector<float> inverse_per_m;
-    std::vector<std::uint32_t> ids;  ///< id of the object; 0: nothing was hit
+    std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };
 
-/// Reads the frame's own instant. Throws the errors of the reader.
+/// Computes the depths at the frame's own instant. Throws the errors of the reader.
 [[nodiscard]] ImageDepths image_depths(const SampleFileReader& file);
-/// Pixels of the raster that are not stored are infinitely far and have id 0.
+/// Computes the depths of another program's image. Pixels that the file does not store are infinitely far and
+/// have the id 0.
 [[nodiscard]] ImageDepths image_depths(const ForeignPicture& picture);
 
 }  // namespace postlens

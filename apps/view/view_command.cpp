@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Opens the browser of the desktop. A failure is ignored, because the address is printed anyway.
+/// Opens the address in the desktop's browser. A failure is ignored, because the address is also printed.
 void open_in_browser(const std::string& address) {
     std::string program = "xdg-open", argument = address;
     std::array<char*, 3> words{program.data(), argument.data(), nullptr};
@@ -24,7 +24,7 @@ void open_in_browser(const std::string& address) {
 CommandResult run_view(const ViewOptions& options) {
     ViewSession session(options);
     ViewServer server(session, options.port);
-    // The address is printed here, because the result is only printed after the viewer is closed.
+    // The address must be printed now. The result of the command is only printed after the viewer is closed.
     std::fputs(fmt::format("{}\n", server.address()).c_str(), stdout);
     std::fflush(stdout);
     if (options.open) open_in_browser(server.address());

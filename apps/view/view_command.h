@@ -1,12 +1,12 @@
-// The command `view`, which lets the user refocus a frame interactively in a browser on this machine.
+// The command `view`, which lets the user refocus a frame interactively in a browser on the same machine.
 #pragma once
 
 #include "apps/view/view_session.h"
 
 namespace postlens {
 
-/// Serves the viewer until the job is cancelled. Prints its address on standard output. Throws
-/// Error(wrong_arguments) if the port is in use, and the errors of opening the frame.
+/// Prints the address of the viewer on standard output, and serves the viewer until the job is cancelled.
+/// Throws Error(wrong_arguments) if the port is in use. Also throws the errors of opening the frame.
 [[nodiscard]] CommandResult run_view(const ViewOptions& options);
 
 }  // namespace postlens

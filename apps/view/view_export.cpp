@@ -29,7 +29,7 @@ std::string data_uri(const std::string& type, const std::string& bytes) {
     return "data:" + type + ";base64," + text;
 }
 
-/// Scales an image down by the integer factor `by`: each pixel is the mean of by x by pixels.
+/// Scales an image down by the integer factor `by`. Each new pixel is the mean of a square of by x by pixels.
 Image shrunk(const Image& from, int by) {
     if (by == 1) return from;
     Image out(from.width / by, from.height / by);
@@ -45,8 +45,8 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Returns focus distances, m, from near to far. They are evenly spaced quantiles of the pixels' inverse
-/// depths, and may be infinite.
+/// Returns focus distances in metres, from near to far. Their inverses are evenly spaced quantiles of the
+/// inverse depths of all pixels. A distance may be infinite.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -59,8 +59,8 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns the depth map on which the user clicks. It is a quarter as wide and high as the image. A value of
-/// 255 is the greatest inverse depth.
+/// Returns the depth map on which the user clicks. It is a quarter as wide and high as the image. The value
+/// 255 stands for the greatest inverse depth.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));
@@ -81,7 +81,7 @@ EncodedPicture depth_map(const std::vector<float>& inverse, int width, int heigh
     return out;
 }
 
-/// Number of images on the page, and the factor by which they are scaled down.
+/// How many images the page contains, and by which factor they are scaled down.
 struct Plan {
     int focus_distances = 9, f_numbers = 3, shrunk_by = 1;
     [[nodiscard]] int pictures() const { return focus_distances * f_numbers; }
@@ -105,11 +105,11 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // Negative values (focus beyond infinity) are set to 0, because a lens can be focused no farther than
-        // infinity.
+        // A negative value would mean a focus beyond infinity, which no lens has. It is replaced by 0, which
+        // is infinity.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
-        // The size of all images in bytes is estimated from one image at the middle focus distance.
+        // The size of all images in bytes is estimated from a single image at the middle focus distance.
         Plan plan;
         const std::vector<double> all = focus_distances(inverse, plan.focus_distances);
         const double one_bytes =
@@ -133,8 +133,8 @@ class Exporter {
     }
 
   private:
-    /// The bytes of a JPEG image. For sample files, the image is the mean of 64 views (reprojections). Other
-    /// images are focused by the usual method.
+    /// Returns the bytes of a JPEG image. For sample files, the image is the mean of 64 views (reprojections
+    /// to lens points). For images of other programs, the usual method is used.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};
@@ -174,7 +174,7 @@ class Exporter {
         data["depths"] =
             data_uri("image/png", png_file(depth_map(inverse, width_, height_, greatest), "depths"));
         std::string json = data.dump();
-        // Escapes '<', because a name could otherwise contain the end tag of the script element.
+        // Replaces '<', because a name in the JSON could contain the end tag of the script element.
         for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;)
             json.replace(at, 1, "\\u003c");
         std::string page(page_file("export.html")->text);

@@ -1,4 +1,4 @@
-// `view --export` writes the viewer as a single HTML page, which works without postlens and without a server.
+// `view --export` writes the viewer as one HTML page, which needs neither postlens nor a server.
 #pragma once
 
 #include <string>
@@ -12,11 +12,11 @@ struct ViewExportOptions {
     double most_mb = 10;  ///< greatest size of the page, MB (1e6 bytes)
 };
 
-/// Writes a page with JPEG images for a grid of focus distances and f-numbers, and a depth map on which the
-/// user clicks. The nine focus distances are quantiles of the depths in the frame. The f-numbers are 1, 2 and
-/// 4 times that of the file. If the page would exceed `most_mb`, first the number of images and then their
-/// size is reduced. Page and result state what was reduced. Throws Error(wrong_arguments) if even the
-/// smallest page is too large.
+/// Writes a page with JPEG images for several focus distances and f-numbers, and with a depth map on which
+/// the user clicks. The nine focus distances are quantiles of the depths in the frame. The f-numbers are 1, 2
+/// and 4 times that of the file. If the page would exceed `most_mb`, it gets fewer images, and then also
+/// smaller ones. The page and the result state this. Throws Error(wrong_arguments) if even the smallest page
+/// is too large.
 [[nodiscard]] CommandResult export_view(const ViewExportOptions& options);
 
 }  // namespace postlens

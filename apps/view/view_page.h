@@ -1,4 +1,5 @@
-// The files of the viewer's page. They lie in viewer/ and are compiled into the program.
+// The files of the viewer's page. Their sources are in the folder viewer/, and they are compiled into the
+// program.
 #pragma once
 
 #include <optional>
@@ -11,7 +12,7 @@ struct PageFile {
     const char* type;
 };
 
-/// The file with the given name in viewer/; empty if there is none.
+/// Returns the file with the given name in viewer/, or an empty value if there is none.
 [[nodiscard]] std::optional<PageFile> page_file(std::string_view name);
 
 }  // namespace postlens

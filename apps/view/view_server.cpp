@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// 128 random bits as 32 hexadecimal digits.
+/// Returns 128 random bits as 32 hexadecimal digits.
 std::string random_token() {
     std::array<unsigned char, 16> bytes{};
     if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
@@ -20,7 +20,8 @@ std::string random_token() {
     return out;
 }
 
-/// True for a loopback address with any port. A tunnel by `ssh -L` may use another port than the server.
+/// Returns true for a loopback address with any port. The port may differ from the server's if the user
+/// reaches the server through a tunnel (`ssh -L`).
 bool is_local(const std::string& host) {
     const std::size_t colon = host.rfind(':');
     const bool has_port = colon != std::string::npos && host.find(']', colon) == std::string::npos;
@@ -29,7 +30,7 @@ bool is_local(const std::string& host) {
     return name == "127.0.0.1" || name == "localhost" || name == "[::1]";
 }
 
-/// True if the request comes from the viewer's own page or from the address bar of the browser.
+/// Returns true if the request comes from the viewer's own page, or from the address bar of the browser.
 bool is_ours(const httplib::Request& request) {
     const std::string host = request.get_header_value("Host");
     if (!is_local(host)) return false;
@@ -56,8 +57,8 @@ struct ViewServer::Impl {
     httplib::Server server;
     std::string token = random_token(), address;
 
-    /// Returns the part of a path after "/TOKEN/"; empty if the token is wrong. The comparison takes constant
-    /// time, so that its duration does not reveal the token.
+    /// Returns the part of a path after "/TOKEN/", or an empty value if the token is wrong. The comparison
+    /// always takes the same time, so that its duration reveals nothing about the token.
     [[nodiscard]] std::optional<std::string> behind_token(const std::string& path) const {
         if (path.size() < token.size() + 2 || path[0] != '/' || path[token.size() + 1] != '/')
             return std::nullopt;
@@ -109,18 +110,18 @@ struct ViewServer::Impl {
 
 ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<Impl>()) {
     httplib::Server& server = impl_->server;
-    // An idle connection occupies a thread until its timeout, so there are many threads and the timeout is
-    // short.
+    // An idle connection occupies a thread until its timeout. There are therefore many threads and short
+    // timeouts.
     constexpr std::size_t threads = 32;
     constexpr time_t patience_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // NOLINT: the server deletes it
     server.set_read_timeout(patience_s);
-    server.set_write_timeout(10);  // s, for each part of an image sent through a slow tunnel
+    server.set_write_timeout(10);  // in seconds, for each part of an image sent through a slow tunnel
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // FD_CLOEXEC keeps the browser process from inheriting the socket. SO_REUSEPORT is not set, so no other
-    // program can share the port.
+    // FD_CLOEXEC keeps the browser process from inheriting the socket. SO_REUSEPORT is not set, so that no
+    // other program can share the port.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

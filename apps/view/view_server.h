@@ -8,12 +8,13 @@
 
 namespace postlens {
 
-/// Serves the page and the replies of a session on 127.0.0.1. Every URL path begins with a random token.
-/// Requests from other sites, which have a foreign Host or Origin, are refused. The page loads nothing from
-/// other servers.
+/// Serves the viewer's page and the replies of a session on 127.0.0.1. The path of every URL begins with a
+/// random token. Requests from other sites, which have a foreign Host or Origin, are refused. The page loads
+/// nothing from other servers.
 class ViewServer {
   public:
-    /// Binds the port; 0 selects any free one. Throws Error(wrong_arguments) if the port is in use.
+    /// Binds the port. If `port` is 0, any free port is used. Throws Error(wrong_arguments) if the port is in
+    /// use.
     ViewServer(ViewSession& session, int port);
     ~ViewServer();
     ViewServer(const ViewServer&) = delete;

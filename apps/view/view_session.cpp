@@ -36,7 +36,7 @@ void append_bytes(std::string& out, const void* from, std::size_t bytes) {
 }
 
 void append_halves(std::string& out, const std::vector<float>& values) {
-    // Values are clamped to the greatest half float, 65504.
+    // Values are clamped to 65504, the largest half float.
     constexpr float greatest = 65504.0F;
     std::vector<std::uint16_t> halves(values.size());
     parallel_for(
@@ -46,8 +46,8 @@ void append_halves(std::string& out, const std::vector<float>& values) {
     append_bytes(out, halves.data(), halves.size() * sizeof halves[0]);
 }
 
-/// The beginning of a reply with binary data: the length of the text, the text, and zeros up to a multiple of
-/// 4 bytes. `bytes` is the expected size of the data.
+/// Returns the beginning of a reply with binary data: the length of the JSON text, the text, and zeros up to
+/// a multiple of 4 bytes. Memory is reserved for the data, which will take `bytes` bytes.
 ViewReply reply_with(const Json& json, std::size_t bytes) {
     const std::string text = json.dump();
     ViewReply out{.type = "application/octet-stream"};
@@ -63,12 +63,12 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The reply to a request for an image, in the format of ViewSession::picture.
+/// Returns the reply to a request for an image, in the format of ViewSession::picture.
 ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page only draws the noise of each tile of the light field, so the rest of the plan is not sent.
+        // Of the plan, the page only draws the noise of each tile of the light field. The rest is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -87,7 +87,7 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Runs `focus` or `shoot` on an open sample file. Returns the time that it takes, s.
+/// Runs `focus` or `shoot` on an open sample file. Returns the duration in seconds.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
@@ -98,8 +98,8 @@ double run_kept(const std::vector<std::string>& words, const std::shared_ptr<Kep
     return seconds_since(start);
 }
 
-/// The options of `focus` and `shoot` that the page may set. None of them names a file, so the page cannot
-/// access other files.
+/// The options of `focus` and `shoot` that the page may set. None of them names a file, so that the page
+/// cannot access other files.
 const std::set<std::string_view>& picture_options() {
     static const std::set<std::string_view> names{
         "f-number", "focus",     "focus-at",   "focal-length",  "framing",         "impulse",   "squeeze",
@@ -108,7 +108,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// The options among picture_options() with which the causes of an error can be found.
+/// Of the options in picture_options(), those with which the causes of an error can be found.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -150,8 +150,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// The method that made an image, by its name in the command's result. `auto` with a scene makes a light
-/// field in which rays replace views, as `hybrid` does.
+/// Converts the name of a method in the result of a command. The name `auto` becomes `hybrid`, because with a
+/// scene both make a light field in which rays replace some samples.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -169,7 +169,7 @@ std::string option(const std::string& name, const std::string& value) {
 ViewSession::ViewSession(ViewOptions options)
     : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
     if (!options_.scene) return;
-    // Only sample files state the digest of their scene, so it is compared only if it is present.
+    // The digest of the scene is compared if the file states it. Only sample files do.
     const Json of_scene = run_info({.input = *options_.scene}).json;
     constexpr const char* key = "scene_sha256";
     if (facts_.contains(key) && facts_[key] != of_scene.at(key)) {
@@ -190,7 +190,7 @@ ViewReply ViewSession::frame() const {
     return {.body = json.dump(-1, ' ', false, Json::error_handler_t::replace)};
 }
 
-/// Cancels the current request of the slot, and runs `make` in its place.
+/// Cancels the current request of the slot and runs `make` instead.
 ViewReply ViewSession::made(Slot& slot, const std::function<ViewReply()>& make) {
     const auto job = std::make_shared<Job>(JobSettings{.threads = options_.threads});
     {
@@ -236,7 +236,8 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         check_value(name, value);
         words.push_back(option(name, value));
     }
-    // The raster, the field of view and the exposure are those of the frame, even if the scene's differ.
+    // The raster, the field of view and the exposure are those of the frame, even if those of the scene
+    // differ.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {
@@ -319,8 +320,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image of `picture`: the one made last if it has the same words, or else a new one. A new image
-/// is made from the file instead of the kept frame, so that other requests for images need not wait.
+/// Returns the image that `picture` makes with these parameters. If the last image was made with the same
+/// words, it is returned again. A new image is made from the file instead of the kept frame, so that other
+/// requests for images need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

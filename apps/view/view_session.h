@@ -1,5 +1,5 @@
-// Answers the requests of the viewer's page. The page requests images of one frame, made by the commands
-// `focus`, `shoot` and `render`, and the nodes of the shading trees in a pixel.
+// Answers the requests of the viewer's page for one frame. The page requests images, which the commands
+// `focus`, `shoot` and `render` make, and the nodes of the shading trees in a pixel.
 #pragma once
 
 #include <atomic>
@@ -20,12 +20,12 @@ namespace postlens {
 struct ViewOptions {
     std::string input;
     std::optional<std::string> scene;  ///< scene in which the method auto and `render` trace rays
-    int port = 0;                      ///< 0: any free one
+    int port = 0;                      ///< 0 means any free port
     bool open = false;                 ///< open the page in the desktop's browser
     int threads = 0;
 };
 
-/// Values of command-line options; keys are their names without "--".
+/// Values of command-line options. A key is the name of an option without "--".
 using ViewParameters = std::map<std::string, std::string>;
 
 struct ViewReply {
@@ -34,35 +34,37 @@ struct ViewReply {
     std::string body;
 };
 
-/// Answers requests from any thread. A request for an image cancels an older request that is still being
-/// computed. Errors become replies with status 400 and {"error": text}, or with status 409 if the work was
-/// cancelled.
+/// Answers requests from any thread. A new request for an image cancels an older one that is not yet
+/// finished. An error becomes a reply with status 400 and {"error": text}. If the work was cancelled, the
+/// status is 409.
 class ViewSession {
   public:
     explicit ViewSession(ViewOptions options);
 
-    /// The data that the page needs at its start: size, camera, lens, file names.
+    /// Returns what the page needs at its start: size, camera, lens and file names.
     [[nodiscard]] ViewReply frame() const;
-    /// Returns an image by `focus`, or by `shoot` if the parameters have a shutter. The body has four parts:
-    /// the length of a JSON text in bytes (32 bits, little endian), the text, zeros up to a multiple of 4
-    /// bytes, and RGB as half floats, row by row. If has_ray_share is true in the JSON, one half float per
-    /// pixel follows: the fraction of the pixel that was computed by rays.
+    /// Returns an image made by `focus`, or by `shoot` if the parameters have a shutter. The body begins with
+    /// a JSON text: its length in bytes (32 bits, little endian), the text, and zeros up to a multiple of 4
+    /// bytes. RGB follows as half floats, row by row. If the JSON has a true has_ray_share, one more half
+    /// float per pixel follows: the fraction of the pixel that rays have computed.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
-    /// Returns a quick image: as `picture`, but made of fewer records (ViewedFrame::coarse). "by" in the JSON
-    /// is the width of its pixels in pixels of the frame. Refuses the parameters crop and focus-at, and other
-    /// programs' pictures.
+    /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Each
+    /// of its pixels is as wide as "by" pixels of the frame, which the JSON states. The parameters crop and
+    /// focus-at are refused, and so are images of other programs.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns an image by `render` of the scene, in the format of `picture`. Cancels only older requests for
-    /// rays.
+    /// Returns an image that `render` makes of the scene, in the format of `picture`. Cancels only older
+    /// requests for such images.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns what a pixel shows (ViewedFrame::pixel). Parameters: x and y, px, and those of the lens.
+    /// Returns what a pixel shows (ViewedFrame::pixel). The parameters are x and y in px, and those of the
+    /// lens.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns the ids (32 bits each) of all pixels, then their inverse focus distances (half floats, 1/m);
-    /// see ImageDepths.
+    /// Returns the ids of all pixels (32 bits each), followed by their inverse focus distances in 1/m (half
+    /// floats). ImageDepths defines both.
     [[nodiscard]] ViewReply depths();
     /// Finds out why the image that `picture` makes with the same parameters differs from one made by rays
-    /// (find_error_causes). The body begins as that of `picture`. One byte per pixel follows, its ErrorCause.
-    /// The JSON lists "causes", in the order of ErrorCause, with "name", "colour" (sRGB) and "error_share".
+    /// (find_error_causes). The body begins like that of `picture`. One byte per pixel follows, which is the
+    /// pixel's ErrorCause. The JSON lists "causes" in the order of ErrorCause, each with "name", "colour"
+    /// (sRGB) and "error_share".
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();
@@ -72,13 +74,13 @@ class ViewSession {
     void stop();
 
   private:
-    /// Requests of one kind. Only one of them runs at a time.
+    /// A kind of request, of which only one runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`
         std::shared_ptr<Job> current;
     };
-    /// An image by `focus` or `shoot`, and the words of its command.
+    /// An image made by `focus` or `shoot`, and the words of the command.
     struct MadeImage {
         std::vector<std::string> words;
         Image image;
@@ -87,7 +89,8 @@ class ViewSession {
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
                                                     const std::string& input) const;
-    /// The command for rays through the same lens. Ignores parameters that only `focus` and `shoot` have.
+    /// Returns the words of the `render` command for the same lens. Leaves out parameters that `render` does
+    /// not have.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
     [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,

@@ -13,17 +13,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Largest number of samples of a pixel that is sent to the page. A pixel of a volume may have thousands.
+/// Largest number of samples of a pixel that are sent to the page. A pixel of a volume may have thousands.
 constexpr std::size_t most_nodes = 64;
 
-/// Distance, m; null: infinity.
+/// Returns a distance in metres for JSON. Null means infinity.
 Json distance_json(double inverse_m) {
     return inverse_m > 0 ? Json(1 / inverse_m) : Json(nullptr);
 }
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// Reads the image as `focus` reads it without further options, so that depths are those of --focus-at.
+    /// Reads the image like `focus` without further options, so that depths agree with those of --focus-at.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -72,7 +72,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // Among black samples, the order follows from their shares of the pixel.
+            // The luminance is replaced by a tiny multiple of alpha if that is larger. Black samples are thus
+            // sorted by how much of the pixel they cover.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -92,7 +93,8 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// The lens of the options, else of the file; empty if both state no f-number or no focus.
+    /// Returns the lens from the options, or else from the file. Returns an empty value if neither has an
+    /// f-number, or neither has a focus distance.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;
@@ -105,7 +107,7 @@ class ViewedForeignPicture : public ViewedFrame {
                               Framing::keep, {film_distance_mm, picture_.pixel_pitch_mm()});
     }
 
-    /// `sample`: null for the background behind all samples, which is infinitely far.
+    /// Describes a sample. Null stands for the background behind all samples, which is infinitely far.
     [[nodiscard]] Json node_of(const StackSample* sample,
                                const std::optional<FocusGeometry>& geometry) const {
         const double inverse_m = sample == nullptr ? 0 : static_cast<double>(sample->inverse_z);
@@ -122,7 +124,8 @@ class ViewedForeignPicture : public ViewedFrame {
         return node;
     }
 
-    /// The name of an object in the manifest, else its id as the file states it; empty without id.
+    /// Returns the name of an object in the manifest, or else its id as the file states it. Returns an empty
+    /// text for the id 0, which is no object.
     [[nodiscard]] std::string name_of(std::uint32_t id) const {
         if (id == 0) return "";
         if (const auto found = names_.find(id); found != names_.end()) return found->second;

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The nodes of all samples of a pixel that have the same object and path.
+/// The nodes of all samples of a pixel that have the same object and path, combined into one.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -84,8 +84,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // null means infinity. It is also the best focus for an image beyond infinity (negative inverse
-            // distance).
+            // Null means infinity. This is also the best focus if the inverse distance is negative, that is,
+            // for an image beyond infinity.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
@@ -97,7 +97,7 @@ class ViewedRecords : public ViewedFrame {
 
   private:
     [[nodiscard]] Records made_coarse() const {
-        // From a frame of this size, two cores make an image in about 50 ms.
+        // A frame of this size is small enough for quick images: two cores make one in about 50 ms.
         constexpr double most_pixels = 150000, most_records = 250000;
         const SampleFileReader file(input_, Damage::refuse, 0.0);
         const int width = file.header().width, height = file.header().height;

@@ -1,5 +1,5 @@
-// A case of the atlas of failure (docs/failures.md): a scene in which a method fails, and the expected
-// errors.
+// A case of the atlas of failures (docs/failures.md). A case is a scene in which a method fails, together
+// with the expected errors.
 #pragma once
 
 #include <filesystem>
@@ -13,12 +13,12 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes the sample file. Absent settings are those of best_trace.
+/// Settings of the trace that makes the sample file. Absent settings are taken from best_trace.
 struct AtlasTrace {
-    /// true: trace for the lens and shutter of the view; false: default trace settings
+    /// If true, trace for the lens and shutter of the view. If false, use default trace settings.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
-    /// focus distance, m, for which to trace, if it is not that of the view
+    /// Focus distance, m, for which to trace. If absent, the focus distance of the view is used.
     std::optional<double> for_focus_m;
     std::optional<int> levels;  ///< quadtree levels at depth edges and at colour edges
     std::optional<int> hidden_layers;
@@ -30,10 +30,10 @@ struct AtlasTrace {
 
 /// A method that makes the image, its settings, and the limits of the image's error.
 struct AtlasMethod {
-    /// The methods for a lens alone are pinhole, scatter, layers, lightfield and hybrid (which traces rays in
-    /// the scene). For a shutter alone: convolve, lightfield and auto. For both: lightfield, hybrid, and
-    /// focus-after-shutter, which defocuses the motion-blurred image. In every case: rays, which is
-    /// distributed ray tracing.
+    /// Name of the method. For a lens alone: pinhole, scatter, layers, lightfield, or hybrid (which traces
+    /// rays in the scene). For a shutter alone: convolve, lightfield, or auto. For both: lightfield, hybrid,
+    /// or focus-after-shutter (which defocuses the motion-blurred image). In every case: rays (distributed
+    /// ray tracing).
     std::string name;
     std::optional<int> views, depths;
     int spp = 64;  ///< samples per pixel of the method rays
@@ -41,11 +41,11 @@ struct AtlasMethod {
     DepthSpacing spacing = DepthSpacing::inverse;
     AtlasTrace trace;
 
-    /// least PSNR, dB, against the reference, whose noise is subtracted from the error
+    /// Least PSNR against the reference, dB. The noise of the reference is subtracted from the error first.
     double at_least_db = 0;
     std::optional<double> at_most_db;  ///< greatest PSNR, dB, of a method that is expected to fail
     double energy_within = 0;  ///< greatest |sum of the image / sum of the reference - 1| that is allowed
-    /// codes of the warnings that must occur, sorted; no others may occur
+    /// Codes of the warnings that must occur, sorted. No others may occur.
     std::vector<std::string> warnings;
 };
 
@@ -58,19 +58,19 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Least fraction of the error, 0 to 1, that find_error_causes must attribute to `cause`.
+    /// Least fraction of the error, 0 to 1, that find_error_causes must attribute to `cause` of this case.
     double named_at_least = 0;
 };
 
 struct AtlasCause {
     std::string word, meaning;
 };
-/// The causes of error, in the order of the atlas document. The last entry, "none", is for cases whose
-/// extreme settings must not cause an error.
+/// Returns the causes of error, in the order of the atlas document. The last one is "none". It is for cases
+/// whose extreme settings must not cause an error.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
-/// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if the file is not a
-/// valid case.
+/// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if the file does not
+/// contain a valid case.
 [[nodiscard]] AtlasCase read_atlas_case(const std::filesystem::path& path);
 
 /// Returns the paths of the cases (*.toml) in a folder, sorted by name. Throws Error(invalid_input) if there

@@ -22,12 +22,12 @@ struct AtlasRun {
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Path of a case's image strip, relative to the folder of the atlas.
+/// Returns the path of a case's image strip, relative to the folder of the atlas.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
-/// Runs all cases of the folder `cases`. After each case it writes cases/NAME.json and atlas_strip(NAME) into
-/// `folder`, which is created if its parent exists. Results of an earlier run with the same atlas_key are
-/// kept, unless `restart` is set. Throws the errors of read_atlas_case and run_atlas_case, and
+/// Runs all cases of the folder `cases`. After each case, cases/NAME.json and atlas_strip(NAME) are written
+/// into `folder`, which is created if its parent exists. Results of an earlier run with the same atlas_key
+/// are kept, unless `restart` is set. Throws the errors of read_atlas_case and run_atlas_case. Also throws
 /// Error(interrupted), after which the results of finished cases remain.
 [[nodiscard]] AtlasRun run_atlas(const std::filesystem::path& cases, const std::filesystem::path& folder,
                                  bool restart);

@@ -18,7 +18,7 @@ std::string codes(const std::vector<std::string>& warnings, const char* quote) {
     return fmt::format("{0}{1}{0}", quote, fmt::join(warnings, fmt::format("{0}, {0}", quote)));
 }
 
-/// Returns the name of a method with the settings that the case changes.
+/// Returns the name of a method, followed by the settings that the case changes.
 std::string label(const AtlasMethod& m) {
     std::string out = m.name;
     if (m.views) out += fmt::format(", {} views", *m.views);
@@ -64,8 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Table rows for the tested method, for the method that corrects its error (if the case has one), for the
-/// pinhole image, and for the noise of the reference.
+/// Returns table rows for the tested method, the method that corrects its error (if the case has one), the
+/// pinhole image, and the noise of the reference.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {
@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns the case's view, the share of pixels whose errors are in the column "affected", and the share of
-/// the error that `compare --map-causes` attributes to the case's cause.
+/// Returns the case's view and two shares. The first is the share of pixels that the column "affected"
+/// covers. The second is the share of the error that `compare --map-causes` attributes to the case's cause.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);

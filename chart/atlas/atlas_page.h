@@ -1,4 +1,4 @@
-// Writes the atlas of failure as Markdown and as HTML.
+// Writes the atlas of failures as Markdown and as HTML.
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Returns Markdown: the introduction, a table of all cases, and the cases grouped by cause. Each case has
-/// its image strip (a link to atlas_strip), sentences and figures.
+/// Returns the atlas as Markdown. It contains the introduction, a table of all cases, and the cases grouped
+/// by cause. Each case has a link to its image strip (atlas_strip), a description and a table of errors.
 [[nodiscard]] std::string atlas_markdown(const AtlasRun& run);
 
 /// Returns the content of atlas_markdown as one HTML page with embedded images. `folder` is the output folder

@@ -19,7 +19,7 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method`. `file` is the sample file that the method reads; the method rays does not
+/// Makes the image of `method`. `file` is the sample file that the method reads. The method `rays` does not
 /// read it. Temporary files are written beside `file` and removed. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,

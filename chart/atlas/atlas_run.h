@@ -1,5 +1,5 @@
-// Runs a case of the atlas of failure. Traces the scene, makes the images of the tested method and of the
-// method that corrects its error, and compares both to a reference.
+// Runs a case of the atlas of failures. Traces the scene, makes the images of the tested method and of the
+// method that corrects its error, and compares both images to a reference.
 #pragma once
 
 #include <filesystem>
@@ -29,28 +29,28 @@ struct AtlasResult {
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
     /// Fraction of the method's error, 0 to 1, that find_error_causes attributes to the cause of the case.
-    /// Absent for the cause "none".
+    /// Absent if the cause is "none".
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
 
-/// Digest of the scene, view, methods and program version, which determine the result of a case. Expected
-/// values do not change it.
+/// Returns a digest of everything that determines the result of a case: the scene, view, methods and program
+/// version. The expected values of the case are not included.
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
-/// Runs one case. Its temporary files lie in `folder`, which must exist, and are removed. If the path `strip`
-/// is not empty, an image strip is written there: method, remedy, reference and the method's error map side
-/// by side, 4 px apart. Throws Error.
+/// Runs one case. Temporary files are written to `folder`, which must exist, and removed afterwards. If the
+/// path `strip` is not empty, an image strip is written there. It shows the images of the method, the remedy
+/// and the reference, and the method's error map, side by side and 4 px apart. Throws Error.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 
-/// Returns one line for each expectation of the case that the result fails. The expectations concern error,
-/// energy, negative or nonfinite values, warnings, and the fraction of the error that is attributed to the
-/// expected cause.
+/// Returns one line for each expectation of the case that the result does not meet. The expectations concern
+/// the error, the energy, negative or nonfinite values, the warnings, and the fraction of the error that is
+/// attributed to the expected cause.
 [[nodiscard]] std::vector<std::string> broken_expectations(const AtlasCase& c, const AtlasResult& r);
 
 [[nodiscard]] nlohmann::ordered_json to_json(const AtlasResult& r);
-/// Inverse of to_json. Throws Error(invalid_input) with the name `path`.
+/// Inverse of to_json. Throws Error(invalid_input), whose message names the file `path`.
 [[nodiscard]] AtlasResult atlas_from_json(const std::string& text, const std::filesystem::path& path);
 
 }  // namespace postlens

@@ -6,12 +6,13 @@
 
 namespace postlens {
 
-/// The colour, sRGB, in which images and the viewer show a cause: grey for none, then the palette of Okabe
-/// and Ito, which colour-blind readers can distinguish, and white for the last cause.
+/// Returns the sRGB colour in which images and the viewer show a cause. Grey means no cause, and the last
+/// cause is white. The other colours are the palette of Okabe and Ito, which colour-blind readers can
+/// distinguish.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
-/// Shows each pixel with an error in the colour of its cause, over the reference in grey. The legend below
-/// lists the causes with their fractions of the squared error. The values are scene-linear, for
+/// Draws the reference in grey, and each pixel with an error in the colour of the cause of the error. A
+/// legend below lists the causes and their fractions of the squared error. Returns scene-linear values for
 /// `write_image`.
 [[nodiscard]] Image cause_picture(const CauseMap& map, const Image& reference);
 

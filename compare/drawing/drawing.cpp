@@ -15,7 +15,7 @@ namespace {
 constexpr double dash_px = 6, gap_px = 4;
 constexpr int subpixel_bits = 6;
 
-// Converts coordinates to fixed point for OpenCV. They are clamped to 1e5 px, so that they fit into an int.
+// Converts coordinates to OpenCV's fixed-point format. Clamps them to 1e5 px so that they fit into an int.
 cv::Point fixed(Drawing::Point p) {
     static constexpr double far = 1e5;
     const auto to = [](double v) {
@@ -42,8 +42,8 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // Control characters and non-ASCII bytes are replaced, because they would make the XML
-                // invalid. File names may contain such bytes.
+                // File names may contain control characters and non-ASCII bytes. They are replaced, because
+                // they would make the XML invalid.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }
@@ -57,7 +57,7 @@ std::string path_of(const std::vector<Drawing::Point>& points) {
     return out;
 }
 
-// Pieces of a dashed line.
+// Returns the pieces of a dashed line.
 std::vector<std::pair<Drawing::Point, Drawing::Point>> dashes(Drawing::Point a, Drawing::Point b) {
     std::vector<std::pair<Drawing::Point, Drawing::Point>> out;
     const double length = std::hypot(b.x - a.x, b.y - a.y);

@@ -16,7 +16,7 @@ namespace {
 constexpr Rgb8 not_a_number{255, 0, 255};
 constexpr int legend_px = 60;
 
-// The text grows with the image, so that it stays legible if the whole image is fitted to a screen.
+// Makes the text grow with the image, so that it stays legible if the image is scaled to fit a screen.
 double text_scale(int width) {
     return std::clamp(width / 1280.0, 1.0, 8.0);
 }
@@ -33,7 +33,7 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Returns the position, 0 to 1, of a difference on the logarithmic scale. The difference is measured in 8-bit
+// Returns the position of a difference on the logarithmic scale, 0 to 1. `steps` is the difference in 8-bit
 // steps.
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);

@@ -7,7 +7,7 @@
 
 namespace postlens {
 
-/// The typeface of all words that OpenCV draws.
+/// The typeface of all text that OpenCV draws.
 inline constexpr int font = cv::FONT_HERSHEY_SIMPLEX;
 
 inline cv::Scalar scalar(const std::array<std::uint8_t, 3>& c) {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int between_px = 8;
 
-// Positions and sizes, px. All three panels are as wide as the error map.
+// Positions and sizes in pixels. All three panels are as wide as the error map.
 struct Layout {
     double scale = 0;
     int panel, gap, line, width, height, text_top;
@@ -36,7 +36,7 @@ Image side_by_side(const Image& image, const Image& reference, const TextTable& 
     for (int i = 0; i < 3; ++i) {
         const int x = at.gap + i * (at.panel + at.gap), top = at.line + at.gap;
         canvas.text(x, at.line, at.scale, names[static_cast<std::size_t>(i)]);
-        // The error map was drawn with 8 bits per channel, so encoding reproduces its bytes exactly.
+        // The error map was drawn with 8 bits per channel, so encoding restores its exact bytes.
         canvas.picture(x, top,
                        encoded_8bit(i == 0   ? image
                                     : i == 1 ? reference

@@ -14,18 +14,18 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Spacing of the diameters of circles of confusion (CoC) that the search tests: 0.5 px up to 8 px. Above 8
-/// px, each diameter is a 16th larger than the one before.
+/// Blur diameters that the search tests. They are spaced by 0.5 px up to 8 px. Above 8 px, each diameter is a
+/// 16th larger than the one before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of compared pixels. More pixels do not improve a search whose apertures are about a tenth
-/// apart.
+/// Largest number of pixels to compare. More pixels would not improve the search, because its apertures are
+/// about 10 % apart.
 constexpr std::size_t most_pixels = 12000;
-/// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the errors of the
-/// blur model are about this large.
+/// Residuals above this limit count linearly instead of quadratically. The errors of the blur model beside
+/// depth edges are about this large.
 constexpr double linear_from = 0.1;
 
-/// Luminances and inverse depths (1/m) of an image reduced in size. Each value is a mean over a block of
-/// `factor` x `factor` pixels.
+/// Luminances and inverse depths (1/m) of a downscaled image. Each value is the mean of `factor` x `factor`
+/// pixels.
 struct Reduced {
     cv::Mat pinhole, picture, inverse_depth;
 };
@@ -54,8 +54,8 @@ Reduced reduce(const Image& pinhole, const Image& picture, const RecordedDepths&
     return out;
 }
 
-/// Kernel of a uniform disc, with the sum 1. The weight of a pixel is the fraction of its 8 x 8 points that
-/// lie inside the disc.
+/// Returns the kernel of a uniform disc. Its weights sum to 1. The weight of a pixel is the fraction of 8 x 8
+/// points in the pixel that lie inside the disc.
 cv::Mat disc(double diameter_px) {
     const int reach = static_cast<int>(std::ceil(diameter_px / 2));
     cv::Mat out = cv::Mat::zeros(2 * reach + 1, 2 * reach + 1, CV_32F);
@@ -85,8 +85,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared robust residuals: for each of the compared pixels, one per blur diameter. A lens selects
-/// one diameter for each pixel.
+/// Table of squared robust residuals for every compared pixel and every blur diameter. A lens selects one
+/// diameter for each pixel.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -114,8 +114,8 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS of the residuals for a lens. `gain_px`: CoC diameter per difference of inverse depths,
-    /// px m, which includes the aperture.
+    /// Returns the RMS of the residuals for a lens. `gain_px` is the diameter of the circle of confusion per
+    /// difference of inverse depth, in px m. It is proportional to the aperture.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;
@@ -173,7 +173,8 @@ std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture, 
             bool least = true;
             for (int a = std::max(0, i - 1); a <= std::min(aperture_steps - 1, i + 1); ++a) {
                 for (int b = std::max(0, k - 1); b <= std::min(focus_steps - 1, k + 1); ++b) {
-                    // If neighbours on the grid have equal errors, only the first is treated as a minimum.
+                    // If neighbouring lenses of the grid have equal errors, only the first one is treated as
+                    // a minimum.
                     const bool before = a < i || (a == i && b < k);
                     least = least && (before ? at(i, k) < at(a, b) : at(i, k) <= at(a, b));
                 }

@@ -1,4 +1,4 @@
-// Finds starting points for the search for a lens, by testing a grid of lenses with a simple model of blur.
+// Finds starting points for fitting a lens, by testing a grid of lenses with a simple model of blur.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The two parameters of a lens that determine its blur if the field of view does not change.
+/// The two parameters that determine the blur of a lens if the field of view is fixed.
 struct LensPlace {
     double aperture_mm = 0;          ///< F / n, > 0
     double inverse_focus_per_m = 0;  ///< 1 / s, 0 or more
@@ -20,13 +20,16 @@ struct RoughMatch {
     double error = 0;  ///< root mean square of `robust` residuals (see picture_tone.h)
 };
 
-/// Returns the local minima of the error over a grid of about 4,000 lenses, smallest error first; at least
-/// one. The error is that of a simple model of blur: each pixel of the pinhole image is blurred by a uniform
-/// disc with the diameter of its circle of confusion (CoC), as if all its neighbours had its depth. The
-/// residuals of about 60 diameters are computed once, so that a lens costs one look-up per pixel. The
-/// apertures of the grid have a largest CoC of 0.7 px to a quarter of the image's width. Its inverse focus
-/// distances cover the range of recorded inverse depths, extended by half of that range at either end. Images
-/// wider than 256 px are reduced first.
+/// Tests a grid of about 4,000 lenses and returns the local minima of the error, smallest error first. There
+/// is always at least one minimum.
+///
+/// The blur model blurs each pixel of the pinhole image with a uniform disc, as if all neighbouring pixels
+/// had the depth of this pixel. The disc has the diameter of the pixel's circle of confusion (CoC). The
+/// residuals of about 60 diameters are computed once, so that testing a lens takes one look-up per pixel.
+///
+/// The apertures of the grid are those whose largest CoC is between 0.7 px and a quarter of the image width.
+/// The inverse focus distances cover the range of recorded inverse depths, extended by half of that range at
+/// either end. Images wider than 256 px are downscaled first.
 [[nodiscard]] std::vector<RoughMatch> blur_search(const Image& pinhole, const Image& picture,
                                                   const RecordedDepths& depths, const SampleHeader& header);
 

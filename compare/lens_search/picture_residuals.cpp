@@ -13,13 +13,12 @@
 namespace postlens {
 namespace {
 
-/// Number of depths of `focus`. It is so large that the image changes smoothly with the lens.
+/// Number of depths that `focus` uses. It is large, so that the image changes smoothly with the lens.
 constexpr int levels = 256;
-/// Half the step of the central differences with respect to the logarithm of the aperture; see
-/// `lens_from_picture`.
+/// Half the step of the central differences in the logarithm of the aperture; see `lens_from_picture`.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Size of the cache: the images of two lenses, and for each of them the four images of its derivatives.
+/// Size of the cache. It holds the images of two lenses, and the four images for the derivatives of each.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -56,8 +55,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver works with the logarithm of the aperture. If it returns to an earlier aperture, the value
-    // may therefore differ by rounding.
+    // The solver works with the logarithm of the aperture, so an aperture that it returns to may differ by
+    // rounding.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&
@@ -66,7 +65,7 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // The field of view stays that of the file. Then only the ratio F / n matters, and F can be any number.
+    // The field of view is that of the file. The blur then depends only on F / n, so F can have any value.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

@@ -1,5 +1,5 @@
-// Residuals per pixel between an image and the result of `focus` through a lens, and their derivatives with
-// respect to the lens parameters.
+// Computes the residuals between an image and the result of `focus` with a given lens, and the derivatives of
+// the residuals with respect to the lens.
 #pragma once
 
 #include <deque>
@@ -16,28 +16,27 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. The progress counts the images that `focus` makes, up to
+    /// Keeps a reference to `file`. The progress counts the images that `focus` has made, out of
     /// `expected_pictures`.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
-    /// Selects the pixels that all further residuals use. `pixels` has one entry per pixel of the image, and
-    /// 0 for unused pixels.
+    /// Selects the pixels to compare from now on. `pixels` has one entry per pixel; 0 means that the pixel is
+    /// not used.
     void use(const std::vector<char>& pixels);
     /// Number of residuals, one per selected pixel.
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Makes the image that `focus` makes with the lens `place`, and writes the robust residuals between this
-    /// image and the given one to `out`. Residuals above `linear_from` count linearly instead of by their
-    /// square.
+    /// Makes an image with `focus` and the lens `place`. Writes the robust residuals between this image and
+    /// the given image to `out`. Residuals above `linear_from` count linearly instead of quadratically.
     void at(const LensPlace& place, double* out, double linear_from);
-    /// Writes the derivatives of the residuals, alternately with respect to the logarithm of the aperture and
-    /// to the inverse focus distance 1/s (1/m). `focus_step_per_m`: half the difference in 1/s over which the
-    /// derivatives are taken.
+    /// Writes two derivatives per residual: with respect to the logarithm of the aperture, then with respect
+    /// to the inverse focus distance 1/s (in 1/m). `focus_step_per_m` is half the step of the central
+    /// difference in 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Computes the robust residuals of any image instead of a result of `focus`. The second function does so
-    /// for a constant image of the median tone.
+    /// Writes the robust residuals of `image` instead of a result of `focus`. `of_even` does the same for a
+    /// constant image of the median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 
@@ -55,8 +54,8 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of focused images, newest last. It is useful because the solver returns to lenses that it has
-    /// evaluated before.
+    /// Cache of images made by `focus`, newest last. The solver often returns to a lens that it has evaluated
+    /// before.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;
     std::vector<std::size_t> used_;

@@ -1,4 +1,5 @@
-// The tone that is compared when a lens is fitted to an image: luminance on a partly logarithmic scale.
+// The tone by which images are compared when a lens is fitted: luminance on a scale that is linear in dark
+// areas and logarithmic in bright ones.
 #pragma once
 
 #include <algorithm>
@@ -6,15 +7,16 @@
 
 namespace postlens {
 
-/// log(1 + Y / 0.18) for the Rec.709 luminance Y, where a negative Y counts as 0. The scale is linear in dark
-/// areas, whose noise is uniform. Above middle grey it is logarithmic, so that bright light sources do not
-/// dominate.
+/// Returns log(1 + Y / 0.18) for the Rec.709 luminance Y. A negative Y counts as 0. The scale is nearly
+/// linear in dark areas, where noise is uniform. It is logarithmic above middle grey, so that bright light
+/// sources do not dominate.
 inline double picture_tone(double luminance) {
     constexpr double middle_grey = 0.18;
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
 }
 
-/// Robust residual. Half its square is Huber's loss [huber1964], which grows linearly above `linear_from`.
+/// Returns a robust residual. Half its square is Huber's loss [huber1964], which grows linearly above
+/// `linear_from`.
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);
     return a <= linear_from ? residual

@@ -7,21 +7,20 @@
 namespace postlens {
 namespace {
 
-/// Rows read at a time.
+/// Number of rows that are read at a time.
 constexpr int rows_per_band = 64;
-/// A pixel counts as a depth edge if the diameter of the circle of confusion (CoC) changes within the pixel
-/// by at least this much, px.
+/// A pixel counts as a depth edge if the diameter of the circle of confusion varies by at least this much
+/// within it, in px.
 constexpr double edge_px = 1;
-/// Margin, px, that is added to the radius of a circle of confusion. It is half the diagonal of the emitting
-/// pixel plus half that of the receiving pixel, 1.41 px in total, rounded up.
+/// Margin, in px, added to the radius of a circle of confusion. It allows for the half diagonals of the pixel
+/// that spreads light and of the pixel that receives it, which are 1.41 px together.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(d.width) + static_cast<std::size_t>(x);
 }
 
-/// Adds a record to the pixel that contains it. A record on the border of a pixel is also added to the pixel
-/// on the other side.
+/// Adds a record to the pixel that contains it. A record on the border between two pixels is added to both.
 void add(RecordedDepths& out, const Record& r, int x, int y) {
     const float inverse = 1 / r.z;
     for (int py = y - (r.y == static_cast<float>(y) ? 1 : 0); py <= y; ++py) {

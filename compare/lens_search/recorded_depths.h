@@ -1,4 +1,4 @@
-// The range of depths in each pixel of a sample file. It determines the pixels in which `focus` is reliable.
+// The range of depths in each pixel of a sample file. It determines in which pixels `focus` is reliable.
 #pragma once
 
 #include <vector>
@@ -8,25 +8,26 @@
 
 namespace postlens {
 
-/// The range of inverse depths, 1/m, of the surfaces that are seen directly in each pixel and on its border.
-/// One entry per pixel, row by row.
+/// The range of inverse depths (1/m) of the directly visible surfaces in each pixel, including its border.
+/// There is one entry per pixel, row by row.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
     std::vector<float> nearest_per_m, farthest_per_m;  ///< farthest <= nearest; 0 where nothing was hit
 
     [[nodiscard]] double nearest() const;   ///< largest inverse depth of all pixels, 1/m
     [[nodiscard]] double farthest() const;  ///< smallest inverse depth of all pixels, 1/m
-    /// Largest CoC diameter over the pixels, px.
+    /// Returns the largest diameter of a circle of confusion (CoC) over all pixels, in px.
     [[nodiscard]] double largest_coc_px(const FocusGeometry& geometry) const;
 };
 
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns 1 for the pixels that receive no light from near a depth edge or from beyond the recorded area. In
-/// these pixels no hidden surface becomes visible and no light is missing, so `focus` is as accurate as the
-/// samples. A depth edge is a pixel within which the diameter of the circle of confusion (CoC) changes by 1
-/// px or more. The light of such a pixel reaches as far as the larger of its CoC radii.
+/// Returns 1 for each pixel in which `focus` is as accurate as the samples, and 0 for the others. In a
+/// reliable pixel, no hidden surface becomes visible and no light is missing. This is so if the pixel
+/// receives no light from a depth edge or from beyond the recorded area. A depth edge is a pixel within which
+/// the diameter of the circle of confusion (CoC) varies by 1 px or more. It spreads light as far as the
+/// larger of its CoC radii.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -9,17 +9,16 @@
 namespace postlens {
 namespace {
 
-// The normal half floats, from 2^-14 to 2^16, span 30 stops. Luminances below this range need no exposures of
-// their own.
+// The normal half floats, 2^-14 to 2^16, span 30 stops. Darker luminances need no exposures of their own.
 constexpr double most_stops = 30;
 
-// Luminance. Negative channels count as 0.
+// Returns the luminance of a pixel. Negative channels count as 0.
 double positive_luminance(const float* p) {
     const auto positive = [](float v) { return static_cast<double>(std::max(v, 0.0F)); };
     return luminance(positive(p[0]), positive(p[1]), positive(p[2]));
 }
 
-// Returns the median; for an even number of values, the mean of the two middle ones. Reorders `values`.
+// Returns the median. For an even number of values it is the mean of the two middle ones. Reorders `values`.
 double median(std::vector<double>& values) {
     const std::size_t half = values.size() / 2;
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(half);
@@ -67,8 +66,7 @@ std::vector<float> hdr_flip_map(const Image& reference, const Image& test, const
                                 const FlipExposures& exposures) {
     std::vector<FlipDisplay> displays;
     const double step = exposures.count > 1 ? (exposures.stop - exposures.start) / (exposures.count - 1) : 0;
-    // If start and stop are equal, the image is displayed with the same brightness at every exposure, so one
-    // exposure suffices.
+    // If `start` and `stop` are equal, all exposures show the same image, so one exposure is enough.
     const int different = step > 0 ? exposures.count : 1;
     displays.reserve(static_cast<std::size_t>(different));
     for (int i = 0; i < different; ++i)

@@ -1,4 +1,4 @@
-// FLIP error of two images: the difference that a person sees when flipping between them.
+// FLIP error of two images. It estimates the difference that a person sees when flipping between them.
 #pragma once
 
 #include <optional>
@@ -9,33 +9,34 @@
 
 namespace postlens {
 
-/// Pixels per degree of visual angle that FLIP assumes. The display is 0.7 m and 3840 px wide, and is seen
-/// from a distance of 0.7 m [andersson2020, sec. 4].
+/// Pixels per degree of visual angle that FLIP assumes. They correspond to a display that is 0.7 m and 3840
+/// px wide, seen from a distance of 0.7 m [andersson2020, sec. 4].
 inline constexpr double flip_pixels_per_degree = 3840 * 3.14159265358979323846 / 180;
 
-/// Computes LDR-FLIP [andersson2020], one error per pixel, 0 to 1. Scene-linear values are clamped to 0..1.
-/// Beyond the border, the nearest pixel is repeated. Where `usable` is 0, both images are treated as black.
+/// Computes LDR-FLIP [andersson2020]. Returns one error per pixel, 0 to 1. Scene-linear values are clamped to
+/// 0..1. Pixels beyond the border repeat the nearest pixel. Both images are treated as black where `usable`
+/// is 0.
 [[nodiscard]] std::vector<float> flip_map(const Image& reference, const Image& test, const PixelMask& usable);
 
-/// The exposures at which HDR-FLIP compares the images: `count` exposures, evenly spaced from `start` to
-/// `stop`, in stops.
+/// The exposures at which HDR-FLIP compares the images. There are `count` exposures, evenly spaced from
+/// `start` to `stop`, in stops.
 struct FlipExposures {
     double start = 0, stop = 0;
     int count = 1;
 };
 
-/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3]. The tone curve maps the
-/// greatest luminance of the reference to 0.85 at `start`, and its median luminance to 0.85 at `stop`. count
-/// = max(2, ceil(stop - start)). For a median of 0 the paper's `stop` is infinite; then the median of the
-/// pixels above 0 is used instead. A black reference has one exposure of 0 stops. `stop` is at most 30 stops
-/// above `start`. If `white_luminance` (above 0) is given, it replaces the greatest luminance, and middle
-/// grey (0.18) replaces the median.
+/// Returns the exposures of HDR-FLIP for a reference [andersson2021, sec. 3]. At `start`, the tone curve maps
+/// the greatest luminance of the reference to 0.85. At `stop`, it maps the median luminance to 0.85. The
+/// count is max(2, ceil(stop - start)). If the median is 0, the median of the pixels above 0 is used instead.
+/// `stop` is at most 30 stops above `start`. A black reference has one exposure of 0 stops. If
+/// `white_luminance` (above 0) is given, it replaces the greatest luminance, and middle grey (0.18) replaces
+/// the median.
 [[nodiscard]] FlipExposures flip_exposures(const Image& reference, const PixelMask& usable,
                                            std::optional<double> white_luminance = std::nullopt);
 
-/// Computes HDR-FLIP [andersson2021], one error per pixel, 0 to 1: the greatest LDR-FLIP error over all
-/// exposures. At each exposure a tone curve (the ACES approximation of [narkowicz2016]) is applied to both
-/// images.
+/// Computes HDR-FLIP [andersson2021]. Returns one error per pixel, 0 to 1, which is the greatest LDR-FLIP
+/// error over all exposures. At each exposure, both images pass through a tone curve: the ACES approximation
+/// of [narkowicz2016].
 [[nodiscard]] std::vector<float> hdr_flip_map(const Image& reference, const Image& test,
                                               const PixelMask& usable, const FlipExposures& exposures);
 

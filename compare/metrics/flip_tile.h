@@ -1,4 +1,4 @@
-// LDR-FLIP of two images, tile by tile, at one or several exposures. Only flip.cpp uses it.
+// Computes LDR-FLIP of two images, tile by tile, at one or several exposures. Only flip.cpp uses it.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 
 namespace postlens {
 
-/// The filters of [andersson2020, sec. 4.1.1 and 4.2], each separated into a factor along rows and one along
-/// columns. All have 2 radius + 1 taps, as many as the widest filter needs.
+/// The filters of [andersson2020, sec. 4.1.1 and 4.2]. Each filter is the product of a filter along rows and
+/// a filter along columns. All of them have 2 radius + 1 taps, as many as the widest filter needs.
 struct FlipFilters {
     int radius = 0;
-    /// Filters of contrast sensitivity. The taps of `achromatic` and `red_green` sum to 1. The blue-yellow
-    /// filter is a sum of two Gaussians; the taps of each sum to its fraction of the filter.
+    /// Filters of contrast sensitivity. The taps of `achromatic` and of `red_green` sum to 1. The blue-yellow
+    /// filter is a weighted sum of two Gaussians. The taps of each Gaussian sum to its weight.
     TileChannel achromatic, red_green;
     TileChannel blue_yellow_1_row, blue_yellow_1_column, blue_yellow_2_row, blue_yellow_2_column;
-    /// A Gaussian, and its first and second derivative. The positive taps of a derivative sum to 1, the
-    /// negative taps to -1.
+    /// A Gaussian, its first derivative and its second derivative. The positive taps of a derivative sum to 1
+    /// and the negative taps to -1.
     TileChannel gauss, edge, point;
     explicit FlipFilters(double pixels_per_degree);
 };
@@ -25,28 +25,29 @@ struct FlipFilters {
 /// Maps linear values to displayed values within 0..1.
 class FlipDisplay {
   public:
-    /// Only clamps the values.
+    /// Makes a display that only clamps the values.
     FlipDisplay() = default;
-    /// Multiplies the values by 2^stops and applies the tone curve of HDR-FLIP.
+    /// Makes a display that multiplies the values by 2^stops and applies the tone curve of HDR-FLIP.
     static FlipDisplay at_exposure(double stops);
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
         const float v = (x * (n2_ * x + n1_)) / (x * (d2_ * x + d1_) + d0_);
-        // Very bright values overflow and make v NaN. The comparison is then false, and the value becomes
+        // Very bright values overflow, so that v is NaN. The comparison is then false, and the result is
         // white.
         return v < 1 ? v : 1.0F;
     }
 
   private:
     float scale_ = 1;
-    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). With the defaults the curve is x.
+    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give the curve f(x) =
+    // x.
     float n2_ = 0, n1_ = 1, d2_ = 0, d1_ = 0, d0_ = 1;
 };
 
-/// Returns the argument at which the tone curve has the value `level`, 0 < level < 1.
+/// Returns the argument at which the tone curve has the value `level`. `level` must lie between 0 and 1.
 [[nodiscard]] double flip_tone_curve_inverse(double level);
 
-/// Sets `map` to one error per pixel: the greatest over `displays`, of which there must be at least one.
+/// Sets `map` to one error per pixel, the greatest over all `displays`. There must be at least one display.
 void flip_errors(const Image& reference, const Image& test, const PixelMask& usable,
                  const std::vector<FlipDisplay>& displays, std::vector<float>& map);
 

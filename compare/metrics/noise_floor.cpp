@@ -14,8 +14,8 @@ namespace {
 constexpr int greatest_block_px = 16;
 constexpr std::size_t wanted_blocks = 64;
 
-// Sums over the values in a block of pixels. A and B are the differences between the image and each of the
-// two references.
+// Sums over the values in a block of pixels. A is the difference between the image and the first reference,
+// and B is the difference between the image and the second reference.
 struct Sums {
     double product = 0;     // A B
     double preference = 0;  // A^2 - B^2
@@ -34,8 +34,8 @@ struct BlockSums {
 };
 
 // Estimates the bias that an encoding f, such as sRGB, adds to the mean of noisy values. r1 and r2 are two
-// such values. For errors of variance v the bias is f'' v / 2. On average, f((r1 + r2) / 2) differs from the
-// mean of f(r1) and f(r2) by half of the bias.
+// such values. If their errors have the variance v, the bias is f'' v / 2. On average, f((r1 + r2) / 2)
+// differs from the mean of f(r1) and f(r2) by half of the bias.
 double encoding_bias(float r1, float r2, float f1, float f2) {
     return 2 * (0.5 * (static_cast<double>(f1) + static_cast<double>(f2)) -
                 static_cast<double>(srgb_from_linear(0.5F * (r1 + r2))));
@@ -90,7 +90,7 @@ NoisyError error_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which
     return {.mse = product / values, .standard_error = std::sqrt(variance) / values};
 }
 
-// Returns the mean squared error of one reference: half the mean squared difference between the two
+// Returns the mean squared error of one reference. It is half the mean squared difference between the
 // references.
 double noise_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which, double values) {
     double noise = 0;

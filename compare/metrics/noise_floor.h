@@ -1,5 +1,5 @@
 // Compares an image with two independent, noisy references. Measures the noise of the references, and the
-// error of the image without this noise.
+// error that the image has apart from this noise.
 #pragma once
 
 #include <cstddef>
@@ -9,43 +9,43 @@
 
 namespace postlens {
 
-/// Estimates the mean squared error of an image I against the truth T, from two noisy references R1 = T + e1
-/// and R2 = T + e2. If e1 and e2 are independent and have the mean 0, then mean (I - R1)(I - R2) has the
-/// expectation mean (I - T)^2.
+/// An estimate of the mean squared error of an image I against the truth T. It is computed from two noisy
+/// references R1 = T + e1 and R2 = T + e2. If the errors e1 and e2 are independent and have zero mean, the
+/// expectation of mean (I - R1)(I - R2) is mean (I - T)^2.
 struct NoisyError {
-    double mse = 0;             ///< the estimate; may be below 0. NaN where no pixel counts
+    double mse = 0;             ///< the estimate; may be negative; NaN if no pixel counts
     double standard_error = 0;  ///< standard error of mse
-    /// Bound of the bias of the estimate, as a root mean square. The bias arises because the sRGB encoding
-    /// shifts the mean of noisy values.
+    /// Upper bound of the bias of the estimate, as a root mean square. There is a bias because the sRGB
+    /// encoding shifts the mean of noisy values.
     double bias_rms = 0;
-    /// Ends of the interval of the root mean square error. The interval extends two standard errors to either
-    /// side of the estimate.
+    /// Ends of the interval that contains the root mean square error. They are two standard errors below and
+    /// above the estimate.
     [[nodiscard]] double least_rms() const;
     [[nodiscard]] double greatest_rms() const;
-    /// True if the interval contains an error of zero. Then only `greatest_rms` may be stated.
+    /// Returns true if the interval includes zero. In this case only `greatest_rms` is meaningful, as a
+    /// bound.
     [[nodiscard]] bool is_bound() const { return !(least_rms() > 0); }
 };
 
 struct NoiseFloor {
-    double reference_mse = 0;  ///< error of one reference, of sRGB values: mean (R1 - R2)^2 / 2
-    /// Error of one reference in scene-linear values: as a root mean square, and relative to M^2 + 0.01. M is
+    double reference_mse = 0;  ///< error of one reference in sRGB values: mean (R1 - R2)^2 / 2
+    /// Error of one reference in scene-linear values, as a root mean square and relative to M^2 + 0.01. M is
     /// the mean of both references.
     double reference_rmse = 0, reference_relmse = 0;
-    NoisyError encoded;   ///< error of the image above the noise, of sRGB values
-    NoisyError linear;    ///< the same of scene-linear values
-    NoisyError relative;  ///< the same, of scene-linear values relative to M^2 + 0.01
-    /// Tests which reference the image agrees with: (mean (I - R1)^2 - mean (I - R2)^2) / standard error, of
-    /// scene-linear values, for the image I and the references R1 and R2. The result is standard normal if
-    /// the references are equally accurate and the image is independent of both.
+    NoisyError encoded;   ///< error of the image without the noise, in sRGB values
+    NoisyError linear;    ///< the same in scene-linear values
+    NoisyError relative;  ///< the same in scene-linear values, relative to M^2 + 0.01
+    /// Tells which reference the image is closer to. Positive values mean the second one. For the image I and
+    /// the references R1 and R2, the value is (mean (I - R1)^2 - mean (I - R2)^2) / standard error, in
+    /// scene-linear values. It has a standard normal distribution if both references are equally accurate and
+    /// the image is independent of them.
     double preference = 0;
 };
 
-/// Estimates the errors over the pixels that `mask` counts. All images have the same size. Standard errors
-/// are computed from blocks of 16 x 16 pixels, or smaller ones if there would be fewer than 64 such blocks.
-/// Let A = I - R1 and B = I - R2, for the image I and the references R1 and R2. The variance of a block's sum
-/// of AB is then the expectation of (sum of A^2 - B^2)^2 / 4. This holds for Gaussian errors that are
-/// independent between blocks, with any covariance within a block. For errors with longer tails, the standard
-/// errors are too large. Details: docs/compare.md.
+/// Estimates the errors over the pixels that `mask` counts. All images must have the same size. Standard
+/// errors are computed from sums over blocks of 16 x 16 pixels, or over smaller blocks if there would be
+/// fewer than 64 blocks. They are correct if the errors are Gaussian and independent between blocks. They are
+/// too large if the distribution of errors has longer tails. docs/compare.md gives the derivation.
 [[nodiscard]] NoiseFloor noise_floor(const Picture& image, const Picture& reference,
                                      const Picture& second_reference, const PixelMask& mask);
 

@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Smallest number of rows per task. A single row of a small image takes less time than scheduling a task.
+// Minimum number of rows per task. In a small image, scheduling a task takes longer than computing one row.
 constexpr std::size_t grain_rows = 8;
 
 }  // namespace

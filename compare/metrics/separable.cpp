@@ -7,7 +7,7 @@
 namespace postlens {
 namespace {
 
-// Number of results that are summed at the same time. It is so small that the sums stay in registers.
+// Number of results that are summed at the same time. It is small enough for the sums to stay in registers.
 constexpr std::size_t block_px = 32;
 static_assert(tile_width % block_px == 0);
 

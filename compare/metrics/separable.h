@@ -1,4 +1,4 @@
-// Separable filters over a tile of an image, which FLIP and SSIM use.
+// Separable filters over a tile of an image. FLIP and SSIM use them.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,11 @@
 
 namespace postlens {
 
-/// Size, px, of a tile of results. A filter of radius r also reads r px beyond each side. The planes of a
-/// tile fit into the cache of a core: for r = 10, a plane has 50 kB.
+/// Size, in px, of a tile of results. A filter of radius r also reads r px beyond each side of the tile. The
+/// planes of a tile fit into the cache of a core.
 inline constexpr int tile_width = 128, tile_height = 64;
 
-/// Calls body(x0, y0), in parallel, for each of the tiles that cover width x height.
+/// Calls body(x0, y0) for each of the tiles that cover width x height. The calls run in parallel.
 template <typename Body>
 void for_each_tile(int width, int height, const Body& body) {
     const int columns = (width + tile_width - 1) / tile_width,
@@ -25,16 +25,16 @@ void for_each_tile(int width, int height, const Body& body) {
     });
 }
 
-/// One channel of a tile, row by row. For a filter of radius r there are tile_height + 2r rows. A row has
+/// One channel of a tile, row by row. For a filter of radius r, a tile has tile_height + 2r rows. A row has
 /// tile_width + 2r values before the filter along rows, and tile_width values after it.
 using TileChannel = std::vector<float>;
 
-/// Filters along rows. `in` has rows of tile_width + taps - 1 values; `out` receives rows of tile_width
-/// values. The filter is a correlation: out[x] = sum_k taps[k] in[x + k].
+/// Filters a tile along rows. Rows of `in` have tile_width + taps - 1 values, and rows of `out` have
+/// tile_width values. The filter is a correlation: out[x] = sum_k taps[k] in[x + k].
 void filter_rows(const TileChannel& in, int rows, std::span<const float> taps, TileChannel& out);
 
-/// Filters along columns. `in` has tile_height + taps - 1 rows of tile_width values; `out` receives
-/// tile_height rows.
+/// Filters a tile along columns. `in` has tile_height + taps - 1 rows, and `out` has tile_height rows. All
+/// rows have tile_width values.
 void filter_columns(const TileChannel& in, std::span<const float> taps, TileChannel& out);
 
 }  // namespace postlens

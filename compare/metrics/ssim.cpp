@@ -13,7 +13,7 @@ namespace {
 constexpr int window_radius = 5;
 constexpr std::size_t in_width = tile_width + 2 * window_radius, in_height = tile_height + 2 * window_radius;
 
-// Taps of the Gaussian window, with sum 1 [wang2004, sec. III-C].
+// Returns the taps of the Gaussian window. They sum to 1 [wang2004, sec. III-C].
 std::array<float, 2 * window_radius + 1> window() {
     std::array<double, 2 * window_radius + 1> w{};
     double sum = 0;
@@ -28,8 +28,8 @@ std::array<float, 2 * window_radius + 1> window() {
 }
 
 // The moments from which the SSIM of two images a and b is computed. With d = a - b, the two factors of SSIM
-// are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This form equals the usual one but does not subtract
-// large sums, so nearly equal images lose no digits.
+// are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This is equivalent to the usual formula, but stays
+// precise if the images are nearly equal, because it does not subtract large sums.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

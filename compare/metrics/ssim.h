@@ -8,11 +8,11 @@
 
 namespace postlens {
 
-/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size, for the Rec.709 luma of the
-/// sRGB values. The Gaussian window has 11 x 11 pixels and a standard deviation of 1.5 px; K1 = 0.01, K2 =
-/// 0.03, range 1. Returns one value per pixel. The outer 5 pixels are NaN, so that all windows are complete,
-/// as in the paper. Where `usable` is 0, both images are treated as black. Equal windows have a SSIM of
-/// exactly 1.
+/// Computes the SSIM [wang2004, eq. 13] of two encoded images of the same size. Returns one value per pixel.
+/// SSIM is computed from the Rec.709 luma of the sRGB values, with K1 = 0.01, K2 = 0.03 and a range of 1. The
+/// Gaussian window has 11 x 11 pixels and a standard deviation of 1.5 px. The outer 5 pixels are NaN, because
+/// a window around them would cross the border. Both images are treated as black where `usable` is 0. The
+/// SSIM of equal windows is exactly 1.
 [[nodiscard]] std::vector<float> ssim_map(const Image& a_encoded, const Image& b_encoded,
                                           const PixelMask& usable);
 

@@ -1,4 +1,4 @@
-// Tests whether output will fit on the disk, before it is computed.
+// Checks whether output will fit on the disk before the output is computed.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,9 @@
 
 namespace postlens {
 
-/// Free space, bytes, of the file system on which `target` is or will be created. If `target` is a link, its
-/// destination counts. Returns the largest number if the system does not state the free space.
+/// Returns the free space, in bytes, of the file system on which `target` is or will be created. If `target`
+/// is a symbolic link, the file system of its destination is used. Returns the largest representable number
+/// if the system does not report the free space.
 [[nodiscard]] std::uint64_t free_disk_bytes(const std::filesystem::path& target);
 
 /// Throws Error(cannot_write) "TARGET: cannot write (needs about N MB, M MB are free; HINT)" if `bytes`

@@ -1,4 +1,4 @@
-// Tests whether different paths name the same file.
+// Checks whether different paths lead to the same file.
 #pragma once
 
 #include <filesystem>
@@ -7,12 +7,11 @@
 
 namespace postlens {
 
-/// Returns a text that is equal for all paths of one file: absolute and relative paths, and paths through
-/// `.`, `..`, symbolic links and hard links. If the file does not exist, its folder and name determine the
-/// text.
+/// Returns a text that is the same for every path that leads to the same file. Relative paths, symbolic links
+/// and hard links make no difference. If the file does not exist, the text is made from its folder and name.
 [[nodiscard]] std::string file_identity(const std::filesystem::path& path);
 
-/// Throws Error(wrong_arguments) if a file that will be `written` is also one of the files that are `read`.
+/// Throws Error(wrong_arguments) if one of the files in `written` is also in `read`.
 void refuse_overwriting(std::span<const std::filesystem::path> read,
                         std::span<const std::filesystem::path> written);
 

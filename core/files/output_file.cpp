@@ -18,9 +18,10 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, for the signal handler. A thread that exchanges a pointer for null
-// owns the text of that path. So neither the signal handler nor an OutputFile reads text that the other has
-// freed. If there are more than slot_count files, the signal handler does not remove the excess files.
+// Paths of the existing temporary files, which the signal handler removes. To use or free a path, a thread
+// first exchanges its pointer for null. The signal handler and an OutputFile therefore never use the same
+// path at the same time. If there are more than slot_count files, the signal handler does not remove the
+// excess files.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -63,7 +64,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // These errors only mean that the file system does not support fsync.
+    // These two errors only mean that the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -81,17 +82,17 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              target_.string());
     }
     if (fs::exists(status)) {
-        // commit() renames, so it would replace a device, such as /dev/null, by an ordinary file.
+        // commit() renames the temporary file to the target. This would replace a device such as /dev/null
+        // with an ordinary file.
         if (!fs::is_regular_file(status)) {
             fail(ExitCode::cannot_write, "{}: cannot write (got a device, pipe or socket; expected a file)",
                  target_.string());
         }
-        // A rename needs write permission only for the folder, so this tests whether the file itself is
-        // write-protected.
+        // A rename succeeds even if the target file is write-protected, so write protection is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // A symbolic link is kept, also if it leads to a file that does not exist yet.
-    constexpr int most_links = 40;  // as the system follows
+    // A symbolic link stays in place, even if the file that it points to does not exist yet.
+    constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);
         const fs::path link = fs::read_symlink(destination_, ec);
@@ -105,9 +106,10 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
              is_file ? fmt::format("{} is a file; expected a folder", folder.string())
                      : fmt::format("folder {} does not exist", folder.string()));
     }
-    // The temporary name keeps the target's extension, by which image writers choose the format. The process
-    // id shows which process owns the file. The number distinguishes several files of one process, and files
-    // of processes with equal ids in different containers.
+    // The temporary name keeps the target's extension, because image writers choose the format by the
+    // extension. The process id in the name shows which process owns the file. The number distinguishes
+    // several files of one process, and also files of processes that have the same id in different
+    // containers.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;
     for (int number = 0; fd < 0; ++number) {
@@ -146,8 +148,9 @@ void OutputFile::commit() {
     fs::rename(temporary_, destination_, ec);
     if (ec) fail_to_write(target_, ec.value());
     committed_ = true;
-    // Flushing the folder makes the new name survive a power failure. Errors are ignored: the file is
-    // complete in any case, and a folder that is writable but not readable cannot be opened.
+    // Flushing the folder makes the new name survive a power failure. Errors are ignored, because the file
+    // itself is already complete. A folder that is writable but not readable, for example, cannot be opened
+    // here.
     static_cast<void>(flush_to_disk(folder_of(destination_), O_RDONLY | O_DIRECTORY));
 }
 

@@ -1,5 +1,5 @@
-// Output files that are either complete or absent: each is written under a temporary name and renamed when
-// complete.
+// Output files that are either complete or absent. Each file is written under a temporary name and renamed
+// when it is complete.
 #pragma once
 
 #include <atomic>
@@ -10,11 +10,13 @@
 
 namespace postlens {
 
-/// A file that is being written. Write to `temporary_path()`, then call `commit()`. Without `commit()` (after
-/// an exception or an interruption) the temporary file is removed, and an older target stays. If the target
-/// is a symbolic link, the file that the link points to is replaced. The constructor throws
-/// Error(cannot_write) if the target cannot be written: if it is a folder, a device or write-protected, or if
-/// its folder is missing or not writable. So this error appears before any work is spent on the contents.
+/// A file that is being written. Write to `temporary_path()`, then call `commit()`. If `commit()` is not
+/// called, for example because of an exception, the temporary file is removed and an older target stays. If
+/// the target is a symbolic link, the file that the link points to is replaced.
+///
+/// The constructor throws Error(cannot_write) if the target is a folder, a device or write-protected. It also
+/// throws if the target's folder is missing or not writable. The error thus appears before the contents are
+/// computed.
 class OutputFile {
   public:
     explicit OutputFile(std::filesystem::path target);
@@ -24,8 +26,9 @@ class OutputFile {
     OutputFile(OutputFile&&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
 
-    /// Path of the temporary file, which exists, is empty and belongs to this object only. It has the folder
-    /// and the extension of the target, because image writers choose the format by the extension.
+    /// Path of the temporary file. The file exists, is empty, and belongs to this object only. It is in the
+    /// target's folder and has the target's extension, because image writers choose the format by the
+    /// extension.
     [[nodiscard]] const std::filesystem::path& temporary_path() const { return temporary_; }
     [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
@@ -33,8 +36,8 @@ class OutputFile {
     /// example if the disk is full.
     void write(std::string_view bytes);
 
-    /// Flushes the file to disk and renames it to the target. Must be called only once. Throws
-    /// Error(cannot_write) on failure; an older target is then unchanged.
+    /// Flushes the file to disk and renames it to the target. Call it only once. On failure, throws
+    /// Error(cannot_write) and leaves an older target unchanged.
     void commit();
 
   private:
@@ -42,15 +45,16 @@ class OutputFile {
     std::filesystem::path destination_;  ///< the target with links followed
     std::filesystem::path temporary_;
     std::optional<std::size_t>
-        slot_;  ///< index of the temporary's path in the list of remove_all_temporaries()
+        slot_;  ///< index of the temporary file in the list that remove_all_temporaries() uses
     bool committed_ = false;
 };
 
-/// Writes a file with the given contents, completely or not at all. Throws as OutputFile does.
+/// Writes a file with the given contents, either completely or not at all. Throws the same errors as
+/// OutputFile.
 void write_file(const std::filesystem::path& target, std::string_view bytes);
 
-/// Removes the temporary files of all OutputFile objects, before a signal ends the process.
-/// Async-signal-safe. The objects must not be used afterwards.
+/// Removes the temporary files of all OutputFile objects. A signal handler calls it before the process ends,
+/// so it is async-signal-safe. The OutputFile objects must not be used afterwards.
 void remove_all_temporaries() noexcept;
 
 }  // namespace postlens

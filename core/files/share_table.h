@@ -1,5 +1,5 @@
-// Names and lists the result tables, one per share (part of the work), that a sweep or a chart leaves in one
-// folder.
+// Names and lists result tables in a folder. A sweep or a chart writes one such table per share (one of
+// several parts of the work).
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,10 @@
 
 namespace postlens {
 
-/// Name of the table of a share: "STEM.I-of-N.json".
+/// Returns the file name of a share's table, "STEM.I-of-N.json".
 [[nodiscard]] std::string share_table_name(std::string_view stem, const Share& share);
 
-/// The result tables of all shares in a folder, sorted by file name.
+/// Returns the paths of the result tables of all shares in a folder, sorted by file name.
 [[nodiscard]] std::vector<std::filesystem::path> share_tables(const std::filesystem::path& folder,
                                                               std::string_view stem);
 

@@ -1,4 +1,4 @@
-// Files that are read as a whole.
+// Reads whole files into memory.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ std::uintmax_t check_regular_file(const std::filesystem::path& path);
 /// the file is larger than `largest_bytes`.
 [[nodiscard]] std::string read_text_file(const std::filesystem::path& path, std::uintmax_t largest_bytes);
 
-/// Returns the text without the byte order mark that some programs write before UTF-8.
+/// Returns the text without its UTF-8 byte order mark, which some programs write at the beginning of a file.
 [[nodiscard]] std::string_view without_byte_order_mark(std::string_view text);
 
 }  // namespace postlens

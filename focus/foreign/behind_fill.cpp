@@ -13,21 +13,21 @@
 namespace postlens {
 namespace {
 
-/// Difference in signed CoC radius, px, from which neighbours count as different surfaces.
+/// Neighbouring samples are different surfaces if their signed CoC radii differ by at least this, in px.
 constexpr float least_step_px = 1;
-/// Largest distance of the search for a farther surface, px.
+/// Largest distance, in px, at which a farther surface is searched for.
 constexpr float farthest_px = 512;
 
-/// Signed CoC radii of a sample, px. `own` is that of the sample's own depth, which decides what hides what;
-/// `blur` is the radius with which the sample is blurred. They differ where an object is kept sharp, for
-/// instance. Both are infinite in empty space, which is not blurred.
+/// Signed CoC radii of a sample, in px. `own` belongs to the sample's true depth, which decides what hides
+/// what. `blur` is the radius with which the sample is blurred. The two differ if, for example, an object is
+/// kept sharp. Both are infinite in empty space, which is not blurred.
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Whether a sample is farther than another one, by enough to be another surface.
+/// Returns whether one sample is so much farther away than another that it must be another surface.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -35,8 +35,8 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// Each pixel is represented by the radii of the last sample in its stack, or of empty space if the stack
-/// never becomes opaque.
+/// Each pixel is represented by the radii of the last sample in its stack. If the stack never becomes opaque,
+/// empty space represents the pixel.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -58,7 +58,7 @@ class BehindSearch::Impl {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
                 // A pixel may have further samples behind its first opaque one. The estimated surface must
-                // lie behind the last of them.
+                // lie behind all of them.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -87,9 +87,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds the pixels whose last samples are translucent, with only empty space behind and around them
-    /// (`fills_`). The search treats these pixels as opaque. All other pixels that are not opaque count as
-    /// empty space.
+    /// Finds the translucent pixels that have only empty space behind them and around them (`fills_`). The
+    /// search treats these pixels as opaque. All other pixels that are not opaque count as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -165,10 +164,11 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until it returns
-    /// true. The walk ends at the sum of the pixel's CoC radius `blur_px` and the largest CoC radius. Raster
-    /// pixels that are not stored are empty space. The walk also ends outside both the raster and the stored
-    /// window, where the content is unknown.
+    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until `take`
+    /// returns true. The walk ends when the distance exceeds `blur_px`, which is the pixel's CoC radius, plus
+    /// the largest CoC radius of the picture. The walk also ends where the content is unknown, which is
+    /// outside both the raster and the stored window. Pixels of the raster that are not stored are empty
+    /// space.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -180,19 +180,19 @@ class BehindSearch::Impl {
             if (take(static_cast<float>(s) * step_px, x, y)) return;
         }
     }
-    /// Whether two circles of confusion overlap or are less than a pixel apart. `distance_px` is that of
-    /// their centres.
+    /// Returns whether two circles of confusion overlap or are less than a pixel apart. `distance_px` is the
+    /// distance between their centres.
     [[nodiscard]] bool reach_each_other(float distance_px, const Radii& a, const Radii& b) const {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
     }
-    /// Largest distance at which a circle of confusion of this radius may meet another.
+    /// Largest distance at which a circle of confusion of this radius may touch another one.
     [[nodiscard]] float limit_of(float blur_px) const {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
 
-    /// Whether a surface farther than `own` begins so near to this pixel that blur can disocclude it. Empty
-    /// space does not count.
+    /// Returns whether a farther surface begins so near to this pixel that the blurred edge can reveal that
+    /// surface. Empty space does not count as a surface.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, const Radii& own) const {
         bool found = false;
         Radii before = own;
@@ -234,13 +234,14 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// For each stored pixel, the number of steps in a direction until a pixel's last sample is farther than
-    /// that of the pixel before. 0 if there is no such pixel within `most_steps`.
+    /// Finds depth edges in one direction. A depth edge is a pixel that is farther away than the pixel before
+    /// it, judged by the last samples of their stacks. For each stored pixel, `steps` gets the number of
+    /// steps to the next depth edge, or 0 if there is none within `most_steps`.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
         steps.assign(pixels(), 0);
         for (int row = 0; row < height_; ++row) {
-            // Pixels are visited in an order in which the neighbour in direction d comes first.
+            // The neighbour in direction d is visited before the pixel itself.
             const int y = d.dy > 0 ? height_ - 1 - row : row;
             for (int column = 0; column < width_; ++column) {
                 const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
@@ -256,8 +257,9 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Whether, in any direction from this pixel, a pixel is farther from the camera than the pixel before
-    /// it, and is near enough in the image that blur may disocclude it.
+    /// Returns whether there is a depth edge near this pixel. A depth edge is a pixel that is farther from
+    /// the camera than the pixel before it, in one of the directions. It is near if blur can reveal the
+    /// farther surface at this pixel.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;
@@ -266,8 +268,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface,
-    /// and so near in the image that blur can disocclude it.
+    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface.
+    /// It must be so near in the image that blur can reveal it at this pixel.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -295,9 +297,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces of one object, the one with the largest weight. Moves them to the front in
-    /// their order and returns their number. Dropping the others prevents a small emitter beside an edge from
-    /// colouring everything behind the edge.
+    /// Keeps only the surfaces of the object with the largest weight. Moves these surfaces to the front, in
+    /// their order, and returns their number. Without this, a small emitter beside an edge would colour
+    /// everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -335,7 +337,7 @@ class BehindSearch::Impl {
     int width_, height_;
     bool has_ids_;
     std::vector<float> last_px_,
-        blur_px_;  ///< Radii of every pixel; `blur_px_` is empty if it equals `last_px_`
+        blur_px_;  ///< radii of every pixel; `blur_px_` is empty if it equals `last_px_`
     std::array<std::vector<std::uint16_t>, directions.size()> steps_to_farther_;
     std::vector<std::uint8_t> opaque_, fills_;
     float widest_px_ = 0;
@@ -366,7 +368,7 @@ std::vector<Behind> behind_fill(const ForeignPicture& picture, const FocusGeomet
 
 namespace {
 
-/// Summed-area table: computes sums over rectangles of a raster. Outside the raster all values are 0.
+/// A summed-area table, which computes sums over rectangles of a raster. Outside the raster all values are 0.
 class RectangleSums {
   public:
     RectangleSums(int width, int height, const std::vector<float>& values)
@@ -404,7 +406,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // Outside the known pixels the content does not count as empty.
+    // The content of pixels outside `known` is unknown, so they do not count as empty.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
@@ -435,8 +437,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The CoC is centred on the pixel. Quantisation to depth levels may enlarge it by up to a quarter
-            // of a pixel.
+            // The CoC is centred on the pixel. Rounding the depth to a level may enlarge the CoC by up to a
+            // quarter of a pixel.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

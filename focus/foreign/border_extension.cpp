@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-/// Largest distance, px, to which samples continue.
+/// Largest distance to which samples continue, in px.
 constexpr double most_continued_px = 512;
 
 }  // namespace
@@ -34,9 +34,10 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// The samples along a side, from its pixel (x, y) on.
+/// Returns the samples along one side of the picture, beginning at the pixel (x, y).
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
-    // Inwards: to the right and down from the upper left, and to the left and up from the other sides.
+    // Direction from the side into the picture. A side that begins in the upper left corner is the left or
+    // upper one, so the direction is to the right or down. From the other sides it is to the left or up.
     const int dx = along_x != 0      ? 0
                    : x == p_.x_begin ? 1
                                      : -1,
@@ -73,8 +74,8 @@ BorderExtension::Continued BorderExtension::continue_inwards(const StackSample& 
     return out;
 }
 
-/// The sample of the pixel (x, y) that continues the surface of a neighbouring pixel's sample; null if there
-/// is none.
+/// Returns the sample of the pixel (x, y) that continues the surface of `sample`, a sample of a neighbouring
+/// pixel. Returns null if there is none.
 const StackSample* BorderExtension::next_of(const StackSample& sample, int x, int y) const {
     if (!p_.stores(x, y)) return nullptr;
     const auto apart = [&](const StackSample& s) {
@@ -93,7 +94,8 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner, the samples of the corner's pixel continue if they do so across both sides.
+    // Beyond a corner of the picture, a sample of the corner's pixel continues only if it continues across
+    // both sides.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

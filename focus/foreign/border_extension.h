@@ -1,4 +1,4 @@
-// Estimates what continues beyond the border of another program's image, where blur reaches into the image.
+// Estimates what lies beyond the border of another program's image, because blur spreads it into the image.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,23 @@
 
 namespace postlens {
 
-/// The samples of the image's outermost pixels, continued outwards. A sample continues as far as its surface
-/// reaches inwards from the border, because a border cuts a surface of unknown extent in the middle on
-/// average, but not farther than its circle of confusion reaches. Its colour and alpha are the means over
-/// this length. A surface is one as in Facets: equal ids, or none, and CoC radii that differ by less than a
-/// pixel (beyond 16 px: by less than a 16th) from pixel to pixel.
+/// Continues the samples of the image's outermost pixels beyond the border. A sample continues outwards as
+/// far as its surface reaches inwards from the border, because on average a border cuts a surface in the
+/// middle. It continues at most as far as its circle of confusion reaches. Its colour and alpha are the means
+/// over the length of the surface inside the image.
 ///
-/// Pixels of the raster that are not stored are empty space, so nothing continues into them.
+/// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Pixels of the raster
+/// that are not stored are empty space, so nothing continues into them.
 class BorderExtension {
   public:
-    /// `aberration_px`: how much farther than the CoC radius spherical aberration moves light.
+    /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
     BorderExtension(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px);
 
-    /// The raster, the stored pixels and those into which samples continue.
+    /// The window that contains the raster, the stored pixels and the pixels into which samples continue.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to the samples that continue in a pixel outside the raster and the stored pixels. Returns
-    /// the index of the stored pixel from which they continue, or nothing if there are none.
+    /// Sets `stack` to the samples that continue into a pixel outside both the raster and the stored pixels.
+    /// Returns the index of the stored pixel from which these samples continue. Returns nothing if no sample
+    /// continues there.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
@@ -36,8 +37,8 @@ class BorderExtension {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples of each pixel along one side, nearest first. Empty if the raster ends beyond that side of
-    /// the stored pixels.
+    /// The samples of each pixel along one side, nearest first. It is empty if the raster continues beyond
+    /// that side of the stored pixels.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

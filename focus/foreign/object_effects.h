@@ -1,5 +1,5 @@
-// Effects that a compositor applies to single objects before the lens: holdouts, sharp objects, and offsets
-// in depth.
+// Effects that a compositor applies to single objects before the image is blurred: holdouts, sharp objects,
+// and offsets in depth.
 #pragma once
 
 #include <vector>
@@ -10,13 +10,12 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Holdouts: objects that hide the surfaces behind them, with sharp edges, but add neither colour nor
-    /// alpha to the image.
+    /// Holdouts hide the surfaces behind them, with sharp edges. They add neither colour nor alpha to the
+    /// image.
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.
     std::vector<ObjectChoice> sharp;
-    /// Objects that are blurred as if they were farther away by this distance, m. Occlusion still uses their
-    /// true depth.
+    /// An object that is blurred as if it were `metres` farther away. Occlusion still uses its true depth.
     struct Offset {
         ObjectChoice object;
         double metres = 0;
@@ -24,9 +23,9 @@ struct ObjectEffects {
     std::vector<Offset> offsets;
 };
 
-/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses an
-/// object's true depth. If an offset would move an object to the camera or behind it, the object is placed 1
-/// mm in front of the camera, and picture.repairs gets the warning `offset`. Throws the errors of
+/// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses the
+/// true depth of an object. An object that an offset would move to the camera or behind it is placed 1 mm in
+/// front of the camera. In this case the warning `offset` is added to picture.repairs. Throws the errors of
 /// `choose_samples`.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 

@@ -15,27 +15,28 @@
 
 namespace postlens {
 
-/// Whether samples of neighbouring pixels belong to one surface: equal ids, or none, and CoC radii that
-/// differ by less than a pixel, beyond 16 px by less than a 16th.
+/// Returns whether samples of neighbouring pixels belong to one surface. They do if their ids are equal or
+/// missing, and if their CoC radii differ by less than a pixel. For radii above 16 px, the limit is a 16th of
+/// the radius.
 [[nodiscard]] bool are_one_surface(const StackSample& a, const StackSample& b, const FocusGeometry& geometry);
 
 /// A sample of a pixel's stack as a quadrilateral with a depth at each corner.
 struct Facet {
-    /// Number of corners of a pixel. The corner at (x, y), where x and y are 0 or 1, has the index x + 2 y.
+    /// Number of corners of a pixel. The corner at (x, y) has the index x + 2 y, where x and y are 0 or 1.
     static constexpr std::size_t corners = 4;
     std::array<float, corners> inverse_z{};  ///< at the corners of its pixel, 1/m
     StackSample sample;
     std::uint32_t layer = 0;  ///< number of samples in front of it in its pixel
-    std::uint32_t seed = 0;   ///< random bits that make the sample opaque or transparent in a view
-    bool beyond = false;      ///< continues beyond the border of the picture (BorderExtension)
+    std::uint32_t seed = 0;   ///< random bits that decide whether the sample is opaque in a view
+    bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image, of the surfaces behind its edges and of what continues beyond its border, as
-/// quadrilaterals sorted by pixel. Where neighbouring quadrilaterals continue one surface, their common
-/// corners have the same depth.
+/// The samples of an image as quadrilaterals, sorted by pixel. The quadrilaterals also include the estimated
+/// surfaces behind edges and beyond the border. Where neighbouring quadrilaterals continue one surface, their
+/// common corners have the same depth.
 class Facets {
   public:
-    /// `behind`: one estimate per pixel, or empty. `border`: of the same picture.
+    /// `behind` contains one estimate per pixel, or is empty. `border` must belong to the same picture.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 
@@ -46,20 +47,20 @@ class Facets {
     }
     [[nodiscard]] std::uint64_t first_of(std::size_t pixel) const { return offsets_[pixel]; }
     [[nodiscard]] const Facet& facet(std::uint64_t number) const { return facets_[number]; }
-    /// Smallest and largest inverse depth in a row of pixels; infinity and -infinity if the row has no
-    /// sample.
+    /// Smallest and largest inverse depth in a row of pixels. They are infinity and -infinity if the row has
+    /// no sample.
     [[nodiscard]] const std::pair<float, float>& range(int row) const {
         return ranges_[static_cast<std::size_t>(row)];
     }
 
   private:
-    /// `number`: of the pixel, for Facet::seed.
+    /// `number` is the number of the pixel, from which Facet::seed is computed.
     void add(std::size_t number, const StackSample& s, bool beyond);
-    /// Returns the sample in pixel (x, y) that continues the surface of `f`. Null if there is none.
+    /// Returns the sample in pixel (x, y) that continues the surface of `f`, or null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
-    /// Sets the corner depths of `f` to the mean depth of the samples that continue its surface. Thread-safe,
-    /// because corner depths of neighbours are not read.
+    /// Sets each corner depth of `f` to the mean depth of the samples that continue its surface at this
+    /// corner. The function does not read the corner depths of neighbours, so several threads may call it.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

@@ -17,14 +17,14 @@ namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Number of views that are drawn between two tests for cancellation of the job.
+/// Number of views that are drawn before the next test whether the job was cancelled.
 constexpr std::size_t views_per_look = 16;
 
-/// A view: its lens point, and its sample position within the pixels.
+/// A view: its lens point, and the position of its samples within the pixels.
 struct View {
     float lens_x, lens_y;  ///< px m
     float inverse_focus_per_m;
-    float x, y;  ///< added to every position, px: the lens's offset minus the sample position in the pixel
+    float x, y;  ///< shift of every position, px: shift by the lens minus sample position in the pixel
     std::uint32_t number;
     LensViewPoint point;
 };
@@ -41,8 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// For each pixel, whether empty space is behind it. Empty space is not blurred, so the views see it in this
-/// pixel.
+/// Returns, for each pixel, whether empty space is behind it. Empty space is not blurred, so views that see
+/// past the pixel's samples see empty space.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -64,10 +64,10 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Whether the sample of a facet is opaque in a view: whether its alpha exceeds the facet's threshold in this
-/// view. Over the views, the thresholds are a van der Corput sequence, scrambled with the facet's own seed.
-/// Facets are therefore opaque independently of each other, so the transmittance of two facets is the product
-/// of their transmittances.
+/// Returns whether a facet is opaque in a view. A facet is opaque if its alpha exceeds a threshold that
+/// differs from view to view. The thresholds of a facet form a van der Corput sequence over the views,
+/// scrambled with the facet's own seed. Each facet is thus opaque independently of the others, and the
+/// transmittances of facets behind each other multiply.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
@@ -78,7 +78,7 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing`: nothing_behind for each pixel of the window.
+    /// `nothing` is the result of nothing_behind, with one value per pixel of the window.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -114,8 +114,8 @@ class Band {
             const std::size_t k = in_window(i);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // A view whose light the lens blocks contributes black, so colours are means over all views.
-            // Alpha is the mean over the views that are not blocked.
+            // If the lens blocks the light of a view, the view contributes black. Colours are therefore means
+            // over all views, but alpha is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? sums_[i].rgba[3] / passed : 1;
             if (!shares_.empty() && passed > 0) {
@@ -129,10 +129,11 @@ class Band {
     }
 
   private:
-    /// Depth order of the quadrilaterals. Of two at equal depth, the one with fewer samples in front of it in
-    /// its own pixel is in front. So parts of one sample keep their order even if their blur differs.
+    /// Depth order of the quadrilaterals. If two have the same depth, the one with fewer samples in front of
+    /// it in its own pixel is in front. Parts of one sample thus keep their order even if they are blurred
+    /// differently.
     struct Depth {
-        float inverse_z = -1;  ///< negative: farther than all
+        float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
         std::uint64_t number = ~std::uint64_t{0};
         [[nodiscard]] bool is_behind(const Depth& other) const {
@@ -142,7 +143,7 @@ class Band {
     };
     struct Sum {
         std::array<float, 4> rgba{};
-        float unseen = 0;    ///< number of views that look past everything the image shows
+        float unseen = 0;    ///< number of views that see past everything in the image
         float held_out = 0;  ///< sum of the alphas of holdouts
     };
     struct Hit {
@@ -150,7 +151,7 @@ class Band {
         Depth depth;
     };
 
-    /// Index in the window of pixel `i` of this band.
+    /// Converts the index of a pixel in this band to its index in the window.
     [[nodiscard]] std::size_t in_window(std::size_t i) const {
         const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                   y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -158,7 +159,7 @@ class Band {
                static_cast<std::size_t>(x - s_.window.x_begin);
     }
 
-    /// Whether a row of pixels may reach this band.
+    /// Returns whether a row of pixels may appear in this band in a view.
     [[nodiscard]] bool reaches(const View& v, int row) const {
         const auto& [least, most] = facets_.range(row);
         if (!(least <= most)) return false;
@@ -170,8 +171,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the view's sample points that lie inside a quadrilateral. In the view's coordinates, sample
-    /// points have integer coordinates.
+    /// Finds the sample points of a view that lie inside a quadrilateral. The sample points are the integer
+    /// positions in the coordinates of the view.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -198,13 +199,13 @@ class Band {
         }
     }
 
-    /// Whether a point lies in one of the two triangles of the quadrilateral, for any orientation. Points on
-    /// the sides count as inside, so that neighbours leave no cracks.
+    /// Returns whether a point lies in one of the two triangles of the quadrilateral. The quadrilateral may
+    /// have either orientation. Points on the sides count as inside, so that neighbours leave no cracks.
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // The two quadrilaterals that share a side compute the side's line from the same corner. They
-            // therefore get the same number, and leave no crack.
+            // Two quadrilaterals that share a side must compute the same number for it, or a crack may
+            // appear. Both therefore begin at the same corner.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -221,8 +222,8 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the premultiplied light of all quadrilaterals that no opaque one hides. The expected value equals
-    /// compositing with the operator "over".
+    /// Adds the light of all quadrilaterals that are not hidden by an opaque one. The colours are
+    /// premultiplied. The expected value equals compositing with the operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -240,8 +241,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // If all samples that a view meets in a pixel are transparent in this view, the view looks past
-        // everything that the image shows.
+        // If all samples that a view meets in a pixel are transparent in this view, the view sees past
+        // everything in the image.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
@@ -259,8 +260,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// For each pixel, tests whether the lens transmits the view's light. The result depends on the point
-    /// where the view's ray crosses the plane in focus.
+    /// Tests, for each pixel, whether the lens transmits the light of the view. The result depends on the
+    /// point where the view's ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,
@@ -284,7 +285,7 @@ class Band {
     std::vector<Sum> sums_;
     std::vector<std::uint8_t> passes_;
     std::vector<std::vector<ObjectShare>> shares_;
-    std::vector<float> passed_;  ///< per pixel, number of views that the lens transmits; empty: all
+    std::vector<float> passed_;  ///< per pixel, number of views that the lens transmits; empty if all are
     double half_diagonal_px_;
 };
 

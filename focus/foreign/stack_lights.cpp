@@ -8,10 +8,10 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha of a sample. Samples that emit light but cover nothing need a positive weight to be
-/// composited. A pixel may have a thousand of them, and the light behind them must not lose more than 1e-4.
+/// Smallest alpha of a sample. A sample that emits light but covers nothing needs a positive weight to be
+/// composited. It must be so small that a thousand such samples take at most 1e-4 of the light behind them.
 constexpr double least_alpha = 1e-7;
-/// Shares of a pixel below this are considered rounding errors.
+/// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;
 
 }  // namespace
@@ -34,18 +34,18 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // Light behind another sample of the same surface is seen from no lens point, because both samples move
-    // together over the lens.
+    // No lens point sees light behind another sample of the same surface, because both samples move together
+    // when the lens point moves.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // Computes `covered`, the share of the light that no lens point sees, because its occluder moves with it
-    // over the lens. Behind a translucent occluder, this share follows from `independence`, as in
-    // `composite`.
+    // Compute `covered`, the share of the light that no lens point sees. The surface that hides this light
+    // moves together with it when the lens point moves. Behind a translucent sample, the share is computed
+    // from `independence`, as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point, so it counts as moving independently of every
-        // occluder.
+        // Empty space looks the same from every lens point, so it moves independently of every surface that
+        // hides it.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);
@@ -120,7 +120,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                  hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depths, 0, false);
-        // Light that moves together with its occluder over the whole lens is hidden from every lens point.
+        // Light that always moves together with the surface in front of it is hidden from every lens point.
         if (s.covered < s.hidden_weight * (1 - least_share))
             store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }

@@ -1,4 +1,4 @@
-// Converts a pixel's stack of samples to PixelLight, separated into light that the pinhole sees and hidden
+// Converts a pixel's stack of samples to PixelLight. Light that the pinhole sees is separated from hidden
 // light.
 #pragma once
 
@@ -12,30 +12,35 @@
 
 namespace postlens {
 
-/// The values that are converted to light: the colours, or the alphas (in all three channels).
+/// The value that is converted to light: either the colour, or the alpha, which then fills all three
+/// channels.
 enum class StackValue { colour, alpha };
 
 /// Converts stacks one at a time.
 ///
-/// T is the transmittance of the samples in front of a sample, the product of their 1 - alpha. The sample's
-/// visible share is T alpha, its hidden share (1 - T) alpha. Its premultiplied colour is divided in the same
-/// ratio. Empty space at infinity fills the rest of a pixel and continues behind translucent samples, so the
-/// visible shares of a pixel add up to 1. Samples whose signed CoC radii differ by less than a pixel (beyond
-/// 16 px: by less than a 16th) move together over the lens and form one surface.
+/// T, the transmittance in front of a sample, is the product of (1 - alpha) of all samples in front of it.
+/// The visible share of the sample is T alpha and its hidden share is (1 - T) alpha. Its premultiplied colour
+/// is divided in the same ratio. Empty space at infinity fills the rest of the pixel, so the visible shares
+/// of a pixel add up to 1.
+///
+/// Samples form one surface if their signed CoC radii differ by less than a pixel. For radii above 16 px, the
+/// limit is a 16th of the radius.
 class StackLights {
   public:
-    /// `with_nothing`: empty space, which is not blurred, is also converted to light.
+    /// `with_nothing` states whether empty space, which is not blurred, is also converted to light.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts a stack of samples and appends the light to `out`. `behind`: estimate of the surface behind
-    /// the stack; may be null. `fills`: the last sample is a uniformly translucent surface that fills the
-    /// pixel. Its weights are then scaled to add up to 1, as for an opaque surface. Set `fills` only if there
-    /// is only empty space behind the pixel and its neighbours.
+    /// Converts a stack of samples and appends the light to `out`. `behind` is the estimate of the surface
+    /// behind the stack and may be null.
+    ///
+    /// `fills` states that the last sample is a uniformly translucent surface that fills the pixel. Its
+    /// weights are then scaled to add up to 1, as for an opaque surface. Set `fills` only if there is only
+    /// empty space behind the pixel and its neighbours.
     void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 
-    /// Number of the surface to which samples with this signed CoC radius belong.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -44,8 +49,8 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths, 1/m: `order` determines the order of compositing, `spread` the circle of
-    /// confusion.
+    /// Two inverse depths, in 1/m. `order` determines the order of compositing, `spread` the size of the
+    /// circle of confusion.
     struct Depths {
         double order = 0, spread = 0;
     };

@@ -8,8 +8,9 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// If the weights of a path's nodes at a pixel add up to at least this, only the nodes' own radiance is used.
-/// With a smaller sum, the path's radiance scattered with the kernel of the mirror or glass is blended in.
+/// Smallest sum of weights at a pixel for which only the radiance of a path's nodes is used. If the weights
+/// of the nodes add up to less, a substitute is blended in: the path's radiance, scattered with the kernel of
+/// the mirror or glass.
 constexpr double enough_weight = 0.05;
 
 /// The nodes at a pixel that have the same path (sequence of reflections and transmissions), and their total
@@ -18,7 +19,7 @@ struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
     double masks = 0;                  ///< sum of the weights of all masks
-    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks; replaces missing nodes
+    std::array<double, 3> stand_in{};  ///< sum of the colours of all masks, which replaces missing nodes
     double outer = 0;                  ///< sum of the weights of the outer masks
     [[nodiscard]] NodePath path() const { return NodePath(terms[0].part->path); }
 };
@@ -28,9 +29,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface, weighted by `mask`,
-/// the share of the surface that shows the path. The lens points that see this radiance are assumed to be
-/// distributed like those that see the surface.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface. The weight is the
+/// share of the surface that shows the path, which `mask` states. The radiance is assumed to be visible from
+/// the same lens points as the surface.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -40,8 +41,8 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// Adds the radiance of a path to the fragment (light at the pixel) of the mirror or glass that reflects or
-/// transmits it. `shown` is the surface of this mirror or glass; the masks of `shown` weight the radiance.
+/// Adds the radiance of a path to `fragment`, the light of a mirror or glass at this pixel. The mirror or
+/// glass is the surface `shown`. The weights are the masks of the path that belong to this surface.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -61,7 +62,8 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
 }
 
 /// Converts the nodes of a path (sequence of reflections and transmissions) to fragments, one per surface.
-/// Adds the radiance of `longer`, the paths that continue this path. Returns the sum of the nodes' weights.
+/// Also adds the radiance of `longer`, the paths that continue this path. Returns the sum of the nodes'
+/// weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -106,8 +108,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path has already added its radiance, weighted by its outer masks. So stand_in, the
-        // substitute for missing nodes of this path, must not be blended in as well.
+        // The longer path has already added its radiance here, so stand_in, the substitute for missing nodes,
+        // is not needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)
@@ -127,7 +129,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longest paths first, because a path needs the results of the paths that continue it.
+    // Longest paths come first, because a path needs the results of the paths that continue it.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

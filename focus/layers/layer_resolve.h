@@ -25,18 +25,19 @@ struct LayerTerm {
 /// A sum of weights below this counts as 0.
 inline constexpr double smallest_layer_weight = 1e-12;
 
-/// Computes the light of a surface at a pixel (Fragment) from the sums of all its parts: its own light, and
-/// the light that it shows along each path. The sums must be in the order of LayerPart. Returns nothing if no
-/// light of the surface itself reaches the pixel.
+/// Computes the light of a surface at a pixel (Fragment) from the sums of all its parts. The parts are the
+/// surface's own light and the light that it shows along each path (sequence of reflections and
+/// transmissions). The sums must be in the order of LayerPart. Returns nothing if no light of the surface
+/// itself reaches the pixel.
 ///
-/// The nodes of each path (sequence of reflections and transmissions) form an image of their own: they are
-/// scattered with their own kernels and divided by their own weights. The mask of a path is the share of the
-/// surface that shows this path. It is scattered with the surface's kernels, so that a mirror's outline has
-/// the blur of the mirror rather than that of its reflection.
+/// The nodes of each path form an image of their own. They are scattered with their own kernels and divided
+/// by their own weights. The mask of a path is the share of the surface that shows this path. It is scattered
+/// with the surface's kernels, so that the outline of a mirror is blurred like the mirror and not like the
+/// reflection.
 ///
-/// The mask may reach a pixel that no node of the path reaches, for example beside the outline of a mirror
-/// that is more out of focus than its reflection. The path's colours, scattered with the mask's kernels, are
-/// used there instead.
+/// The mask may reach a pixel that no node of the path reaches. This happens beside the outline of a mirror
+/// that is more out of focus than its reflection. There, the path's colours are scattered with the mask's
+/// kernels instead.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

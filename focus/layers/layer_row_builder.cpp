@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, px, from which samples are placed only in steps of a quarter pixel or of a whole pixel, if a
-/// pixel has several samples. The samples then merge into few splats. The profile of an edge blurred by a
-/// uniform response changes by (step / radius)^2 / 8 < 1e-3 of the edge's contrast (see phases_of).
+/// CoC radii, in px, from which samples are placed only in steps of a quarter pixel or of a whole pixel.
+/// Samples of a pixel then merge into fewer splats. An edge blurred by a uniform response changes by less
+/// than 1e-3 of its contrast.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// CoC radii, px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
+/// CoC radii, in px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -25,10 +25,12 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// Linear least-squares estimate of the lens point through which light passed, per px of the position at
-/// which the light arrives. Light through the lens point q of the unit disc arrives at R q + S |q|^2 q, where
-/// R is the CoC radius and S the spherical aberration. Along each axis, this position has the variance R^2 /
-/// 4 + R S / 3 + S^2 / 8, to which a pixel adds 1 / 12, and its covariance with q is R / 4 + S / 6.
+/// Returns the factor by which the position at which light arrives, in px, must be multiplied to estimate the
+/// lens point of that light, in lens radii. The estimate is the linear least-squares estimate.
+///
+/// Light through the point q of the unit disc arrives at R q + S |q|^2 q, where R is the CoC radius and S the
+/// spherical aberration. Along each axis, this position has the variance R^2 / 4 + R S / 3 + S^2 / 8. The
+/// extent of a pixel adds 1 / 12. The covariance of the position and q is R / 4 + S / 6.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m, double spherical_px) {
     const double r = signed_radius_px(geometry, inverse_depth_per_m), s = spherical_px;
     return (r + 2 * s / 3) / (r * r + 4 * r * s / 3 + s * s / 2 + 1.0 / 3);
@@ -50,8 +52,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // A response that is not uniform may have a bright core, which coarser steps would blur, whatever the
-    // radius: spherical aberration, a real lens, diffraction and pictures of apertures have such cores.
+    // Only uniform responses use coarser steps. Other responses may have a bright core, which coarser steps
+    // would blur.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -62,8 +64,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     for (std::size_t i = 0; i < phases.count; ++i) {
         const Phase& p = phases.items[i];
         KernelKey key = response.key;
-        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel, so the
-        // pixel's middle is used.
+        // A disc much smaller than a pixel has the same kernel at all positions inside the pixel. The kernel
+        // of the pixel's middle is used.
         constexpr std::int32_t middle = KernelKey::phase_steps / 2;
         const bool tiny = response.radius_px < tiny_px;
         key.phase_x = tiny ? middle * ((p.x > 0) - (p.x < 0)) : p.x;
@@ -76,13 +78,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The hash of
-// the kernel's key selects the slot of the cache. The numbers of kernels are not used for this, because they
-// depend on the timing of threads, and so would the result.
+// Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The slot of
+// the cache is selected by the hash of the kernel's key. The kernel's number would not do, because it depends
+// on the timing of threads, and so would the result.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // Fibonacci hashing. If a different splat occupies the slot, the two splats are not merged.
+        // This is Fibonacci hashing. If a different splat occupies the slot, the two splats are not merged.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -116,9 +118,9 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Sums the radiance of subtrees. Nodes of the shading tree are sorted by path, and a child has a greater
-    // path number than its parent. So in backward order, each node's sum is complete before it is added to
-    // its parent.
+    // Sum the radiance of subtrees. The nodes of the shading tree are sorted by path, and a child comes after
+    // its parent. In backward order, the sum of each node is therefore complete before it is added to the
+    // parent.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -135,8 +137,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
 }
 
 // A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. The
-// far side's mask is therefore blurred with the near side's kernel. The far side's own matrix W may be that
-// of a caustic, and would blur the mask far too much.
+// mask of the far side is therefore blurred with the kernel of the near side. The far side's own reprojection
+// matrix may belong to a caustic and would blur the mask far too much.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -173,7 +175,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // As in `scatter`, the largest CoC is that of the directly visible surfaces at a finite depth.
+        // As in `scatter`, only directly visible surfaces at a finite depth count for the largest CoC.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);
@@ -207,7 +209,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
 }
 
 // Adds nodes that are hidden behind reflected or transmitted nodes. `surface` is the visible mirror or glass
-// at which the paths of these nodes begin.
+// that reflects or transmits their light.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

@@ -18,7 +18,7 @@
 
 namespace postlens {
 
-/// Processes one row of corners. Writes only data of this row.
+/// Processes one row of pixel corners. It writes only the data of this row.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -30,7 +30,7 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The shading tree nodes of one layer of a point sample; layer 0 is visible from the pinhole.
+    /// The shading-tree nodes of one layer of a point sample. Layer 0 is visible from the pinhole.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
@@ -49,12 +49,12 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// The node of the current shading tree with this path, or null.
+    /// Returns the node of the current shading tree with this path, or null if there is none.
     [[nodiscard]] const Met* met_at(NodePath path) const;
     /// Returns the shading-tree node whose kernel blurs the outline of the node `from`.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at node `met`: the share of the parent node `from` that shows this
-    /// path. `from` must have been added before.
+    /// Adds the mask of the path that ends at the node `met`. The mask is the share of the parent node `from`
+    /// that shows this path. `from` must have been added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, px. A single test decides whether any of the splats (impulse responses) of a tile reaches
-/// a block of the image.
+/// Edge of a tile, in px. One test decides whether any splat (impulse response) of a tile reaches a block of
+/// the image.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -68,7 +68,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows are added from the top of the image down, so all rows of tiles above the next row are complete.
+    // Rows are added from the top of the image down, so all tiles above the next row are complete.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -82,7 +82,7 @@ void LayerSplats::Row::clear() {
 
 void LayerSplats::store(int y, Row& made) {
     const auto index = static_cast<std::size_t>(y - source_.y_begin);
-    if (index < joined_ * tile_px) return;  // the row was already added, with an earlier range of rows
+    if (index < joined_ * tile_px) return;  // the row was already added as part of an earlier range of rows
     if (keep_ == Keep::none) {
         made.splats.clear();
         made.part.clear();
@@ -111,7 +111,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by LayerPart and tile, with a stable sort, and appends the row's runs.
+// Sorts the splats of a row by part (LayerPart) and tile. The sort is stable. Then appends the runs of the
+// row to `runs`.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -203,7 +204,7 @@ void LayerSplats::sort_cells() {
     cells_.clear();
     for (const auto& some : tile_cells_) cells_.insert(cells_.end(), some.begin(), some.end());
     tile_cells_.clear();
-    // Within a part the tiles are already in order.
+    // The tiles of each part are already in order.
     std::stable_sort(cells_.begin(), cells_.end(),
                      [](const LayerCell& a, const LayerCell& b) { return a.part < b.part; });
 }
@@ -238,8 +239,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows of the file that are not read again contribute only their splats that reach far, which were kept
-    // when the rows were read before.
+    // Rows of the file that are not read again only contribute splats that reach far. These were kept when
+    // the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

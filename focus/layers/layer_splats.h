@@ -1,5 +1,4 @@
-// Builds splats (impulse responses of samples) from records, separated by surface, as input of the method
-// `layers`.
+// Builds splats (impulse responses of samples) from records, separated by surface, for the method `layers`.
 #pragma once
 
 #include <array>
@@ -22,7 +21,7 @@
 
 namespace postlens {
 
-/// Identifies a surface. An object that hides a part of itself has several surfaces: `before` is the number
+/// Identifies a surface. An object that hides a part of itself has several surfaces. `before` is the number
 /// of surfaces of the same object in front of this one on the same ray.
 struct SurfaceKey {
     std::uint32_t id = 0;
@@ -31,49 +30,52 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// A part: splats that are summed up separately, because they belong to one surface, or to the light that a
-/// surface reflects or transmits along one path. Parts are sorted by surface, then by path, parents first.
+/// Splats that are summed up together. A part belongs either to a surface itself or to the light that the
+/// surface reflects or transmits along one path. Parts are sorted by surface, then by path, with parents
+/// before their children.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
         hidden,       ///< nodes behind another surface
         mask,         ///< the node's colours, scattered with the kernels of the parent nodes
-        hidden_mask,  ///< masks of parent nodes behind another surface
-        outer_mask,   ///< masks with the kernels that scatter the mask of the parent's path
+        hidden_mask,  ///< masks of parent nodes that are hidden behind another surface
+        outer_mask,   ///< masks scattered with the same kernels as the mask of the parent's path
     };
     SurfaceKey surface;      ///< surface of the primary node
-    std::uint32_t path = 0;  ///< NodePath::bits; 0: the surface itself
-    SurfaceKey shown;        ///< surface of the node; for masks, surface of the parent node, and empty if the
-                             ///< parent is the primary node; empty for outer masks
+    std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
+    /// Surface of the node. For masks, it is the surface of the parent node, or empty if the parent is the
+    /// primary node. It is empty for outer masks.
+    SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
 /// One shading-tree node of a point sample, multiplied by the sample's weight. `depth` is the weight times
-/// 1/z'.
+/// 1/z', the inverse depth.
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Change of the lens point over the kernel, in lens radii per px. Light that arrives d px from the
-    /// anchor (x, y) passed, on average, through the lens point d * lens_per_px.
+    /// How fast the lens point changes over the kernel, in lens radii per px. Light that arrives d px from
+    /// the anchor (x, y) passed through the lens point d * lens_per_px, on average.
     float lens_per_px = 0;
-    /// Part of the weight that no lens point sees, because the surface in front moves together with this one
-    /// over the lens (Fragment::covered).
+    /// The part of the weight that no lens point sees. The surface in front hides it everywhere, because both
+    /// surfaces move together when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// A window around the kernel, in steps of `reach_step_px` from the anchor. It tells whether the kernel,
-    /// which is rarely in the cache, must be read. Set by LayerSplats.
+    /// A window around the kernel, in steps of `reach_step_px` from the anchor (x, y). If the window does not
+    /// reach a block, the kernel need not be read, which saves time because the kernel is rarely in the
+    /// processor's cache. Set by LayerSplats.
     std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
     static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
-    /// Whether the window and `rows` have a pixel in common.
+    /// Returns whether the window and `rows` have a pixel in common.
     [[nodiscard]] bool reaches(const RasterWindow& rows) const {
         return x + reach_step_px * x_last > rows.x_begin && x + reach_step_px * x_first < rows.x_end &&
                y + reach_step_px * y_last > rows.y_begin && y + reach_step_px * y_first < rows.y_end;
     }
 };
 
-/// Splats of one LayerPart side by side in one row and tile: a range of the row's splats.
+/// Neighbouring splats of one LayerPart in one row and tile, as a range of the row's splats.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -83,7 +85,7 @@ struct LayerRun {
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
-    std::uint32_t begin = 0, end = 0;  ///< range of the tile row's runs, one per row
+    std::uint32_t begin = 0, end = 0;  ///< range of runs in tile_runs_[tile_row], one run per row
     RasterWindow reach;                ///< pixels that the splats reach
 };
 
@@ -95,7 +97,7 @@ struct RadianceRange {
     void include(const RadianceRange& other);
 };
 
-/// Usage: add each row once, in bands in any order; then call finish.
+/// Usage: add each row once, in bands in any order. Then call finish.
 class LayerSplats {
   public:
     /// The arguments are those of SplatTables.
@@ -103,16 +105,16 @@ class LayerSplats {
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must have one more row above and
-    /// below, if the source window has these rows. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must also have the row above and
+    /// the row below, if the source window has them. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. The point samples of `rows` may already have been computed.
+    /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
     /// Places samples at pixel centres instead of pixel corners, for another program's image. Call it before
-    /// add_pixels. `known`: the window of the pixel corners that the image has. The source window may be
-    /// larger: samples outside `known` are estimates.
+    /// add_pixels. `known` is the window of the pixel corners that the image has. Samples outside `known`,
+    /// but within the source window, are estimates.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -123,8 +125,8 @@ class LayerSplats {
     /// Builds the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row. Until
-    /// finish(), rows that are added store no splats (SplatTables::survey).
+    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row is added.
+    /// Rows that are added before finish() store no splats (SplatTables::survey).
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -148,10 +150,11 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Position of samples relative to their anchors, px: 0.5 for pixels of other programs, otherwise 0.
+    /// Position of samples relative to their anchors, in px. It is 0.5 for pixels of other programs,
+    /// otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
-    /// Range of the recorded colours. Images are clamped to this range.
+    /// Returns the range of the recorded colours, to which images are clamped.
     [[nodiscard]] const RadianceRange& colours() const { return colours_; }
 
   private:
@@ -161,7 +164,7 @@ class LayerSplats {
     struct Row {
         std::vector<LayerPart> parts;
         std::vector<std::uint32_t> part;  ///< per splat, index into `parts`
-        std::vector<LayerSplat> splats;   ///< in the end sorted by part, tile and column
+        std::vector<LayerSplat> splats;   ///< finally sorted by part, tile and column
         /// Removes all elements, but keeps the capacity.
         void clear();
         double largest_radius_px = 0;
@@ -176,7 +179,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell);
-    /// Stores the splats of row y that must be kept, and removes the others from `made`.
+    /// Stores the splats of row y that must be kept, and removes all other splats from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 
@@ -197,7 +200,7 @@ class LayerSplats {
     std::vector<std::vector<LayerRun>> tile_runs_;  ///< each sorted by part, tile and row
     std::size_t joined_ = 0;                        ///< number of complete elements of tile_runs_
     std::vector<std::vector<LayerCell>>
-        tile_cells_;  ///< per element of tile_runs_; emptied when the cells have been sorted into cells_
+        tile_cells_;  ///< one element per element of tile_runs_; emptied when sorted into cells_
     double largest_radius_px_ = 0;
     double from_anchor_px_ = 0;
     RadianceRange colours_;

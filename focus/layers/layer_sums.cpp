@@ -11,7 +11,7 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double TwoDoubles __attribute__((vector_size(16)));
-/// For access to numbers in memory. Variables of these types would not be kept in registers.
+/// Types for reading and writing numbers in memory. Variables of these types would not be kept in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -37,16 +37,16 @@ struct PlainValues {
     }
 };
 
-/// As PlainValues, and the values from which lens_at() computes the lens moments: the light times
-/// lens_per_px, and this product times the splat's position. Vectors of eight doubles would take twice as
-/// long on processors without AVX-512, because the compiler would split them through the stack.
+/// The values of PlainValues, and further values from which lens_at() computes the lens moments. These are
+/// the light times lens_per_px, and this product times the splat's position. Vectors of eight doubles would
+/// take twice as long on processors without AVX-512.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
     TwoDoubles depth{};
 
     LensValues() = default;
-    /// `x`: column of the splat's anchor, counted from the corner of the block.
+    /// `x` is the column of the splat's anchor, counted from the corner of the block.
     LensValues(const LayerSplat& s, int x)
         : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.weight)},
@@ -59,7 +59,7 @@ struct LensValues {
         by_x += other.by_x * tap;
         depth += other.depth * tap;
     }
-    /// `y`: row of the anchors, counted from the corner of the block.
+    /// `y` is the row of the anchors, counted from the corner of the block.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
         *reinterpret_cast<FourStored*>(pixel) += light;
         *reinterpret_cast<FourStored*>(pixel + 4) += by_lens;
@@ -82,8 +82,8 @@ struct LayerPass {
 /// Largest number of splats that are added together.
 constexpr std::size_t longest_run = 64;
 
-/// Number of splats at the beginning of `splats` that reach the block, have adjacent anchors and share one
-/// kernel.
+/// Returns the number of splats at the beginning of `splats` that can be added together. They reach the
+/// block, have adjacent anchors and share one kernel.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const RasterWindow& rows) {
     const std::size_t most = std::min(splats.size(), longest_run);
@@ -94,7 +94,7 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first`: the pixel to
+/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first` is the pixel to
 /// which the product of the first value and the first tap is added.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
@@ -111,7 +111,8 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Sets `taps` to the differences between neighbouring pixels of an edge, from `before` to `after`.
+/// Sets `taps` to the differences between neighbouring pixels at an edge of the kernel. The values change
+/// from `before` to `after` there.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -123,8 +124,8 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
     taps.back() = after - before;
 }
 
-/// Adds a run of splats to one row of the block. `x`, `y`: the first anchor, counted from the corner of the
-/// block. `sums`, `changes`: those of the row.
+/// Adds a run of splats to one row of the block. `x` and `y` are the position of the first anchor, counted
+/// from the corner of the block. `sums` and `changes` belong to the row.
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,
@@ -154,7 +155,7 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
     convolve<Values>(values, taps, x + row.inner_end, y, from, width, changes);
 }
 
-/// Adds a single splat to one row of the block; the arguments are those of add_run.
+/// Adds a single splat to one row of the block. The arguments are those of add_run.
 template <typename Values>
 __attribute__((always_inline)) inline void add_one(const Values& values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,
@@ -224,8 +225,8 @@ void add_with_lens(const LayerPass& pass) {
     add_splats<LensValues>(pass);
 }
 
-/// Adds the prefix sums of `changes` to `sums`. `changes` has the differences between neighbouring pixels of
-/// a row of `width` pixels, with `numbers` values per pixel.
+/// Adds the prefix sums of `changes` to `sums`. `changes` contains the differences between neighbouring
+/// pixels of a row. The row has `width` pixels with `numbers` values per pixel.
 template <std::size_t numbers>
 void sum_row(double* sums, const double* changes, std::size_t width) {
     double inside[numbers] = {};

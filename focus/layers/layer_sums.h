@@ -11,29 +11,31 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth, each multiplied by the kernel. The cost of a splat is proportional to
-/// the length of its kernel's outline, because the uniform interior of a kernel row is stored as differences
-/// between neighbouring pixels (as in PointScatter). Adjacent splats that share a kernel (most splats of
-/// another program's image) are added together, row by row, in a third of the time. Rows without an interior
-/// are added directly, because the lens moments of small kernels are large, and the rounding errors of their
-/// differences would reach all pixels to the right.
+/// Sums of colour, weight and depth, each multiplied by the kernel.
+///
+/// The uniform interior of a kernel row is stored as differences between neighbouring pixels, as in
+/// PointScatter. The cost of a splat is therefore proportional to the length of its kernel's outline. Rows
+/// without an interior are added directly, because differences would leave rounding errors in all pixels to
+/// the right.
+///
+/// Adjacent splats that share a kernel are added together, row by row, which is three times as fast.
 class LayerSums {
   public:
-    /// Sets the sums of the pixels of `rows` to 0. `with_lens`: lens moments are summed as well.
-    /// `from_anchor_px`: distance of samples from their anchors, to the right and down.
+    /// Sets the sums of the pixels of `rows` to 0. `with_lens` states whether lens moments are summed as
+    /// well. `from_anchor_px` is the distance of samples from their anchors, both to the right and down.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Adds up the differences along each row to get the sums. Call it after the last splat.
+    /// Adds up the differences along each row. Call it after the last splat and before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
-    /// Sums of red, green, blue and weight at a pixel.
+    /// Returns the sums of red, green, blue and weight at a pixel.
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[stride_ - 2]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[stride_ - 1]; }
-    /// The lens moments of the sums that `at` returns: each term is multiplied by the lens point of its
-    /// light, in lens radii.
+    /// Returns the lens moments of the sums that `at` returns. In a lens moment, each term of the sum is
+    /// multiplied by the lens point through which its light passed, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
   private:
@@ -45,11 +47,12 @@ class LayerSums {
     RasterWindow rows_;
     bool with_lens_ = false;
     double from_anchor_px_ = 0;
-    std::size_t width_ = 0;   ///< pixels per row of the buffers: rows_ plus one, for the last difference
+    std::size_t width_ = 0;   ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = 6;  ///< values per pixel
-    /// Values of each pixel: [0..3] red, green, blue and weight. With lens moments, also: [4..7] the first
-    /// four times LayerSplat::lens_per_px; [8..11] these products times the anchor's x, counted from the
-    /// corner of rows_; [12..15] the products times its y. The last two values are depth and covered weight.
+    /// Values of each pixel. [0..3] are red, green, blue and weight. The last two values are depth and
+    /// covered weight. With lens moments, there are further values in between. [4..7] are the first four
+    /// values times LayerSplat::lens_per_px. [8..11] are these products times the x coordinate of the splat,
+    /// and [12..15] times its y coordinate, both counted from the corner of rows_.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

@@ -13,20 +13,22 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, px. LayerSums need up to 288 B per pixel, so those of a block fit into the L2 cache.
+/// Width of a block, in px. The sums need up to 288 B per pixel, so the sums of a block fit into the L2
+/// cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
-/// Largest number of fragments (surfaces at a pixel) and of their sums in memory at a time; each needs about
-/// 270 B. A block with more fragments is processed in parts of a few rows.
+/// Largest number of fragments (surfaces at a pixel) in memory at a time. Each fragment and its sums need
+/// about 270 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the fragments of the pixel (x, y) and stores the channels that one pass computes: all three, or
-/// one if each channel has its own kernels.
+/// Composites the fragments of the pixel (x, y) and stores the result. It stores all three channels, or only
+/// `channel` if each channel has its own kernels.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // A surface that fills the pixel has the weight `open`, and covers all of the lens that is open.
+    // A surface that fills the pixel has the weight `open`, because it covers all of the lens that is open.
+    // The weights are scaled so that such a surface has the weight 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -37,30 +39,30 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // The result may leave the range of the recorded colours, because sums of differences have rounding
-        // errors and colours are approximated as linear functions of the lens point.
+        // The result may leave the range of the recorded colours. Sums of differences have rounding errors,
+        // and colours are approximated as linear functions of the lens point.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// Whether the splats of a LayerPart need lens moments, which describe through which side of the lens light
-/// passes. Reflected and transmitted nodes need none, because they are composited by alpha alone.
+/// Returns whether the splats of a part need lens moments, which describe through which side of the lens the
+/// light passes. Reflected and transmitted nodes need none, because they are composited by alpha alone.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }
 
-/// Computes the blocks of one thread, one after another, and reuses its buffers.
+/// Computes the blocks of one thread one after another, reusing its buffers.
 class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Computes the pixels of a block. `cells`: ascending indices of the groups of splats (LayerCell) that
-    /// reach the block.
+    /// Computes the pixels of a block. `cells` contains the indices, in ascending order, of the cells that
+    /// reach the block. A cell (LayerCell) is a group of neighbouring splats.
     void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
 
   private:
-    /// A range of the block's list of cells: the elements [begin, end) belong to one part (LayerPart). A cell
+    /// A range of the block's list of cells. The elements [begin, end) of the list belong to one part. A cell
     /// (LayerCell) is a group of neighbouring splats.
     struct PartCells {
         const LayerPart* part;
@@ -80,12 +82,12 @@ class BlockLayers {
     [[nodiscard]] bool meets_another(std::size_t surface) const;
 
     const LayerSplats& splats_;
-    RasterWindow rows_;  ///< the rows of the block that are being made
+    RasterWindow rows_;  ///< the rows of the block that are computed at present
     std::vector<PartCells> parts_;
     std::vector<RasterWindow> surfaces_;  ///< per surface, the pixels of the block that it reaches
     std::vector<LayerSums> sums_;
     std::vector<LayerTerm> terms_;
-    std::vector<std::int32_t> first_;  ///< per pixel, index in entries_ of the fragment added last; -1: none
+    std::vector<std::int32_t> first_;  ///< per pixel, index in entries_ of its last fragment; -1 if none
     std::vector<Entry> entries_;
     std::vector<Fragment> fragments_;
 };
@@ -176,8 +178,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Whether a surface may overlap another surface in the block. Only overlapping surfaces need lens moments,
-// which describe through which side of the lens their light passes.
+// Returns whether a surface may overlap another surface in the block. Only overlapping surfaces need lens
+// moments, which describe through which side of the lens their light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;
@@ -260,7 +262,7 @@ void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& 
 
 namespace {
 
-/// The sums of the splats of one LayerPart for every pixel of the image; LayerTerm::part is not set.
+/// The sums of the splats of one part for every pixel of the image. LayerTerm::part is not set.
 using ReferenceSums = std::vector<LayerTerm>;
 
 void add_reference(const LayerSplats& splats, const LayerSplat& s, const LayerPart& part, std::size_t channel,

@@ -1,5 +1,5 @@
-// The method `layers`: scatters each surface into its own accumulator, and composites the surfaces of each
-// pixel in depth order.
+// The method `layers`. It scatters each surface into its own accumulator, then composites the surfaces of
+// each pixel in depth order.
 #pragma once
 
 #include "focus/layers/layer_splats.h"
@@ -7,16 +7,17 @@
 
 namespace postlens {
 
-/// Height of the blocks in which images are computed, px. The first block begins at the window's first row.
+/// Height of the blocks in which images are computed, in px. The first block begins at the window's first
+/// row.
 inline constexpr int layers_block_px = 64;
 
-/// Computes the pixels of the window splats.picture() and resizes `image` to it. Runs in parallel; the result
-/// is bit-identical for any number of threads. If `wanted` is given, blocks outside this part of the image
-/// are skipped.
+/// Computes the pixels of the window splats.picture() and resizes `image` to this window. If `wanted` is
+/// given, blocks outside this part of the image are skipped. Runs in parallel. The result is bit-identical
+/// for any number of threads.
 void layers(const LayerSplats& splats, Image& image, const std::optional<Crop>& wanted = std::nullopt);
 
-/// Computes the image of layers() directly from the definition: every impulse response is evaluated at every
-/// pixel. A slow and simple reference for tests.
+/// Computes the image of layers() directly from the definition, by evaluating every impulse response at every
+/// pixel. This is a slow and simple reference for tests.
 [[nodiscard]] Image layers_reference(const LayerSplats& splats);
 
 }  // namespace postlens

@@ -23,15 +23,15 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Fraction, 0 to 1, of light that the transmittance S transmits. The light is described by its sum and
-    /// its lens moment (sum of light times lens point).
+    /// Returns the fraction, from 0 to 1, of some light that this transmittance lets through. `sum` is the
+    /// sum of the light and `moment` its lens moment, the sum of the light times its lens point.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
     }
 };
 
-/// A surface that has been composited and lies in front of those that follow.
+/// A surface that has already been composited and lies in front of all later ones.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -55,9 +55,9 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Depths are means, so rounding errors would decide the order of surfaces in one plane. In one plane, the
-    // surface with the smaller alpha is therefore composited first. Otherwise a wall that fills the pixel
-    // could hide an emitter on it.
+    // Depths are means, so rounding errors would decide the order of surfaces that lie in one plane. There,
+    // the surface with the smaller alpha is composited first. Otherwise a wall that fills the pixel could
+    // hide an emitter on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -74,8 +74,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a surface at the pixel after occlusion by the surfaces in front. `add` adds the light multiplied
-/// by `times`. Each colour channel and alpha are attenuated separately, according to their own lens moments.
+/// Light of a surface at the pixel that remains after occlusion by the surfaces in front. `add` adds the
+/// unoccluded part of some light, multiplied by `times`. Each colour channel and alpha are attenuated
+/// separately, according to their own lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -87,15 +88,16 @@ struct Arrived {
             rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens[3]);
-        // The product of two linear functions, without its quadratic term.
+        // This is the product of two linear functions of the lens point, without its quadratic term.
         lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Coverage by those surfaces in front that move over the lens together with a surface of this signed CoC
-/// radius. The nearer a surface is, the more its radius differs. So if one surface moves independently, all
-/// surfaces in front of it do, too.
+/// Returns the coverage by those surfaces in front that move together with a surface when the lens point
+/// moves. `radius_px` is the signed CoC radius of that surface. The nearer a surface in front is, the more
+/// its radius differs. If one of them moves independently, all surfaces in front of it therefore move
+/// independently, too.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -111,7 +113,7 @@ OverLens moving_along(std::span<const Laid> laid, double radius_px) {
 std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeometry& geometry) {
     constexpr double opaque = 1e-9;
     if (fragments.size() == 1 && fragments[0].hidden.alpha == 0) {
-        // Most pixels show one surface, and nothing hides it.
+        // Most pixels show only one surface, which nothing hides.
         std::array<double, 3> rgb = fragments[0].seen.rgb;
         for (double& channel : rgb) channel /= fragments[0].seen.alpha;
         return rgb;
@@ -124,22 +126,22 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Surfaces in front with a similar CoC move together with this surface over the lens. They do not
-        // hide the part of this surface that the pinhole sees.
+        // Surfaces in front with a similar CoC move together with this surface when the lens point moves.
+        // They do not hide any part of this surface that the pinhole sees.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface's coverage is at most the share of the lens that is still uncovered, and at least the
+        // The surface's coverage is at most the share of the lens that is still uncovered. It is at least the
         // part of the surface that nothing can hide.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // Coverage above the upper limit is removed together with its light. If coverage is missing, equal
-        // fractions of the attenuated alpha and of the attenuated light are added back. Scaling the light
-        // that arrived would not do: light and alpha are attenuated separately, so a pixel could become
-        // arbitrarily bright where almost no alpha arrived.
+        // If the coverage exceeds the upper limit, the excess is removed together with its light. If coverage
+        // is missing, equal fractions of the attenuated alpha and of the attenuated light are added back.
+        // Scaling the light that arrived would be wrong. A pixel where almost no alpha arrived could become
+        // arbitrarily bright.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -149,9 +151,9 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Upper bound of the lens moment of a part of the unit disc, given the part's area as a fraction of
-        // the disc. Half of the disc has the moment 0.21; a small part at the rim has a moment equal to its
-        // area.
+        // Upper bound of the lens moment of a part of the unit disc, computed from the part's area as a
+        // fraction of the disc. The moment of a half disc is 0.21. The moment of a small part at the rim
+        // equals its area.
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

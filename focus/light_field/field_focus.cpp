@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window, or an
-/// empty function if it transmits to all pixels.
+/// Returns a function that tests whether a view's lens point transmits light to a pixel of the window.
+/// Returns an empty function if the lens point transmits light to all pixels.
 std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensViewPoint& view) {
     if (!s.aperture.varies_over_field()) return {};
     const glm::dvec2 middle(s.window.width() / 2.0, s.window.height() / 2.0);
@@ -48,7 +48,7 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// For each class, the motion on the raster from one instant to another.
+    /// Returns, for each class, the motion on the raster from one instant to another.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -63,8 +63,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// The recorded instants from which a view at `time_s` is reprojected, with the motions from each of them to
-/// `time_s`.
+/// Returns the recorded instants from which a view at `time_s` is reprojected, with the motion from each of
+/// these instants to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -73,8 +73,8 @@ std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, doubl
     return out;
 }
 
-/// Whether some pixel of the crop is seen in no view. Such a pixel is filled from known pixels, which may lie
-/// outside the crop.
+/// Returns whether there is a pixel of the crop that no view sees. Such a pixel is filled from known pixels,
+/// which may lie outside the crop.
 bool has_gaps(const PatchPicture& seen, const std::optional<OneSurface>& simple, const Crop& crop) {
     for (int y = crop.y; y < crop.y + crop.height; ++y) {
         for (int x = crop.x; x < crop.x + crop.width; ++x) {
@@ -117,8 +117,8 @@ struct FieldFocuser::Prepared {
     }
     std::vector<double> instants_s;
     double strip_records = 0;                 ///< largest number of records of a strip
-    std::optional<FieldSurfaces> all;         ///< absent: surfaces are read strip by strip
-    std::unique_ptr<FieldHighlights> of_all;  ///< null: highlights are computed for each strip
+    std::optional<FieldSurfaces> all;         ///< absent if surfaces are read strip by strip
+    std::unique_ptr<FieldHighlights> of_all;  ///< null if highlights are computed for each strip
 };
 
 FieldFocuser::~FieldFocuser() = default;
@@ -131,13 +131,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A moving mirror and its reflection move differently on the raster, so reflected and transmitted nodes
-    // are drawn separately from their parents.
+    // A moving mirror and its reflection move differently on the raster. Reflected and transmitted nodes are
+    // therefore drawn separately from their parents.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // With motion, the views show some highlights, which are then not spread by impulse responses: those
-    // reflected by moving objects and those of large moving surfaces.
+    // With motion, some highlights are shown by the views instead of being spread by impulse responses. These
+    // are highlights that moving objects reflect, and highlights on large moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -163,7 +163,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
         // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). If surfaces are
-        // read strip by strip, there are therefore no highlights.
+        // read strip by strip, no highlights are chosen.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -185,7 +185,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// Describes the light field without its surfaces and sets of views, which the caller adds.
+/// Describes the light field without its surfaces and without sets of views. The caller adds both.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
@@ -259,7 +259,7 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Strips are read later and may contain highlights. Highlights need the patches (planar parts of
+        // Strips are read later and may contain highlights. A highlight needs all patches (planar parts of
         // surfaces) that any lens point sees.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
@@ -276,8 +276,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Whether rays replace crowded reflections must not depend on the views of the call, so the whole
-        // lens is assumed.
+        // Rays replace the reflected and transmitted surfaces of a piece if this takes less time than drawing
+        // them. This choice must not depend on the views of this call, so the whole lens is assumed.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

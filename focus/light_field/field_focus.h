@@ -1,5 +1,5 @@
-// The light field over lens and shutter: reprojects the records to many views, each from its own lens point
-// and at its own instant, and averages the views.
+// The light field over lens and shutter. The records are reprojected to many views, each from its own lens
+// point and at its own instant. The image is the mean of the views.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@
 
 namespace postlens {
 
-/// An open shutter: its interval, the weight of each instant, and the motion during the interval.
+/// The time during which the shutter is open, the weight of each instant, and the motion during this time.
 struct FieldShutter {
     const FrameMotion* motion = nullptr;
     double open_s = 0, close_s = 0;
@@ -34,54 +34,56 @@ struct FieldFocusSettings {
     Aperture aperture;
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
-    std::optional<FieldShutter> shutter;  ///< none: all views show the frame's own instant
-    /// If present, pixels are left out in which nothing moves and all views see one surface, because
+    std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
+    /// If present, pixels are left out if nothing moves in them and all views see a single surface, because
     /// scattering is exact for them. This happens only if such pixels make up at least this share of the
     /// image. If absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
-    RecordsRead also;  ///< called with the records of the frame's own instant while they are read
-    /// Draws only these pixels of the window, bit-identical to those of the whole image. All other pixels are
-    /// undefined.
+    RecordsRead also;  ///< called with the records of the frame's own instant as they are read
+    /// If present, only the pixels of the window within this crop are drawn, bit-identical to those of the
+    /// whole image. All other pixels are undefined.
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
-    /// Memory limit for the surfaces, bytes. If all surfaces together need more, they are read again for each
-    /// image, in strips that need a quarter of the limit. The result is bit-identical.
+    /// Memory limit for the surfaces, in bytes. If all surfaces together need more, the image is drawn in
+    /// strips, and the surfaces are read again for each image. A strip needs a quarter of the limit. The
+    /// result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays for samples of views whose colours the records do not determine. With rays, only
-    /// highlights whose radiance is the same for all rays are spread by their impulse responses, and no pixel
-    /// is left out or unknown. Null: no rays.
+    /// Traces rays for those samples of views whose colours the records do not determine. If null, no rays
+    /// are traced. With rays, no pixel is left out or unknown. Highlights are then spread by their impulse
+    /// responses only if all rays get the same radiance from them.
     const SightRays* rays = nullptr;
 };
 
 /// The mean of the views, with one value per pixel of the window. Pixels that no view knows are filled from
-/// their surroundings.
+/// the pixels around them.
 struct FieldFocus : PatchPicture {
-    std::vector<std::uint8_t> left_out;  ///< 1: left out (leave_out_from_share); empty if none is
+    std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
 };
 
-/// The views whose mean is an image: views [first, first + count) of a set. The lens points of a set form one
-/// scrambled Sobol sequence.
+/// The views whose mean is an image. They are the views [first, first + count) of a set. The lens points of a
+/// set form one scrambled Sobol sequence.
 struct FieldViews {
     int count = default_lens_views;
-    int set = 0;    ///< sets have independent lens points and errors (lens_views.h)
-    int first = 0;  ///< index of the first view; more than 0 continues a set
-    /// Returns whether a square piece of the image is drawn. If empty, all pieces are drawn. Pieces that are
-    /// not drawn are filled from their surroundings.
+    int set = 0;    ///< sets have independent lens points and thus independent errors (lens_views.h)
+    int first = 0;  ///< index of the first view; it is above 0 if a set is continued
+    /// Returns whether a square piece of the image is drawn. If the function is empty, all pieces are drawn.
+    /// Pieces that are not drawn are filled from the pixels around them.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // Only with rays. All are defined in PatchViews.
+    // These functions are only used with rays. They are defined in PatchViews.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which this set of views belongs, among the images drawn together. Sets of one
-    /// image must draw different pieces of it.
+    /// Index of the image to which this set of views belongs, among the images drawn together. Sets that
+    /// belong to one image must draw different pieces of it.
     std::size_t picture = 0;
 };
 
 class FieldStrips;
 struct OneSurface;
 
-/// Prepares the surfaces of a frame, to draw several images with one lens. Keeps a reference to the frame.
+/// Prepares the surfaces of a frame once, to draw several images through one lens. Keeps a reference to the
+/// frame.
 class FieldFocuser {
   public:
     /// `settings.views` and `settings.leave_out_from_share` are ignored.
@@ -94,18 +96,19 @@ class FieldFocuser {
 
     /// Draws the image of one set of views. The result is bit-identical for any number of threads.
     [[nodiscard]] FieldFocus draw(const FieldViews& views) const;
-    /// Draws several sets of views together, which is faster than drawing one after the other.
+    /// Draws several sets of views together, which is faster than drawing them one after the other.
     [[nodiscard]] std::vector<FieldFocus> draw(std::span<const FieldViews> sets) const;
 
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Converts a fraction u of the exposure, from 0 to 1, to an instant. The fraction u of the light arrives
-    /// before this instant.
+    /// Converts a fraction u of the exposure, from 0 to 1, to the instant before which this fraction of the
+    /// light arrives.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the pixels to leave out because they show a single surface (OneSurface), from the strips or from
-    /// the whole image. Returns nothing if no set of views leaves pixels out.
+    /// Finds the pixels to leave out because they show a single surface (OneSurface). Uses the surfaces of
+    /// the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if no set
+    /// of views leaves pixels out.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

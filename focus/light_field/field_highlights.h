@@ -1,5 +1,4 @@
-// Spreads the highlights of a light field by their exact impulse responses, with occlusion by nearer
-// surfaces.
+// Spreads the highlights of a light field by their exact impulse responses. Nearer surfaces hide highlights.
 #pragma once
 
 #include <memory>
@@ -16,41 +15,45 @@
 
 namespace postlens {
 
-/// The rule by which `tree_sheets` selects highlights. In the mean of a few views, a highlight that is not
-/// selected appears once per view, as ghosts. The rule selects nothing for apertures whose impulse response
-/// varies over the image or differs from the aperture's shape.
+/// Returns the rule by which `tree_sheets` selects highlights. A highlight that is not selected appears once
+/// per view, so the mean of a few views shows ghosts of it. The rule selects nothing if the impulse response
+/// varies over the image or differs from the shape of the aperture.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. The light of a highlight reaches a pixel
-/// through one lens point, and is added if that lens point sees the highlight. For the brightest highlights
-/// of a tile that are seen directly and do not move, visibility is computed exactly: the nearer surfaces are
-/// rasterised along the rays from the highlight (PointRays). For all others (reflected, transmitted, moving
-/// or less bright), visibility is that of the views nearest to the lens point and to the instant.
+/// through one lens point. The light is added if that lens point sees the highlight.
+///
+/// Visibility is computed exactly for the brightest highlights of a tile, if they are seen directly and do
+/// not move. For these, the nearer surfaces are rasterised along the rays from the highlight (PointRays). For
+/// all other highlights, the views nearest to the lens point and to the instant decide on visibility.
 class FieldHighlights {
   public:
-    /// Keeps a reference to `sheets`. `window`: pixels of the image. `motion`: null if nothing moves.
+    /// Keeps a reference to `sheets`. `window` states the pixels of the image. `motion` is null if nothing
+    /// moves.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the highlights as light that is added to a set of views. `set`: number of the set; it also
-    /// seeds the sample positions of visibility. `instants`: per view, the fraction of the exposure that is
-    /// over; may be empty if nothing moves. Keeps a reference to this object.
+    /// Returns the highlights as light that is added to a set of views. `set` is the number of the set, which
+    /// also seeds the positions at which visibility is sampled. `instants` contains, for each view, the
+    /// fraction of the exposure that has passed. It may be empty if nothing moves. Keeps a reference to this
+    /// object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Lights::aim. Each line joins a random point of a recorded highlight that reaches the pixel with a lens
-    /// point from which the pixel sees it. For a sharp moving highlight, the lines are random lines of the
-    /// pixel at instants at which the highlight is near.
+    /// Implements Lights::aim. Each line joins a random point of a recorded highlight to a lens point from
+    /// which the pixel sees the highlight. Only highlights that reach the pixel are used. For a sharp moving
+    /// highlight, the lines are random lines of the pixel at instants at which the highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Indices of the sources that reach a rectangle within a row of tiles.
+    /// Returns the indices of the sources that reach a rectangle within a row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// One of the highlights that are merged into a source: a square around `at`, relative to the source's
-    /// position. `area_until`: the sum of the areas of the source's parts up to this one, px^2.
+    /// One of the highlights that are merged into a source, which is spread as one point of light. The
+    /// highlight is a square around `at`, which is relative to the source's position. `area_until` is the sum
+    /// of the areas of the source's parts up to and including this one, in px^2.
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -62,47 +65,50 @@ class FieldHighlights {
         std::array<float, 3> rgb{};
         double light = 0;     ///< sum of rgb
         double area = 0;      ///< px^2
-        double exposure = 1;  ///< share of the exposure that its instant stands for
-        double square = 0;    ///< rgb times radiance, of the brightest channel
+        double exposure = 1;  ///< share of the exposure for which this source's instant stands
+        double square = 0;    ///< rgb times radiance, in the brightest channel
         glm::dmat2 lens_from_px{1}, px_from_lens{1};
         float inverse_z = 0;
-        bool by_all = false;  ///< all views decide on visibility, instead of those near one lens point
-        double u = -1;        ///< fraction of the exposure that is over at its instant; -1: always present
+        bool by_all = false;  ///< all views decide on visibility, not only those near one lens point
+        double u = -1;        ///< fraction of the exposure passed at this instant; -1 if always present
         SheetKey key;
         std::uint32_t sheet = 0;
         std::uint32_t group = 0;                  ///< index into groups_
         std::uint32_t first_part = 0, parts = 0;  ///< elements of parts_
     };
-    /// Neighbouring highlights that share one computation of visibility, at their centre.
+    /// Neighbouring highlights that share one computation of visibility, which is made at their centre.
     struct Group {
         Source middle;
-        int column = 0, row = 0;  ///< of its square in the grid of groups
+        int column = 0, row = 0;  ///< position of the group's square in the grid of groups
         double light = 0;
-        glm::dvec2 spread_px{0};                             ///< standard deviation of its sources' positions
-        int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that its kernels reach
+        glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
+        int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// A group of neighbouring highlights whose light reaches a tile. `sources`: its highlights there.
-    /// `samples`: number of visibility samples per pixel; 0 if the views decide on visibility.
+    /// A group of neighbouring highlights whose light reaches a tile. `sources` contains those highlights of
+    /// the group that reach the tile. `samples` is the number of visibility samples per pixel, or 0 if the
+    /// views decide on visibility.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
     };
     void group_sources();
-    /// Position, image px, of a random point of a source. `choice`, `place`: random numbers in [0, 1).
+    /// Returns the position, in image px, of a random point of a source. `choice` and `place` are random
+    /// numbers in [0, 1).
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    /// The parts are the last `parts` elements of parts_.
+    /// Adds a source whose parts are the last `parts` elements of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of image pixels within a tile. `share` has, for each of its pixels, the fraction of a
-    /// group of highlights that the pixel sees unoccluded.
+    /// A rectangle of image pixels within a tile. `share` contains, for each pixel of the rectangle, the
+    /// fraction of a group of highlights that the pixel sees.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    /// Fraction of a source's light that reaches a pixel of the image if nothing hides the source.
+    /// Returns the fraction of a source's light that reaches a pixel of the image if nothing hides the
+    /// source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
-    /// Whether a sharp moving source is so near the pixel that its light may reach the pixel, allowing for
-    /// errors of the records.
+    /// Returns whether a sharp moving source passes so near to the pixel that its light may reach the pixel.
+    /// Allows for errors of the records.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
@@ -116,15 +122,15 @@ class FieldHighlights {
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
-    /// A source and the image pixels within its kernel's bounds, or near them (passes_near), which are read
+    /// A source and the image pixels near its kernel (see passes_near). The source is added to these pixels
     /// once per piece of the image.
     struct Reach {
         RasterWindow pixels;
         std::uint32_t source = 0;
     };
     static constexpr int band_px = SeenTile::edge;  ///< height of a row of tiles
-    static constexpr int passing_px = 1;    ///< distance from its kernel up to which a moving source is near
-    std::vector<std::vector<Reach>> rows_;  ///< per row of tiles, the sources that reach it
+    static constexpr int passing_px = 1;            ///< distance within which a moving source counts as near
+    std::vector<std::vector<Reach>> rows_;          ///< per row of tiles, the sources that reach it
 };
 
 }  // namespace postlens

@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Factor and margin by which a highlight's kernel may exceed the highlight's CoC: to save memory, similar
-/// kernels are replaced by one of a rounded size, and kernels may be misplaced by up to a pixel.
+/// Factor and margin by which a highlight's kernel may be larger than the highlight's CoC. To save memory,
+/// similar kernels are replaced by one of a rounded size. Kernels may also be misplaced by up to a pixel.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// Distance, px. Surfaces that some view displaces farther than this from their square of the raster are kept
-/// in memory, up to a total of most_far_bytes.
+/// A distance in px. If some view displaces a surface farther than this from its square of the raster, the
+/// surface is kept in memory. All kept surfaces together need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -37,7 +37,7 @@ std::size_t bytes_of(const PatchMesh& m) {
 }
 
 /// Selects the surfaces for which `wanted` returns true. The argument of `wanted` is the range of raster rows
-/// in which views may show the surface.
+/// in which views may show a surface.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -53,7 +53,7 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // An eighth of a small frame, and less of a large one, is enough for an estimate.
+    // An eighth of a small frame is enough for an estimate. Less is enough for a large frame.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;
@@ -131,7 +131,7 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
     std::vector<Reach> out(mesh.sheets->sheets.size());
     for (const Patch& patch : mesh.patches) {
         const RasterRect r = sweep_.of(mesh, patch, instant);
-        // patch_field includes one additional pixel on either side.
+        // patch_field also draws one additional pixel on either side of a surface.
         out[patch.sheet].include(std::floor(r.y_min - 1), std::floor(r.y_max + 1) + 1);
     }
     const auto include = [&](const Highlight& light) {

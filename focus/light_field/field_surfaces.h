@@ -1,5 +1,5 @@
-// Provides the surfaces from which a light field is drawn: all surfaces of a file, or those that reach a
-// strip of the image.
+// Provides the surfaces from which a light field is drawn. They are either all surfaces of a file or those
+// that reach a strip of the image.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// The sheets (surfaces within squares of the raster) of each recorded instant, and their planar patches. The
-/// patches have references to the sheets.
+/// The sheets of each recorded instant, and their patches. A sheet is a surface within a square of the
+/// raster, a patch is a planar part of a sheet. The patches have references to the sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -34,37 +34,38 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates the memory of a file's surfaces and patches, bytes per record, by building a few rows of squares
-/// of the first instant. Values range from 25 in scenes without reflections to 140 in scenes with many small
-/// reflecting objects.
+/// Estimates how much memory a file's surfaces and patches need, in bytes per record. Builds a few rows of
+/// squares of the first instant to find out. Values range from 25 in scenes without reflections to 140 in
+/// scenes with many small reflecting objects.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
-/// Upper bound of surface_bytes_of_record.
+/// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces of an image for one strip (group of rows) after another. Each strip gets the surfaces
 /// that reach it in any view. The first read measures how far the surfaces of each row of squares reach, and
-/// keeps the few that reach far. For later strips, only the rows close to the strip are read.
+/// keeps the few surfaces that reach far. For each later strip, only the rows close to the strip are read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views`: the field of views, without recorded instants. A strip
+    /// Keeps references to its arguments. `views` describes the views, without recorded instants. A strip
     /// also gets the surfaces that reach it from any other lens point within views.lens_reach_px.
-    /// `lens_box_px`: half the width and height of the lens, in units of LensShift::lens_px, which limits the
-    /// reach of highlights. `motion`: motion of highlights; null if no highlight moves.
+    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px, and limits the
+    /// reach of highlights. `motion` is the motion of highlights, and null if no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
-    /// The surfaces that reach raster rows [y_begin, y_end).
+    /// Returns the surfaces that reach the raster rows [y_begin, y_end).
     [[nodiscard]] FieldSurfaces read(int y_begin, int y_end);
-    /// Visits all surfaces of an instant, in parts and in any order. Only one thread at a time calls `visit`.
+    /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by only one thread at
+    /// a time.
     void visit(std::size_t instant, const SurfacesVisit& visit);
     /// Divides the window's rows into strips of whole rows of tiles. Each strip has at most `most_records`
-    /// records, or a single row of tiles.
+    /// records, unless a single row of tiles already has more.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 
   private:
-    /// Raster rows [first, last) that a surface reaches; initially empty.
+    /// The raster rows [first, last) that a surface reaches. The range is empty at first.
     struct Reach {
         double first = std::numeric_limits<double>::infinity(), last = -first;
         void include(double from, double to) {
@@ -72,22 +73,23 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces of neighbouring squares of the raster that views displace far, with the raster rows that each
-    /// surface reaches.
+    /// Surfaces of neighbouring squares of the raster that views displace far. Each has the range of raster
+    /// rows that it reaches.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;
     };
     /// A row of squares of the raster.
     struct Row {
-        Reach near;  ///< union of the reaches of the surfaces that are not kept
+        Reach near;  ///< range of rows that the surfaces reach that are not kept
         std::vector<Far> far;
     };
     struct Instant {
         bool known = false;
         std::vector<Row> rows;
     };
-    /// For each sheet (surface within a square of the raster), the raster rows in which views may show it.
+    /// Returns, for each sheet (surface within a square of the raster), the raster rows in which views may
+    /// show it.
     [[nodiscard]] std::vector<Reach> reach_of(const PatchMesh& mesh, std::size_t instant) const;
     void note(const TreeSheets& some, const std::vector<Reach>& primary, const std::vector<Reach>& deeper,
               std::size_t part, int y, Row& row);

@@ -12,17 +12,18 @@
 namespace postlens {
 namespace {
 
-/// Attempts to find a lens point for a line.
+/// Number of attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// If a sharp moving light is near, this many times as many lines are aimed, because many of them miss it.
+/// If a sharp moving light is near, the number of lines is multiplied by this, because many of them miss the
+/// light.
 constexpr int passing_lines = 16;
 
-/// A sharp light that passes a pixel: its light, and the parts of the exposure during which it is near.
+/// A sharp light that passes a pixel, with the parts of the exposure during which it is near.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
     std::vector<std::pair<double, double>> spans;
-    double duration = 0;  ///< of all spans together, once they are joined
+    double duration = 0;  ///< total duration of all spans, once they are joined
 
     void join_spans() {
         std::sort(spans.begin(), spans.end());
@@ -37,7 +38,7 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// The instant at which `part` of the spans is over.
+    /// Returns the instant at which the fraction `part` of the spans' duration has passed.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -131,10 +132,10 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
     Randoms random(seed);
     const int lines_wanted = passing.empty() ? count : passing_lines * count;
     for (int n = 0; n < lines_wanted; ++n) {
-        // Sources are chosen in proportion to their light.
+        // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // Those parts of a moving light that the records miss lie beside the recorded parts. So these
+            // The records miss some parts of a moving light. These parts lie beside the recorded ones, so the
             // lines pass through random positions in the pixel.
             chosen -= light;
             std::size_t k = 0;
@@ -154,8 +155,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // If the response covers less than a pixel, few lines between the highlight and the pixel pass the
-        // lens; if it covers more, few lines through the lens meet the pixel.
+        // If the response covers less than a pixel, few lines between the highlight and the pixel pass
+        // through the lens. If it covers more, few lines through the lens meet the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -17,28 +17,28 @@
 namespace postlens {
 namespace {
 
-/// A surface hides a highlight if its 1/z' exceeds that of the highlight by more than this factor.
+/// A surface hides a highlight if its 1/z' exceeds the 1/z' of the highlight by more than this factor.
 constexpr float nearer = 1.02F;
-/// The visibility samples of a tile may cost as much as drawing all its views. If the tile has fewer views
-/// than this, they may cost as much as drawing this number of views.
+/// The visibility samples of a tile may cost as much as drawing all views of the tile. If the tile has fewer
+/// views than this number, the samples may cost as much as drawing this number of views.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// For each visibility sample, the position that represents a group's highlights, in standard deviations from
-/// their centre. These positions have mean 0 and variance 1 along each axis, and are uncorrelated with
-/// drawn_samples, because correlation would make the edges of shadows too soft or too hard.
+/// The position that represents a group's highlights for each visibility sample, in standard deviations from
+/// the centre of the group. The positions have mean 0 and variance 1 along each axis. They are uncorrelated
+/// with drawn_samples, because a correlation would make the edges of shadows too soft or too hard.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// An occluder casts one shadow for each highlight of a group. If the standard deviation of the shadows'
-/// positions is at most this, px, a single shadow replaces them.
+/// A nearer surface casts one shadow for each highlight of a group. If the standard deviation of the shadows'
+/// positions is at most this, in px, a single shadow replaces them.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// The highlights for one set of views, with tables that contain the views nearest to each lens point.
+/// The highlights for one set of views, with tables of the views that are nearest to each lens point.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -66,16 +66,16 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The views that decide whether a source of light is visible. `nearest`: the views nearest to each cell
-    /// of a table over the lens with `edge` by `edge` cells. `all`: the views for sources that are hardly
-    /// blurred (Source::by_all).
+    /// The views that decide whether a source of light is visible. `nearest` contains the views nearest to
+    /// each cell of a table over the lens, which has `edge` by `edge` cells. `all` contains the views for
+    /// sources that are hardly blurred (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// The three views nearest to each cell of a table over the lens, which has `edge` by `edge` cells.
-    /// `away2(view)` is added to the squared distance, in lens radii.
+    /// Returns the three views nearest to each cell of a table over the lens, which has `edge` by `edge`
+    /// cells. `away2(view)` is added to the squared distance between the view and the cell, in lens radii.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -85,19 +85,20 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// The groups of neighbouring highlights whose light reaches the tile, and the number of visibility
-    /// samples per pixel for each group.
+    /// Returns the groups of neighbouring highlights whose light reaches the tile, with the number of
+    /// visibility samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the shares of a group to those of the views that see its centre (seen_share).
+    /// Sets the visible share of a group in each pixel to the share of the views that see the group's centre
+    /// (seen_share).
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Fraction of the views that see the light source at a pixel. Only those views count that are near the
-    /// lens point through which the source's light reaches the pixel, or all views if Source::by_all is set.
-    /// `at` is the pixel's centre, in image px.
+    /// Returns the fraction of the views that see the light source at a pixel. Only those views count that
+    /// are near the lens point through which the source's light reaches the pixel. If Source::by_all is set,
+    /// all views count. `at` is the centre of the pixel, in image px.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
-    /// Whether one view sees the source at a pixel of the tile.
+    /// Returns whether one view sees the source at a pixel of the tile.
     [[nodiscard]] bool sees(const Source& s, const TileViews& views, std::size_t view,
                             std::size_t pixel) const {
         const std::size_t k = view * TileViews::view + pixel;
@@ -106,8 +107,8 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` spans, each with its own table of nearest views. For distances
-    /// between views, the duration of the exposure corresponds to `lens_radii_of_open` lens radii.
+    /// The exposure is divided into `spans` spans, each with its own table of nearest views. In distances
+    /// between views, the whole exposure counts as `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -180,8 +181,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // A reflected or transmitted source is visible where the view sees the object that reflects or transmits
-    // this source.
+    // A reflected or transmitted source is visible if the view sees the object that reflects or transmits it.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -193,10 +193,10 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // A visibility sample rasterises what is in front of a group of highlights, in the part of the tile that
-    // the group's light reaches. Its cost is proportional to the area of this part, and at least least_cost.
-    // All visibility samples together may cost as much as the views of the tile, or as least_drawn views if
-    // the tile has fewer.
+    // A visibility sample rasterises the surfaces in front of a group of highlights, in the part of the tile
+    // that the group's light reaches. The cost of a sample is proportional to the area of this part, and at
+    // least least_cost. All visibility samples together may cost as much as drawing the views of the tile, or
+    // least_drawn views if the tile has fewer.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -231,10 +231,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
     // Random offset of the positions at which the visibility of a group of highlights is sampled. The offset
-    // differs between groups, so that the samples of many highlights do not all miss the same occluder. The
-    // group's position determines the offset, because the group's number depends on the crop. The offset also
-    // differs between sets of views, so that the difference between two images includes the error of this
-    // sampling.
+    // differs between groups, so that the samples of many highlights do not all miss the same nearer surface.
+    // It also differs between sets of views, so that the difference between two images includes the error of
+    // this sampling. It is computed from the group's position, because the number of a group depends on the
+    // crop.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -248,7 +248,7 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Patches (planar parts of surfaces) are sorted by the depths of their corners, so later patches
+            // Patches (planar parts of surfaces) are sorted by the depths of their corners, so a later patch
             // may still have nearer parts.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
@@ -264,9 +264,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // An occluder in front of an emitter casts one shadow for each of the emitter's highlights. If these
-    // shadows are distinct, the visibility samples use four positions that have the same standard deviation
-    // as the highlights in the group.
+    // A nearer surface casts one shadow for each highlight of an emitter. If these shadows can be told apart,
+    // four positions represent the highlights of a group. They have the same standard deviation as the
+    // highlights.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -311,7 +311,7 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // If all views count and nothing moves, the highlights of a group have the same share.
+        // If all views count and nothing moves, all highlights of a group have the same visible share.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

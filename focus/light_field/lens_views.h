@@ -15,24 +15,25 @@ inline constexpr int default_lens_views = 64;
 inline constexpr int most_lens_views = 4096;
 
 struct LensViewPoint {
-    glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
+    glm::dvec2 lens{0};         ///< lens point, in lens radii, along the raster axes
     glm::dvec2 place{0.5};      ///< sample position in every pixel, px
-    double light_before = 0.5;  ///< fraction of the exposure that is over at the view's instant
+    double light_before = 0.5;  ///< fraction of the exposure that has passed at the view's instant
     LensShift shift;
 };
 
-/// Whether the impulse response is that of a thin lens's aperture. An image can be made from views through
-/// single lens points only in this case.
+/// Returns whether the impulse response is that of a thin lens's aperture. Only then can an image be made
+/// from views through single lens points.
 [[nodiscard]] bool has_points(const Impulse& impulse);
-/// Throws Error(wrong_arguments) if the impulse response has no lens points (has_points).
+/// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);
 
-/// Returns the views [first, first + views) of a set. Lens points are distributed according to the aperture's
-/// transmittance; each view also has a position in the pixel and an instant. Together these are
-/// five-dimensional Sobol points [joe2008] with Owen scrambling [owen1995], in the order of dimensions that
-/// rays use: position, lens, instant. Sets are scrambled independently, so half the squared difference of the
-/// means of two sets is an unbiased estimate of the squared error of either mean. Throws
-/// Error(wrong_arguments) if `views` is below 1 or if the set would exceed most_lens_views.
+/// Returns the views [first, first + views) of a set. Each view has a lens point, a position in the pixel and
+/// an instant. Lens points are distributed according to the aperture's transmittance. The values are
+/// five-dimensional Sobol points [joe2008] with Owen scrambling [owen1995].
+///
+/// Sets are scrambled independently. Half the squared difference between the means of two sets is therefore
+/// an unbiased estimate of the squared error of either mean. Throws Error(wrong_arguments) if `views` is
+/// below 1 or if the set would exceed most_lens_views.
 [[nodiscard]] std::vector<LensViewPoint> lens_view_points(const Aperture& aperture,
                                                           const FocusGeometry& geometry, int views,
                                                           int set = 0, int first = 0);

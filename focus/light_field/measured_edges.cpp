@@ -18,24 +18,23 @@
 namespace postlens {
 namespace {
 
-/// Rays per pixel that measure the edge of a highlight, along each axis. One ray in each of n x n squares of
-/// a pixel measures the covered area with a standard deviation of about 0.45 / n^1.5 px^2, here 0.007 px^2.
+/// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
+/// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area of a small light, px^2. The brightness of its circle of confusion is proportional to its area, which
-/// would be known to 1 % or worse. So rays are traced only near its records, as many as finest_rays^2. A
-/// round light is then at least 16 rays wide, and its area is known to 0.8 / 16^1.5, or 1 %; in most cases,
-/// to 0.3 %.
+/// Area of a small light, in px^2. Its circle of confusion is as bright as its area is large, so the area
+/// must be known well. More rays are therefore traced, finest_rays^2, and only near the light's records. The
+/// area is then known to 1 % or better.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// The rays' area is divided into n x n squares. The rays of one square that hit the light form one
+/// The measured area is divided into n x n squares. The rays of one square that hit the light form one
 /// highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured: a share of the cells of all sheets, but at least
-/// least_measured. If more pixels contain an edge, as in a texture that is brighter than the limit here and
-/// there, none are measured. Small lights get fewer rays, if their rays would exceed those of these pixels.
+/// Largest number of pixels that are measured, as a share of the cells of all sheets. It is at least
+/// least_measured. If more pixels contain an edge, none are measured. Small lights get fewer rays if they
+/// would otherwise need more rays in total than this many pixels need.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// Area of the highlights of a pixel, px^2, from which they fill it.
+/// If the area of the highlights in a pixel exceeds this, in px^2, they fill the pixel.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column
@@ -44,7 +43,7 @@ Pixel pixel_of(const Highlight& light) {
     return {static_cast<int>(std::floor(light.y)), static_cast<int>(std::floor(light.x))};
 }
 
-/// A part of a pixel that rays measure. Positions in the pixel, px.
+/// The part of a pixel that rays measure. Positions are in px within the pixel.
 struct EdgeArea {
     Pixel pixel;
     bool is_small = false;  ///< whether the light is small (small_light_px2)
@@ -57,15 +56,16 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns, in order, the pixels that an edge of the bright part crosses or may cross. Leaves out pixels
-    /// in which rays through the pinhole do not measure the edge better than the records: those where a
-    /// nearer surface hides a part, and, of larger lights, those in mirrors and glass, and those where the
-    /// records of the pixel or a neighbour are closer together than the rays.
+    /// Returns, in order, the pixels that an edge of the bright part crosses or may cross.
+    ///
+    /// Leaves out pixels in which rays through the pinhole would not measure the edge better than the
+    /// records. These are the pixels in which a nearer surface hides a part of the light. For larger lights,
+    /// pixels in mirrors and glass are left out, too. The same applies if the records of the pixel or of a
+    /// neighbour are closer together than the rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel into which the light may reach that its records and those of its
-    /// neighbours show.
+    /// Returns the part of a pixel into which the recorded light of the pixel and its neighbours may extend.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Returns the highlights of a pixel as `across` x `across` rays see them.
+    /// Returns the highlights of a pixel as seen by `across` x `across` rays.
     [[nodiscard]] std::vector<Highlight> measured(const EdgeArea& area, std::size_t across,
                                                   const SightRays& rays, const LightElsewhere& less) const;
     /// Returns the highlight nearest to a position in a pixel. The pixel or a neighbour must contain one.
@@ -84,7 +84,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light ends before the next record, and a record stands for a quarter of its cell.
+            // The light ends before the next record, and each record represents a quarter of its cell.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -104,7 +104,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
         first = {std::min(first.first, pixel.first), std::min(first.second, pixel.second)};
         last = {std::max(last.first, pixel.first), std::max(last.second, pixel.second)};
     }
-    // The pixels around the highlights, with two more rows and columns on each side.
+    // The raster covers the pixels of the highlights, with two more rows and columns on each side.
     const Pixel origin{first.first - 2, first.second - 2};
     const auto width = static_cast<std::size_t>(last.second - first.second) + 5,
                height = static_cast<std::size_t>(last.first - first.first) + 5;
@@ -139,7 +139,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // A small light has no more than this area within two pixels. Near a large one there is more.
+            // Within two pixels, a small light has at most this area. A large light has more.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {

@@ -1,5 +1,5 @@
 // Highlights that move during the exposure. Each has impulse responses at so many instants that they form a
-// streak.
+// continuous streak.
 #pragma once
 
 #include <cstdint>
@@ -18,51 +18,51 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Largest total area, px^2, of the highlights of one surface within a square of the raster at which they
-    /// are spread as streaks of impulse responses. The mean of the views shows larger highlights as streaks
-    /// anyway.
+    /// The highlights of one surface within a square of the raster are spread as streaks of impulse responses
+    /// if their total area, in px^2, is at most this. Larger highlights already form streaks in the mean of
+    /// the views.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
     /// highlights leave no visible dots in the mean of the views.
     static constexpr float least_radiance = 3;
 
-    /// Returns the motion of an object from the recorded instant to the instant at which the fraction `u` (0
-    /// to 1) of the exposure is over.
+    /// Returns the motion of an object from the recorded instant to another instant. At that instant, the
+    /// fraction `u` (from 0 to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// `moves`: returns whether an object moves on the raster. `lens`: determines the size of the impulse
+    /// `moves` returns whether an object moves on the raster. `lens` determines the size of the impulse
     /// responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
-    /// Whether the surface with this key is seen directly and moves.
+    /// Returns whether the surface with this key is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
-    /// Whether a moving highlight is spread as a streak. `area_px2`: BrightSheet::area_px2.
+    /// Returns whether a moving highlight is spread as a streak. `area_px2` is BrightSheet::area_px2.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
     /// A highlight at one instant.
     struct Moment {
         Highlight light;   ///< as seen at the instant
-        double u = 0;      ///< fraction of the exposure that is over, 0 to 1; -1: present all the time
+        double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Number of instants that form a highlight's streak: a power of two, at most `most_moments`. From one
-    /// instant to the next, position and CoC radius together change by at most half a pixel, or by a quarter
-    /// of the smallest CoC radius if that is more. If this would need more than `most_moments` instants, the
-    /// steps are larger. The number is 1 if the highlight does not move.
+    /// Returns the number of instants that form a highlight's streak. It is a power of two of at most
+    /// `most_moments`, and 1 if the highlight does not move. From one instant to the next, position and CoC
+    /// radius together change by at most half a pixel, or by a quarter of the smallest CoC radius. The larger
+    /// of these limits applies. If this would need more than `most_moments` instants, the steps are larger.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
-    /// The highlight at `count` instants, one in each of `count` equal parts of the exposure. Instants are
-    /// omitted if the highlight lies behind the camera, or so far outside that its light cannot reach an
-    /// image. A highlight that does not move gets a single element with u = -1.
+    /// Returns the highlight at `count` instants, one in each of `count` equal parts of the exposure.
+    /// Instants are omitted if the highlight lies behind the camera, or if its light cannot reach an image. A
+    /// highlight that does not move gets a single element with u = -1.
     ///
-    /// Each instant is the middle of its part of the exposure. If `turned`, the instant is shifted within its
-    /// part by an amount that depends on the raster position. Several highlights close together then form a
-    /// streak with fewer instants than moments_wanted.
+    /// Each instant is the middle of its part of the exposure. If `turned` is set, the instant is shifted
+    /// within its part by an amount that depends on the raster position. Several highlights that lie close
+    /// together then form a streak with fewer instants than moments_wanted.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 
   private:
     using Maps = std::vector<RasterMap>;
     /// Divides the exposure into `count` equal parts. Returns, for each part, the motion of an object from
-    /// the recorded instant to the middle of the part. Thread-safe.
+    /// the recorded instant to the middle of the part. Several threads may call this function.
     [[nodiscard]] std::shared_ptr<const Maps> maps(std::uint32_t id, int count) const;
     [[nodiscard]] bool moved(const Highlight& light, const RasterMap& map, Highlight& out) const;
 

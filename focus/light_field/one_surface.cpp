@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Largest stretch of a patch (planar part of a surface) in the view from the lens's rim, as a fraction of
-/// the patch's size.
+/// Largest stretch of a patch (planar part of a surface) seen from the lens's rim, as a fraction of the
+/// patch's size.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -18,8 +18,8 @@ void each_cell(const RasterRect& r, const RasterWindow& window, int columns, int
         return static_cast<int>(
             std::clamp(std::floor((px - begin) / OneSurface::edge), -1.0, static_cast<double>(count)));
     };
-    // The rectangle is enlarged by one pixel on each side, because the pixel filter and scattered kernels
-    // reach beyond it.
+    // The rectangle is enlarged by one pixel on each side, because the pixel filter and the scattered kernels
+    // extend beyond it.
     const int x0 = std::max(0, cell(r.x_min - 1, window.x_begin, columns)),
               x1 = std::min(columns - 1, cell(r.x_max + 1, window.x_begin, columns)),
               y0 = std::max(0, cell(r.y_min - 1, window.y_begin, rows)),
@@ -79,8 +79,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Adds to each cell the number of the patch's recorded pixels in it. If all patches together have
-            // more pixels there than the cell, the surface overlaps itself.
+            // Adds to each cell the number of pixels of the patch that are recorded there. If the total over
+            // all patches exceeds the number of pixels in a cell, the surface overlaps itself there.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

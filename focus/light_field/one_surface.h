@@ -1,4 +1,4 @@
-// Finds the parts of an image that show a single surface. Scattering is exact for these.
+// Finds the parts of an image that show a single surface. Scattering is exact there.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,10 @@
 
 namespace postlens {
 
-/// One value per cell of `edge` x `edge` px of the window, row by row. 1: all lens points see a single object
-/// in the cell, whose surface does not overlap itself and is not too steep for the lens. 0: all other cells,
-/// for example with unrecorded parts or with reflected or transmitted nodes.
+/// One value per cell of `edge` x `edge` px of the window, row by row. The value is 1 if all lens points see
+/// a single object in the cell. The object's surface must not overlap itself or be too steep for the lens.
+/// The value is 0 for all other cells, for example cells with unrecorded parts or with reflected or
+/// transmitted nodes.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -20,9 +21,9 @@ struct OneSurface {
         return cells[static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns) +
                      static_cast<std::size_t>(x / edge)] != 0;
     }
-    /// Fraction of the cells that show a single surface (value 1).
+    /// Returns the fraction of the cells that show a single surface.
     [[nodiscard]] double share() const;
-    /// Whether every cell that overlaps a rectangle of the window shows a single surface.
+    /// Returns whether every cell that overlaps a rectangle of the window shows a single surface.
     [[nodiscard]] bool all(int x, int y, int width, int height) const;
 };
 
@@ -30,11 +31,11 @@ struct OneSurface {
 /// any order and in several parts.
 class OneSurfaceFinder {
   public:
-    /// `lens_px`: half the width and height of the lens's bounding box, m, times the gain (film distance /
-    /// pixel pitch, px).
+    /// `lens_px` is half the width and height of the lens's bounding box, in m, times the gain (film distance
+    /// / pixel pitch), in px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds patches of directly seen surfaces (`primary`), and of reflected and transmitted ones (`deeper`,
-    /// which may be empty).
+    /// Adds patches of directly visible surfaces (`primary`) and of reflected and transmitted surfaces
+    /// (`deeper`, which may be empty).
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 

@@ -8,9 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest step of the CoC diameter, px, between depth levels with equal steps of z'. This step is about
-/// twice the step of LevelTable (half a pixel), because there may be at most `most_linear_levels` such
-/// levels.
+/// Largest step of the CoC diameter, in px, between depth levels with equal steps of z'. This step is about
+/// twice as large as in LevelTable, because there may be at most `most_linear_levels` such levels.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -18,11 +17,13 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Number of levels with equal steps of z'. The CoC diameter is G / z' plus a constant, so it changes fastest
-/// at the near end. The levels limit its error there to half of linear_step_px.
+/// Returns the number of levels with equal steps of z'. The CoC diameter is G / z' plus a constant, so it
+/// changes fastest at the near end. The levels limit the error of the diameter there to half of
+/// linear_step_px.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // The first step has the largest change of the CoC. Half of this step, h, may change the CoC by at most
-    // the tolerance linear_step_px / 2: gain (1 / z - 1 / (z + h)) = tolerance, at the nearest depth z.
+    // The CoC changes most in the first step. Half of this step, h, may change the CoC by at most the
+    // tolerance linear_step_px / 2. At the nearest depth z, this means gain (1 / z - 1 / (z + h)) =
+    // tolerance.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -96,8 +97,8 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth outside the range by at most half a step uses the level at the end of the range. The depth of a
-    // surface that is seen directly is always in the range.
+    // A depth that lies outside the range by at most half a step uses the level at the end of the range. The
+    // depth of a directly visible surface is always in the range.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

@@ -9,17 +9,17 @@
 namespace postlens {
 namespace {
 
-/// Fraction of the energy that a kernel leaves out.
+/// Fraction of the energy that a kernel may leave out.
 constexpr double tail = 0.01;
-/// Largest extent of a kernel beyond the geometric edge, px. Energy farther out is cut off, even if it
+/// Largest extent of a kernel beyond the geometric edge, in px. Energy farther out is cut off, even if it
 /// exceeds `tail`.
 constexpr double widest_skirt_px = 256;
-/// CoC radius, px, from which a uniform disc replaces the diffracted response, because the fringes of the
-/// response are then finer than a pixel.
+/// CoC radius, in px, from which a uniform disc replaces the diffracted response. The fringes of the response
+/// are finer than a pixel there.
 constexpr double disc_from_px = 2048;
 
-/// CoC radius, px. For a node seen in a mirror or through glass, the elliptical CoC is replaced by a disc
-/// with the mean radius.
+/// Returns the CoC radius, in px. For a node seen in a mirror or through glass, a disc with the mean radius
+/// replaces the elliptical CoC.
 double radius_of(const glm::dmat2& map_px) {
     return std::abs(map_px[0].x + map_px[1].y) / 2;
 }

@@ -9,10 +9,9 @@
 namespace postlens {
 
 /// Creates the model of a round aperture with diffraction, with one kernel per colour channel [potmesil1981].
-/// `wavelengths_nm`: wavelengths that all channels use; if empty, each channel uses its band
-/// (lens/wave/spectrum.h). A kernel contains 99 % of the energy, or less if that would reach more than 256 px
-/// beyond the geometric edge, and is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of
-/// range.
+/// `wavelengths_nm` contains the wavelengths that all channels use. If it is empty, each channel uses its own
+/// band (lens/wave/spectrum.h). A kernel contains 99 % of the energy, but extends at most 256 px beyond the
+/// geometric edge. It is normalised to 1. Throws Error(wrong_arguments) if a wavelength is out of range.
 [[nodiscard]] std::unique_ptr<ResponseModel> diffraction_model(const std::vector<double>& wavelengths_nm,
                                                                const FocusGeometry& geometry);
 

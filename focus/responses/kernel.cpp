@@ -14,16 +14,16 @@
 namespace postlens {
 namespace {
 
-/// Smallest length, px, of the uniform interior of a kernel row. A shorter interior is stored as single
-/// values (taps), because the differences at its ends cost as much as a few taps. Measured with
-/// bench/scatter_bench.cpp; values from 4 to 12 px are about equally fast.
+/// Smallest length, in px, of the uniform interior of a kernel row. A shorter interior is stored as single
+/// values (taps), because the differences at its ends cost as much as a few taps. Values from 4 to 12 px are
+/// about equally fast (bench/scatter_bench.cpp).
 constexpr int shortest_inner_px = 6;
 
-/// Radius, px, of the disc that replaces an ellipse of size 0. The kernel of this disc equals that of a
-/// vanishing CoC.
+/// Radius, in px, of the disc that replaces an ellipse of size 0. The kernel of this disc equals the kernel
+/// of an infinitely small CoC.
 constexpr double smallest_ellipse_px = 1e-4;
 
-/// Length in steps of `step_px`, rounded to the nearest integer.
+/// Converts a length to a number of steps of `step_px`, rounded to the nearest integer.
 std::int32_t steps(double px, double step_px) {
     const double exact = px / step_px;
     return static_cast<std::int32_t>(exact + std::copysign(0.5, exact));
@@ -44,7 +44,8 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row whose columns all lie outside the kernel's limits remains in the kernel, but has no pixels.
+        // A row stays in the kernel even if all its columns lie outside the kernel's limits, but it then has
+        // no pixels.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -146,8 +147,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // Fields of 17 bits contain a sign and a length up to 16000 px in steps of 1/4 px. Cells range over 2^14
-    // in each direction.
+    // Fields of 17 bits contain a sign and a length of up to 16000 px in steps of 1/4 px. Cells are numbered
+    // from -2^14 to 2^14 - 1 in each direction.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -179,7 +180,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         // After `build`, threads only read the table of kernel numbers, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
-    // Most keys have been requested before, and are found without waiting for other threads.
+    // Most keys have been requested before. They are found without waiting for other threads.
     const KernelKey::Packed packed = key.packed();
     if (const auto known = number_of_key_.find(packed); known != number_of_key_.end()) return known->second;
     const std::lock_guard lock(mutex_);
@@ -255,7 +256,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Coarsening may have made several keys equal. They all use the kernel of the first one.
+    // Coarsening may have made several keys equal. They all use the kernel of the first of them.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;
@@ -286,7 +287,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
 
 std::uint32_t KernelNumberCache::number_of(const KernelKey& key) {
     const KernelKey::Packed packed = key.packed();
-    // Fibonacci hashing: the top bits of the hash select the entry.
+    // This is Fibonacci hashing: the top bits of the hash select the entry.
     Entry& entry = entries_[KernelKey::PackedHash()(packed) >> (64 - entry_bits)];
     if (entry.key != packed) entry = {packed, table_->number_of(key)};
     return entry.number;

@@ -1,5 +1,5 @@
-// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table in which each of them
-// is built once.
+// Impulse responses on the pixel grid, in a form that is fast to scatter, and a table that builds each of
+// them once.
 #pragma once
 
 #include <array>
@@ -20,22 +20,23 @@
 
 namespace postlens {
 
-/// One row of a kernel. Columns are relative to the splat's anchor. All pixels in [inner_begin, inner_end)
-/// have the value Kernel::inner. Each other pixel of [x_begin, x_end) has its own value (tap); taps are
-/// stored from left to right. If all pixels have a tap, inner_begin == inner_end == x_end.
+/// One row of a kernel. Columns are relative to the anchor of a splat, which is an integer raster position.
+/// All pixels in [inner_begin, inner_end) have the value Kernel::inner. Every other pixel of [x_begin, x_end)
+/// has its own value, called a tap. Taps are stored from left to right. If all pixels have a tap, inner_begin
+/// == inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Largest distance of a splat's anchor from a pixel of the image, px. Kernels are limited to columns [-x, x)
-/// and rows [-y, y).
+/// Largest distance, in px, between the anchor of a splat (an integer raster position) and a pixel of the
+/// image. Kernels are limited to columns [-x, x) and rows [-y, y).
 struct KernelReach {
     int x = 0, y = 0;
 };
 
-/// An impulse response on the pixel grid. Its values add up to 1, unless `KernelReach` clips it.
+/// An impulse response on the pixel grid. Its values add up to 1 unless `KernelReach` clips it.
 struct Kernel {
     int y_begin = 0;  ///< row of rows.front(), relative to the anchor
     float inner = 0;
@@ -44,7 +45,7 @@ struct Kernel {
     int x_begin = 0, x_end = 0;  ///< columns over all rows
 
     [[nodiscard]] int y_end() const { return y_begin + static_cast<int>(rows.size()); }
-    /// The value in a column of a row; the column is in [row.x_begin, row.x_end).
+    /// Returns the value in a column of a row. The column must be in [row.x_begin, row.x_end).
     [[nodiscard]] double at(const KernelRow& row, int column) const {
         if (column >= row.inner_begin && column < row.inner_end) return static_cast<double>(inner);
         const int tap = column < row.inner_begin ? column - row.x_begin
@@ -53,10 +54,12 @@ struct Kernel {
     }
 };
 
-/// Builds the kernel of an ellipse whose centre is (phase_x, phase_y) px from the anchor, clipped to `reach`.
+/// Builds the kernel of an ellipse, clipped to `reach`. The centre of the ellipse is (phase_x, phase_y) px
+/// from the anchor (the integer raster position of a splat).
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// Builds the kernel of an outline that is relative to the anchor, clipped to `reach`. The second overload
-/// builds the kernel of a grid of values, in which every pixel has its own value (tap).
+/// The first overload builds the kernel of an outline. The second overload builds the kernel of a grid of
+/// values, in which every pixel has its own value (tap). Both inputs are relative to the anchor, and both
+/// kernels are clipped to `reach`.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -65,12 +68,13 @@ struct ResponseRequest;
 
 /// Identifies a kernel: the shape of the impulse response and the subpixel position of its centre.
 struct KernelKey {
-    /// Subpixel positions are quantised to 1/16 px.
+    /// Subpixel positions are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Step to which ellipses are quantised, px. The outline then has an error of at most an eighth of a
-    /// pixel along each axis. Each unit of `fineness` divides the step by 4. Highlights have the greatest
-    /// whose limit is above their size, as their discs end abruptly, and as a disc of 2 px that is a
-    /// thirtieth of a pixel too wide is 3 % too dark.
+    /// Step to which the sizes of ellipses are rounded, in px. The outline then has an error of at most an
+    /// eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
+    ///
+    /// Highlights use the largest fineness whose limit in fineness_below_px exceeds their size, because an
+    /// error of their size changes their brightness.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -80,32 +84,33 @@ struct KernelKey {
     std::int32_t fineness = 0;
     std::uint32_t level = 0;                                             ///< depth level of a disc
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
-    std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, unit 1/phase_steps px
+    std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The members from here on are only used for apertures that are not round or that vary over the image.
-    bool is_map = false;  ///< the key has a 2x2 map: half_height .. map_yy are its columns, in steps
+    // The members from here on are used only for apertures that are not round or that vary over the image.
+    bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
     std::int32_t cell_x = 0, cell_y = 0;  ///< cell of the image, counted from its centre
-    std::int32_t cell_log2 = 0;  ///< the cell's width is 2^cell_log2 px; 0: one cell for the whole image
+    std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Key of an ellipse. `fine`: the finest steps that its size allows.
+    /// Returns the key of an ellipse. `fine` asks for the finest steps that the size of the ellipse allows.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// The 2x2 maps from aperture to image keep this many leading bits of their largest entry, but are not
-    /// quantised more finely than a step.
+    /// A 2x2 map from the aperture to the image keeps this many leading bits of its largest entry. It is
+    /// never rounded more finely than to a step.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Quantises the key more coarsely, so that several keys share a kernel. An ellipse keeps (ellipse_bits -
-    /// times) leading bits of its largest number. If this number has fewer than ellipse_bits bits, it loses
-    /// `times` bits. Its other numbers have the same step, and its phase has half that step. A map keeps
-    /// (map_bits - times) bits, and the width of its cell is doubled `times` times. times = 0 changes
-    /// nothing.
+    /// Rounds the key more coarsely, so that several keys share a kernel. If `times` is 0, nothing changes.
+    ///
+    /// An ellipse keeps (ellipse_bits - times) leading bits of its largest number. If this number has fewer
+    /// than ellipse_bits bits, it loses `times` bits. The other numbers of the ellipse are rounded to the
+    /// same step, and its phase to half that step. A map keeps (map_bits - times) bits, and the width of its
+    /// cell is doubled `times` times.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Number of bits of the key's largest size, in steps.
+    /// Returns the number of bits of the key's largest size, in steps.
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -123,49 +128,49 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels (impulse responses on the pixel grid), each with a number. A KernelKey states which kernel is
-/// meant. `number_of` returns the number of a key, and any thread may call it at any time. Afterwards,
-/// `build` builds the kernels of all these keys. The numbers depend on the timing of threads; the kernel of a
-/// key does not.
+/// Kernels (impulse responses on the pixel grid), each with a number. A KernelKey describes a kernel, and
+/// `number_of` returns the kernel's number. Any thread may call `number_of` at any time before `build`, which
+/// builds the kernels of all requested keys. The number of a key depends on the timing of threads, but its
+/// kernel does not.
 class KernelTable {
   public:
-    /// `disc_radius_px`: radius of each depth level. The disc of level i with phase (0, 0) has the number i.
-    /// `model` provides the impulse responses and must outlive the table.
+    /// `disc_radius_px` contains the radius of each depth level. The disc of level i at the subpixel position
+    /// (0, 0) has the number i. `model` provides the impulse responses and must outlive the table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// Returns the number of a key. After `build`, only keys that were requested before may be passed.
+    /// Returns the number of a key. After `build`, the key must be one that was requested before.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Marks the disc of a depth level at subpixel position (0, 0) as needed.
+    /// Marks the disc of a depth level at the subpixel position (0, 0) as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Builds the kernels, in parallel. Call it once, after all keys have been requested. If the kernels of
     /// ellipses need more than `memory_limit_bytes`, ellipses are coarsened (KernelKey::coarsen), one octave
-    /// of size at a time. The octave that saves most bytes per loss of accuracy comes first. Throws
-    /// Error(out_of_memory) if all kernels together exceed the memory.
+    /// of size at a time. The octave that saves most bytes for its loss of accuracy is coarsened first.
+    /// Throws Error(out_of_memory) if all kernels together exceed the memory.
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
-    /// Frees the memory of the keys. Call it after `build`; number_of may not be called afterwards.
+    /// Frees the memory of the keys. Call it after `build`. number_of must not be called afterwards.
     void forget_keys() { number_of_key_ = {}; }
 
-    /// Returns the kernel of a number for a channel, which must be less than channels().
+    /// Returns the kernel with a number, for a channel. `channel` must be less than channels().
     [[nodiscard]] const Kernel& kernel(std::uint32_t number, std::size_t channel) const {
         return kernels_[channels_ * kernel_of_[number] + channel];
     }
     [[nodiscard]] const Kernel& operator[](std::uint32_t number) const { return kernel(number, 0); }
-    /// 3 if each colour channel has its own kernels; 1 if they share one.
+    /// Returns 3 if each colour channel has its own kernels, and 1 if all channels share them.
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Count of kernel numbers, after `build`. Numbers of unneeded discs refer to the kernel of another
-    /// number.
+    /// Returns the count of kernel numbers, after `build`. The number of a disc that is not needed refers to
+    /// another kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// Count of depth levels whose disc has a kernel at any subpixel position, after `build`.
+    /// Returns the count of depth levels whose disc has a kernel at any subpixel position, after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
-    /// The ellipse of a key, for a round aperture.
+    /// Returns the ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
-    /// The map of a key from the aperture to px, for apertures that are not round.
+    /// Returns the map of a key from the aperture to px, for apertures that are not round.
     [[nodiscard]] glm::dmat2 map_px(const KernelKey& key) const;
 
-    /// Approximate memory of a key's kernel, bytes.
+    /// Returns the approximate memory of a key's kernel, in bytes.
     [[nodiscard]] std::size_t bytes_of(const KernelKey& key) const;
 
   private:
@@ -179,8 +184,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// The table selects a bucket by the lowest bits of a hash. In PackedHash, these depend only on the
-    /// phases, so MixedHash mixes them with the upper bits.
+    /// The hash map selects a bucket by the lowest bits of a hash. In PackedHash, these bits depend only on
+    /// the phases, so MixedHash mixes them with the upper bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);
@@ -190,13 +195,13 @@ class KernelTable {
     tbb::concurrent_unordered_map<KernelKey::Packed, std::uint32_t, MixedHash> number_of_key_;
     std::deque<KernelKey> keys_;            ///< per number; empty after `build`
     std::vector<Kernel> kernels_;           ///< channels_ kernels per element of kernel_of_
-    std::vector<std::uint32_t> kernel_of_;  ///< per number, index of its kernels divided by channels_
+    std::vector<std::uint32_t> kernel_of_;  ///< per number, the index of its kernels divided by channels_
     std::size_t channels_ = 1;
     bool built_ = false;
     int discs_used_ = 0;
 };
 
-/// A direct-mapped cache of recent keys, so that threads rarely access the shared table.
+/// A direct-mapped cache of recent keys, so that threads rarely use the shared table.
 class KernelNumberCache {
   public:
     explicit KernelNumberCache(KernelTable& table) : table_(&table), entries_(std::size_t{1} << entry_bits) {}

@@ -1,4 +1,4 @@
-// Reduces the number of different kernels, if they would exceed the memory limit.
+// Reduces the number of different kernels if they would exceed the memory limit.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -15,8 +15,7 @@
 namespace postlens {
 namespace {
 
-/// Rounds to a multiple of `unit`. Halves are rounded away from zero, so that n and -n are rounded
-/// symmetrically.
+/// Rounds to a multiple of `unit`. Halves are rounded away from zero, so that n and -n are treated alike.
 std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
     return (n < 0 ? -1 : 1) * ((std::abs(n) + unit / 2) / unit) * unit;
 }
@@ -24,7 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // packed() has 17 bits per number. Larger values could make the packed keys of different shapes equal.
+    // packed() has 17 bits per number. If values were larger, the packed keys of different shapes could be
+    // equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -54,16 +54,15 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Subpixel positions (phases) are rounded to half a step of the shape, but at most to a whole pixel.
+    // Subpixel positions (phases) are rounded to half the step of the shape, but at most to a whole pixel.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Coarsening quantises sizes and positions more coarsely, so that more samples share a kernel. All kernels
-// within one octave of size are coarsened equally often, which bounds the relative error of their size. A
-// common absolute step would not work: a step that saves enough memory on large kernels would round small
-// kernels to size 0.
+// Coarsening rounds sizes and positions more coarsely, so that more samples share a kernel. All kernels
+// within one octave of size are coarsened the same number of times, which limits the relative error of their
+// size. A common absolute step would round small kernels to size 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -84,8 +83,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
         // After each step, only one of several equal keys is processed further, because equal keys nearly
-        // always stay equal. The keys are sorted, so that the choice does not depend on the order in which
-        // threads requested them.
+        // always stay equal. The keys are sorted first, so that the choice does not depend on the order in
+        // which threads requested them.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -104,8 +103,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of an outline's size, which doubles with each coarsening. All shapes have the same
-    // weight, because the number of samples with each shape is unknown.
+    // Relative error of an outline's size. It doubles with each coarsening. All shapes have the same weight,
+    // because it is unknown how many samples use each shape.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -9,25 +9,26 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step of the diameter: slightly less than half a pixel, so that the error of a CoC diameter stays below a
-/// quarter pixel.
+/// Step between the diameters of the table, in px. It is slightly less than half a pixel, so that the error
+/// of a CoC diameter stays below a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
-/// Step of the diameter of small discs: a fiftieth of the diameter, but at least an eighth of a pixel. A step
-/// of half a pixel would change the brightness of a small disc, for example of a highlight, by a fifth.
+/// Step between the diameters of small discs. It is a fiftieth of the diameter, but at least an eighth of a
+/// pixel. A step of half a pixel would change the brightness of a small disc, for example of a highlight, by
+/// a fifth.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
-/// CoC diameter, px, below which a sample is not blurred. Where quadtree leaves of different sizes meet, the
-/// recorded image is already about that soft. Blurring with smaller CoCs as well would lower the PSNR: at
-/// f/64, with CoCs up to 0.3 px, from 47.0 to 45.3 dB.
+/// A sample is not blurred if its CoC diameter, in px, is below this. The recorded image is already about
+/// that soft where quadtree leaves of different sizes meet. Blurring it further would lower the PSNR.
 constexpr double sharp_below_px = 0.4;
-/// Number of levels over which the diameter grows by a factor of e, beyond even_px.
+/// Beyond even_px, the diameter grows by a factor of e over this number of levels.
 constexpr double levels_per_e = 500;
 const double smallest_levels = smallest_px / small_step_px,
              small_levels = smallest_levels + std::log(small_px / smallest_px) / small_step_share,
              even_levels = small_levels + (even_px - small_px) / step_diameter_px;
 
-/// Number of steps, not rounded, from diameter 0 to a given diameter. diameter_after is the inverse function.
+/// Returns the number of steps, not rounded, from diameter 0 to a given diameter. diameter_after is the
+/// inverse function.
 double steps_to(double diameter_px) {
     if (diameter_px < sharp_below_px) return 0;
     if (diameter_px <= smallest_px) return diameter_px / small_step_px;
@@ -44,11 +45,11 @@ double diameter_after(double steps) {
     return even_px * std::exp((steps - even_levels) / levels_per_e);
 }
 
-/// Number of depths that are processed together: first all cells are computed with SIMD arithmetic, then all
-/// levels are looked up in the table.
+/// Number of depths that are processed together. All their cells are computed with SIMD arithmetic before all
+/// their levels are looked up in the table.
 constexpr std::size_t together = 128;
 
-/// Computes diameters and their cells in the table. A diameter beyond the table's end gets cell 0.
+/// Computes diameters and their cells in the table. A diameter beyond the end of the table gets cell 0.
 POSTLENS_MULTIVERSION
 void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,

@@ -1,4 +1,4 @@
-// Quantised CoC diameters, used as depth levels around the focus.
+// Rounded CoC diameters, used as depth levels around the focus.
 #pragma once
 
 #include <array>
@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// The quantised diameters of circles of confusion. The steps between them grow with the diameter: 1/8 px
-/// from 0.4 px on, then 1/50 of the diameter, then half a pixel, and 1/500 of the diameter from
-/// `even_diameter_px` on. A CoC uses the nearest diameter. All lenses share this table.
+/// The rounded diameters of circles of confusion. A CoC uses the nearest of them. All lenses share this
+/// table. The steps between the diameters grow from 1/8 px to half a pixel. From `even_diameter_px` on they
+/// are 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -20,19 +20,19 @@ class LevelTable {
 
     [[nodiscard]] static const LevelTable& the();
 
-    /// Diameter of a level, px.
+    /// Returns the diameter of a level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the nearest level from its definition, with logarithms. `diameter_px` must be finite; its
+    /// Computes the nearest level from its definition, with logarithms. `diameter_px` must be finite. Its
     /// sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the nearest level: from the table if the diameter is below the table's end, otherwise
-    /// computed.
+    /// Returns the nearest level. It is read from the table if the diameter is below the end of the table,
+    /// and computed otherwise.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
         return level_in(static_cast<std::size_t>(static_cast<int>(wide_px * cells_per_px)), wide_px);
     }
-    /// Computes level_of for the CoC of each inverse depth, 1/m.
+    /// Computes level_of for the CoC of each inverse depth, in 1/m.
     void levels_of(const FocusGeometry& geometry, const double* inverse_depth_per_m, std::size_t count,
                    std::uint32_t* level) const;
 
@@ -42,10 +42,10 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// Cells of the table are so narrow that at most one level begins in each.
+    /// The cells of the table are so narrow that at most one level begins in each of them.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// Per cell of the table: the diameter at which a level begins, the number of the previous level, and the
-    /// increment to the number of the new level.
+    /// For each cell of the table: the diameter at which a new level begins, the number of the level before
+    /// it, and the difference between the two numbers.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// A CoC radius, px, for which phases_of uses subpixel positions in steps of a quarter pixel.
+/// A CoC radius, in px, for which phases_of uses subpixel positions in steps of a quarter pixel.
 constexpr double few_phases_from_px = 17;
-/// Ellipses that differ from a circle by less than this many px are treated as circles.
+/// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
 
 }  // namespace
@@ -35,17 +35,17 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Completes the response of an aperture that is not round. Computes its extent, and the part of the image
-// (cell) in which its kernel is used.
+// Completes the response of an aperture that is not round. Computes its extent and the cell (square of the
+// image) in which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // Uses the depth of the level instead of the node's depth. The transmittance must match the kernel, which
-    // is vignetted by the lens's second rim at the depth of the level. With the node's depth, 0.4 % of all
-    // light would be lost at levels half a pixel apart.
+    // The transmittance must match the kernel, whose vignetting is computed at the depth of the level. This
+    // depth is therefore used instead of the node's depth. Otherwise 0.4 % of all light would be lost if
+    // levels are half a pixel apart.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -61,8 +61,8 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // For lens point q, the image of a shading-tree node moves by gain (s I - W) q, where W is the node's
-    // matrix and s the inverse focus distance. glm matrices are column-major.
+    // Seen from the lens point q, the image of a shading-tree node is displaced by gain (s I - W) q. W is the
+    // node's 2x2 matrix and s the inverse focus distance. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Half-open rectangle with integer coordinates, raster px.
+/// A half-open rectangle with integer coordinates, in raster px.
 struct RasterWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     [[nodiscard]] int width() const { return x_end - x_begin; }
@@ -27,26 +27,26 @@ struct RasterWindow {
     return {std::max(a.x_begin, b.x_begin), std::min(a.x_end, b.x_end), std::max(a.y_begin, b.y_begin),
             std::min(a.y_end, b.y_end)};
 }
-/// The smallest window that contains both windows.
+/// Returns the smallest window that contains both windows.
 [[nodiscard]] inline RasterWindow around(const RasterWindow& a, const RasterWindow& b) {
     return {std::min(a.x_begin, b.x_begin), std::max(a.x_end, b.x_end), std::min(a.y_begin, b.y_begin),
             std::max(a.y_end, b.y_end)};
 }
 
-/// Vector from the centre of a window to a raster position, px.
+/// Returns the vector from the centre of a window to a raster position, in px.
 [[nodiscard]] inline glm::dvec2 from_middle_px(const RasterWindow& window, float x, float y) {
     return {static_cast<double>(x) - (window.x_begin + window.x_end) / 2.0,
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// The impulse response of a shading-tree node: the key of its kernel, without the subpixel position, and its
-/// size.
+/// The impulse response of a shading-tree node. It consists of the key of its kernel, without the subpixel
+/// position, and its size.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
-    double farthest_px = 0;      ///< largest distance at which light arrives; only set by to_depth
-    /// Inverse depth of the node's level, 1/m. Used only for apertures that vary over the image.
+    double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
+    /// Inverse depth of the node's level, in 1/m. It is used only for apertures that vary over the image.
     double inverse_depth_per_m = 0;
 };
 
@@ -58,20 +58,21 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Response of a reflected or transmitted node, according to the depth model.
+    /// Returns the response of a reflected or transmitted node, according to the depth model.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Transmittance of the lens for this response. Both the light and the weights that normalise the image
-    /// are multiplied by it. 1 if one kernel is used for the whole image.
+    /// Returns the transmittance of the lens for this response. Both the light and the weights that normalise
+    /// the image are multiplied by it. The transmittance is 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Share of the lens that transmits light to the pixel (x, y) of the image `window`. The weights that
-    /// arrive at the pixel add up to this share, and the normalised pixel is multiplied by it.
+    /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`. The
+    /// weights that arrive at the pixel add up to this share. The normalised pixel is multiplied by the
+    /// share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Positions at which a sample's response is placed, with their weights.
+    /// Returns the positions at which a sample's response is placed, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
@@ -88,7 +89,7 @@ class NodeResponses {
     std::shared_ptr<const ResponseModel> response_;
 };
 
-/// 1/z' of a record, 1/m; 0 for infinity. Depths below 1e-37 m are clamped.
+/// Returns 1/z' of a record, in 1/m, where 0 means infinitely far. Depths below 1e-37 m are clamped.
 [[nodiscard]] inline double inverse_depth_per_m(const Record& node) {
     return 1 / std::max(static_cast<double>(node.z), 1e-37);
 }

@@ -9,25 +9,24 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, px, from which a sample is scattered as a single disc at its own position, even if its weight
-/// differs between the pixels around it. For smaller radii, the part of the sample that belongs to a pixel is
-/// placed inside that pixel. The image for a CoC of 0 is therefore the pinhole image.
+/// CoC radius, in px, from which a sample is scattered as a single disc at its own position. A sample with a
+/// smaller radius is divided between the pixels around it if its weight differs between them. Each part is
+/// placed inside its pixel, so the image for a CoC of 0 equals the pinhole image.
 constexpr double one_disc_from_px = 2;
 
-/// Kernels of this radius are built at this number of subpixel positions per px. A sample between two
-/// positions is distributed over its neighbouring positions. This preserves the centroid and adds a variance
-/// of at most 1/4 of the squared distance (step) between positions. The profile of a blurred edge changes by
-/// about (step / radius)^2 / 8 of the edge's contrast. For radii of 2 px or more, this is about 1e-4 or less.
+/// Returns the number of subpixel positions per px at which kernels of this radius are built. A sample
+/// between two positions is distributed over both, which preserves the centroid. For radii of 2 px or more,
+/// this changes the profile of a blurred edge by about 1e-4 of its contrast or less.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Displacement, px, of a corner sample between quadtree leaves of different sizes. The sum over corners is
-/// the trapezoidal rule. At each end of a run of leaves of size h, this rule has an error of h^2 / 12 times
-/// the slope (Euler-Maclaurin). The error would blur edges, along which leaves are divided, by a variance of
-/// up to h^2 / 6. Moving the corner, of weight h / 2, by h / 6 into the leaf compensates the error. Between
-/// leaves of equal size the displacement is 0.
+/// Returns the displacement, in px, of a corner sample between quadtree leaves of different sizes.
+///
+/// The sum over corners is the trapezoidal rule. At each end of a run of leaves of size h, this rule has an
+/// error of h^2 / 12 times the slope (Euler-Maclaurin). Leaves are divided along edges, so the error would
+/// blur edges. It is compensated by moving the corner, which has the weight h / 2, by h / 6 into the leaf.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -39,8 +38,8 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// The quantised subpixel position nearest to a position inside a pixel, but never on the pixel's border.
-/// `fraction`: the position, 0 to 1 px.
+/// Returns the rounded subpixel position nearest to a position inside a pixel. The result is never on the
+/// border of the pixel. `fraction` is the position, from 0 to 1 px.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);
@@ -81,7 +80,7 @@ Phases phases_of(const PointSample& s, double radius_px) {
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
         // A corner sample represents a quarter of each quadtree leaf around it. The centre of this quarter is
-        // a quarter of the leaf's edge away from the corner.
+        // at a distance of a quarter of the leaf's edge from the corner.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// A subpixel position, and the weight of the sample at this position. The position is measured from the
+/// A subpixel position, and the weight of the sample at this position. The position is relative to the
 /// nearest integer coordinates at or before the sample, in units of 1/KernelKey::phase_steps px.
 struct Phase {
     std::int32_t x, y;
     float weight;
 };
 
-/// The subpixel positions at which a sample's impulse response is placed; at most four.
+/// The subpixel positions at which a sample's impulse response is placed. There are at most four.
 struct Phases {
     std::array<Phase, 4> items{};
     std::size_t count = 0;
@@ -35,11 +35,13 @@ struct Phases {
 /// Returns the positions at which the response of a sample is placed, with weights that add up to the
 /// sample's weight.
 ///
-/// A small disc is placed at the sample's position, quantised to 1/16 px. Larger discs would need too many
+/// A small disc is placed at the sample's position, rounded to 1/16 px. Larger discs would need too many
 /// kernels, so they are distributed over the nearest positions of a coarser grid, which preserves the
-/// centroid. A sample on the border of pixels may have different weights in them. If its radius is below 2
-/// px, such a sample is divided, and each part is placed inside its pixel. The image for a CoC of 0 is
-/// therefore the pinhole image.
+/// centroid.
+///
+/// A sample on the border between pixels may have a different weight in each of them. If its radius is below
+/// 2 px, such a sample is divided, and each part is placed inside its pixel. The image for a CoC of 0 thus
+/// equals the pinhole image.
 [[nodiscard]] Phases phases_of(const PointSample& sample, double radius_px);
 
 }  // namespace postlens

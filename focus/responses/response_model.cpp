@@ -28,8 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Movement, px, of the lens's second rim (cats_eye) in the impulse response, if the scene point moves
-        // by 1 px in the image.
+        // Distance, in px, by which the lens's second rim (cats_eye) moves in the impulse response if the
+        // scene point moves by 1 px in the image.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -46,16 +46,16 @@ class ApertureModel final : public ResponseModel {
     }
     [[nodiscard]] Kernel kernel(const ResponseRequest& request) const override {
         const ApertureImage at = image(request);
-        // The shape of a response smaller than a pixel is not visible, so a disc is used. For a sample on a
-        // pixel corner, each of the four pixels around it gets a quarter of the disc, so the image for a CoC
-        // of 0 is the pinhole image.
+        // The shape of a response smaller than a pixel is not visible, so a disc is used. If the sample lies
+        // on a pixel corner, each of the four pixels around it gets a quarter of the disc. The image for a
+        // CoC of 0 thus equals the pinhole image.
         constexpr double least_px = 0.5;
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // All samples in a cell (square of the image) share a response. If the cell's centre gets no light
-        // through the lens, other samples in the cell may still get some. The response without vignetting is
-        // used then.
+        // All samples in a cell (square of the image) share a response. If the lens blocks all light at the
+        // centre of the cell, other samples in the cell may still get light. In this case, the response
+        // without vignetting is used.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -75,8 +75,8 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // The linear map from lens to raster is gain R (I/s - W). R is the aperture radius, s the focus
-            // distance, and W the node's matrix (2x2, generalises 1/z').
+            // The linear map from lens to raster is gain R (I/s - W), where R is the aperture radius and s
+            // the focus distance. W, the 2x2 matrix of a node, corresponds to 1/z'.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }
@@ -89,7 +89,7 @@ class ApertureModel final : public ResponseModel {
     double spherical_px_;
     double half_diagonal_px_;
     double inverse_focus_per_m_;
-    double map_px_m_;  ///< displacement by the lens's rim, px, per 1/m of defocus
+    double map_px_m_;  ///< displacement seen from the lens's rim, in px, per 1/m of defocus
     double rim_distance_m_;
 };
 

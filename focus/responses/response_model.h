@@ -1,4 +1,4 @@
-// Interface to the impulse responses of a lens, as kernels.
+// Interface to the impulse responses of a lens in the form of kernels.
 #pragma once
 
 #include <array>
@@ -14,17 +14,17 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point. Light through the aperture point q (lens radii) arrives
-/// at `map_px q`, plus the displacement by the model's aberrations.
+/// Describes the impulse response of a scene point. Light through the aperture point q, in lens radii,
+/// arrives at `map_px q`. The aberrations of the model displace it further.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
-    glm::dvec2 place_px{0};  ///< position of the scene point, from the image's centre
+    glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
     glm::dvec2 phase_px{0};  ///< position of the response's centre relative to the anchor
     KernelReach reach;
 };
 
-/// Impulse responses of one lens setting. The default is a round aperture, whose kernels are discs and
-/// ellipses. This default is the fastest model.
+/// Impulse responses of one lens setting. The base class is the model of a round aperture, whose kernels are
+/// discs and ellipses. It is the fastest model.
 class ResponseModel {
   public:
     ResponseModel() = default;
@@ -35,42 +35,45 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Whether responses are uniform within an outline. The cost of a response is then proportional to the
-    /// length of its outline.
+    /// Returns whether responses are uniform within an outline. The cost of a response is then proportional
+    /// to the length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
-    /// Whether the maps M and -M have the same response.
+    /// Returns whether the maps M and -M have the same response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
-    /// Whether responses depend on the position in the image.
+    /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Width, px, of the part of the image in which one kernel can be used for this map. Within it the
-    /// outline changes by less than half a pixel, or by little relative to its size. 0: the whole image.
+    /// Returns the width, in px, of the part of the image in which one kernel can be used for this map.
+    /// Within this part, the outline changes by less than half a pixel, or by little relative to its size. 0
+    /// means the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Transmittance for a scene point at `place_px` from the image's centre.
+    /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
                                               double /*inverse_depth_per_m*/) const {
         return 1;
     }
-    /// Spherical aberration at the rim of the lens, px.
+    /// Returns the spherical aberration at the rim of the lens, in px.
     [[nodiscard]] virtual double spherical_px() const { return 0; }
-    /// Radius outside which the response is 0, px.
+    /// Returns the radius outside which the response is 0, in px.
     [[nodiscard]] virtual double reach_px(const glm::dmat2& /*map_px*/) const { return 0; }
-    /// Largest distance, px, at which light of a scene point arrives. `radius_px`: signed radius of the
-    /// point's circle of confusion.
+    /// Returns the largest distance, in px, that light of a scene point reaches. `radius_px` is the signed
+    /// radius of the point's circle of confusion.
     [[nodiscard]] virtual double farthest_light_px(double radius_px) const { return std::abs(radius_px); }
-    /// Builds the kernel. Its values add up to 1 unless `reach` clips it, or to 0 if no light is transmitted.
+    /// Builds the kernel. Its values add up to 1 unless `reach` clips it. They are all 0 if no light is
+    /// transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// CoC radius, px, from which fewer subpixel positions are used, because kernels of this model are
-    /// expensive to build.
+    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. Models whose kernels are
+    /// expensive to build need this.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
-    /// Whether red, green and blue have their own responses. If so, `channel_kernels` is called instead of
-    /// `kernel`.
+    /// Returns whether red, green and blue have their own responses. In this case `channel_kernels` is called
+    /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Whether `map_px` may be anisotropic. If not, reflected and transmitted nodes are blurred with a mean
-    /// radius.
+    /// Returns whether `map_px` may be anisotropic. Otherwise, reflected and transmitted nodes are blurred
+    /// with a mean radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Builds the kernels of all requests, which must have the same phase. Runs in parallel.
+    /// Builds the kernels of all requests, in parallel. All requests must have the same subpixel position
+    /// (phase_px).
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
@@ -82,9 +85,9 @@ class ResponseModel {
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);
 
-/// Creates the model of an impulse response. `half_diagonal_px`: half the diagonal of the image, in px of
-/// `geometry`. Throws Error(wrong_arguments) and Error(invalid_input) as read_aperture does. Also throws for
-/// real lenses; use lens_model (focus/lens_model.h) for these.
+/// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
+/// `geometry`. Throws Error(wrong_arguments) and Error(invalid_input) in the same cases as read_aperture.
+/// Also throws for a real lens. Use lens_model (focus/lens_model.h) for real lenses.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -1,4 +1,4 @@
-// The light of one sample of another program's image, as input of SplatTables and LayerSplats.
+// The light of one sample of another program's image, which is the input of SplatTables and LayerSplats.
 #pragma once
 
 #include <array>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Light at one depth in a pixel. It is placed at the pixel's centre, because both a pixel's value and a
-/// kernel's value are means over the pixel.
+/// Light at one depth in a pixel. It is placed at the centre of the pixel, because the values of pixels and
+/// of kernels are means over a pixel.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing
@@ -21,7 +21,7 @@ struct PixelLight {
     bool hidden = false;         ///< behind another sample
 };
 
-/// The point sample at a pixel's centre with weight 1.
+/// Returns a point sample of weight 1 at the centre of a pixel.
 [[nodiscard]] inline PointSample middle_of_pixel(int x, int y) {
     return {.x = static_cast<float>(x) + 0.5F,
             .y = static_cast<float>(y) + 0.5F,

@@ -9,26 +9,27 @@
 
 namespace postlens {
 
-/// Sums over a few pixel rows of a block: colour times kernel (channels 0 to 2) and weight times kernel
-/// (channel 3).
+/// Sums over a few pixel rows of a block. Channels 0 to 2 are colour times kernel, and channel 3 is weight
+/// times kernel.
 ///
-/// The pixels on a kernel's outline are added one by one. The uniform interior of a wide row is stored as
-/// differences: its value is added at its first pixel and subtracted after its last one. Running sums along
-/// the row are computed later. All sums use double, because in float every bright sample would leave a
+/// The pixels on the outline of a kernel are added one by one. The uniform interior of a wide row is stored
+/// as differences: its value is added at its first pixel and subtracted after its last one. Running sums
+/// along the row are computed later. All sums use double, because in float every bright sample would leave a
 /// rounding error to its right.
 class PointScatter {
   public:
-    /// `channel`: colour channel whose kernels are used, if each channel has its own kernels.
+    /// `channel` is the colour channel whose kernels are used if each channel has its own kernels.
     explicit PointScatter(const SplatTables& tables, std::size_t channel = 0)
         : tables_(tables), channel_(channel) {}
 
-    /// Computes the sums of all splats that reach `rows`, a part of tables.picture().
+    /// Computes the sums of all splats that reach `rows`, which is a part of tables.picture().
     void run(const RasterWindow& rows);
 
-    /// The part of `rows` that splats may reach; it may be empty. Sums outside of it are zero and not stored.
+    /// The part of `rows` that splats may reach, which may be empty. Sums outside this part are zero and not
+    /// stored.
     [[nodiscard]] const RasterWindow& reached() const { return reached_; }
     [[nodiscard]] bool reaches(int y) const { return y >= reached_.y_begin && y < reached_.y_end; }
-    /// The four sums of a pixel within reached(), followed by those of the next pixels of its row.
+    /// Returns the four sums of a pixel within reached(). The sums of the next pixels of the row follow.
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
@@ -47,7 +48,7 @@ class PointScatter {
     std::size_t channel_;
     RasterWindow rows_, reached_;
     std::vector<Pass> passes_;
-    std::size_t stride_ = 0;      ///< pixels per row of the buffers: rows_ plus one, for the last difference
+    std::size_t stride_ = 0;      ///< pixels per row of the buffers, one more than in rows_
     std::vector<double> sum_;     ///< sums of rows_; undefined outside reached_
     std::vector<double> change_;  ///< differences to the pixel on the left
 };

@@ -10,17 +10,16 @@ namespace postlens {
 namespace {
 
 /// Number of source rows that are summed in float before the sums are added to sums in double. The number is
-/// small enough to keep the rounding error below 1e-6 of a sum.
+/// small enough that the rounding error stays below 1e-6 of a sum.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered together, for one strip (64 columns of a block of pixels) after
-/// another. With this number, the sums of one strip and channel stay in the L1 cache for CoC radii up to 64
-/// px.
+/// Number of source rows that are filtered together, for one strip (64 columns of a block) after another.
+/// With this number, the sums of one strip and channel stay in the L1 cache for CoC radii up to 64 px.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
 
-/// The 64 pixels in a row of a strip form 8 vectors of 8 floats. This is few enough for the registers, and
-/// enough to keep the loop's overhead small.
+/// The 64 pixels in a row of a strip form 8 vectors of 8 floats. These are few enough for the registers, and
+/// enough to keep the overhead of the loop small.
 constexpr int lanes = 8;
 constexpr int vectors = RunScatter::strip_width / lanes;
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -30,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// The inputs of filter_strip, which filters a source row by a kernel and adds the result to the sums of one
-/// strip.
+/// The inputs of filter_strip. That function filters a source row by a kernel and adds the result to the sums
+/// of one strip.
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -44,7 +43,7 @@ struct RowRange {
     int begin, end;
 };
 
-/// Adds the source row, filtered by kernel row dy, to the rows `down` + dy and `up` - dy of the image.
+/// Adds the source row, filtered by kernel row dy, to two rows of the image: `down` + dy and `up` - dy.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -90,8 +89,7 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
 }
 
 /// Adds the result of filtering a source row in which all values are 1. Where all pixels in the kernel's
-/// reach are equal, filtering by a kernel row is a multiplication by the sum of its weights, so no
-/// convolution is needed.
+/// reach have the same value, filtering only multiplies this value by the sum of the kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -127,12 +125,12 @@ struct RunScatter::LaidRun {
     double inner;
     RowRange down, up;
     int y, strip_begin, strip_end;
-    int full_begin, full_end;  ///< strips in which the run covers the kernel's whole width around every pixel
+    int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
     /// For each channel: the colours in the raster if the run covers the line, otherwise null. `line_at` is
-    /// the index of a copy of the colours in lines_, `running_at` the index of their running sums in
-    /// running_.
+    /// the index in lines_ of a copy of the colours. `running_at` is the index in running_ of their running
+    /// sums.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -153,7 +151,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows of the block that no run has reached so far are added as well; they contain zeros.
+    // Rows of the block that no run has reached are added as well. They contain zeros.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -201,7 +199,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Only kernel rows dy >= 0 are used, because row -1 - dy equals row dy.
+    // Only kernel rows with dy >= 0 are used, because the rows -1 - dy and dy are equal.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -217,8 +215,8 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // The line is the part of a source row that is filtered for the run: the columns of all strips that the
-    // run reaches, `reach` columns on either side, and one more for the running sums.
+    // The line is the part of a source row that is filtered for the run. It contains the columns of all
+    // strips that the run reaches, `reach` columns on either side, and one more column for the running sums.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -239,7 +237,7 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // Prefetches the line. Strips read it in parts, in an order that the hardware prefetcher does not
+        // Prefetch the line. Strips read it in parts, in an order that the hardware prefetcher does not
         // predict.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
@@ -274,7 +272,7 @@ void RunScatter::lay_running_sums(LaidRun& laid, int channels, int line_end) {
             source[c] =
                 tables_.raster_row(static_cast<int>(c), laid.y) + (laid.from - tables_.source().x_begin);
     }
-    // Interleaves three independent chains of additions, which hides their latency.
+    // Three independent chains of additions are interleaved, which hides their latency.
     double r = 0, g = 0, b = 0;
     for (std::size_t i = 0; i < inside; ++i) {
         running[0][i] = r;

@@ -1,4 +1,4 @@
-// Scatters runs (adjacent corner samples that share a disc), with SIMD.
+// Scatters runs with SIMD. A run consists of adjacent corner samples that share a disc.
 #pragma once
 
 #include <vector>
@@ -10,13 +10,15 @@ namespace postlens {
 /// Sums of colour times kernel, and of the kernel, over a block of pixels.
 ///
 /// Discs are centred on integer coordinates, so kernels are symmetric. A filtered source row is therefore
-/// used for two rows of the image, and the single values of a kernel row (taps) come in pairs. The interior
-/// of a kernel row is a difference of running sums, in double, so that a bright sample leaves no rounding
-/// error outside its reach. All other terms are positive; they are added in float for a few source rows, then
-/// in double. The order of every sum depends only on the tables, not on threads.
+/// used for two rows of the image, and the single values of a kernel row (taps) come in pairs.
+///
+/// The interior of a kernel row is computed as a difference of running sums. These sums use double, so that a
+/// bright sample leaves no rounding error outside its reach. All other terms are positive. They are added in
+/// float for a few source rows, then in double. The order of every sum depends only on the tables, not on
+/// threads.
 class RunScatter {
   public:
-    /// A block of pixels is divided into strips, which are groups of this many columns.
+    /// Number of columns in a strip, which is a part of a block of pixels.
     static constexpr int strip_width = 64;
 
     explicit RunScatter(const SplatTables& tables);
@@ -26,12 +28,12 @@ class RunScatter {
     RunScatter& operator=(const RunScatter&) = delete;
     RunScatter& operator=(RunScatter&&) = delete;
 
-    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, a part of
-    /// tables.picture(). Returns false, without sums, if no run reaches it.
+    /// Computes the sums of all runs (adjacent samples with the same disc) that reach `block`, which is a
+    /// part of tables.picture(). Returns false and computes nothing if no run reaches the block.
     bool run(const RasterWindow& block);
 
-    /// The sums of `channel` (0 to 2: colour, 3: weight) for the strip_width pixels of a strip in row y. Sums
-    /// beyond the block are undefined.
+    /// Returns the sums of `channel` for the strip_width pixels of a strip in row y. Channels 0 to 2 are
+    /// colours, channel 3 is the weight. Sums beyond the block are undefined.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }
@@ -56,8 +58,8 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// partial_: sums over the last few source rows. total_: sums over all rows before them. Both are stored
-    /// strip by strip; the rows of a strip are contiguous.
+    /// partial_ contains the sums over the last few source rows. total_ contains the sums over all rows
+    /// before them. Both are stored strip by strip. The rows of a strip are contiguous.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

@@ -15,21 +15,21 @@
 namespace postlens {
 namespace {
 
-// Size of a block, px. A run (adjacent samples that share a disc) adds to as many rows as its disc is high.
-// With 16 B per pixel, these rows fit into the L2 cache. Taller blocks share more filtered rows, wider blocks
-// share more running sums, and smaller blocks keep more threads busy. Measured with bench/scatter_bench.cpp.
+// Size of a block, in px. A run (adjacent samples that share a disc) adds to as many rows as its disc is
+// high. With 16 B per pixel, these rows fit into the L2 cache. Larger blocks share more work, and smaller
+// blocks keep more threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of rows per call of PointScatter. A call needs 64 B per pixel and tests every splat once.
+/// Number of rows for each call of PointScatter. A call needs 64 B per pixel and tests every splat once.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
 
-/// For each channel, the sums of one row of a strip (strip_width values).
+/// The sums of one row of a strip for each channel. Each element points to strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// The divisor of a pixel: the weight that arrived plus the weight of empty space. Empty space fills the
-/// pixel up to 1, but with at most `most_nothing`.
+/// Returns the divisor of a pixel. It is the weight that arrived plus the weight of empty space. Empty space
+/// raises a sum of weights below 1 to 1, but adds at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -41,8 +41,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Sums of differences have rounding errors, which may make a value slightly negative. Values are clamped
-    // to 0 unless the scene has negative colours.
+    // Sums of differences have rounding errors, which may make a value slightly negative. Values are
+    // therefore clamped to 0, unless the scene has negative colours.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -53,7 +53,7 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
 }
 
 /// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
-/// in `points` must come from this channel's kernels. Only the channel's colour and the weight are used.
+/// in `points` must come from the kernels of this channel. Only the channel's colour and the weight are used.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();
@@ -72,8 +72,8 @@ void store_channel(const SplatTables& tables, const PointScatter& points, std::s
     }
 }
 
-/// Adds the sums of runs (adjacent samples with the same disc) and of single splats in a few rows of a block.
-/// Normalises and stores the result. `runs` is null if no run reaches the block.
+/// Adds up the sums of runs and of single splats in a few rows of a block, normalises them and stores the
+/// result. A run consists of adjacent samples with the same disc. `runs` is null if no run reaches the block.
 void store_rows(const SplatTables& tables, const RunScatter* runs, const PointScatter& points,
                 const RasterWindow& rows, Image& image) {
     static constexpr std::array<double, strip_width> none{};
@@ -173,8 +173,8 @@ void scatter(const SplatTables& tables, Image& image, const std::optional<Crop>&
 
 namespace {
 
-/// Sums of colours (channels 0 to 2) and weights (channel 3) for every pixel, with the kernels of one
-/// channel.
+/// Returns the sums of colours (channels 0 to 2) and weights (channel 3) for every pixel, with the kernels of
+/// one channel.
 std::vector<double> reference_sums(const SplatTables& tables, std::size_t channel) {
     const RasterWindow& picture = tables.picture();
     const RasterWindow& source = tables.source();

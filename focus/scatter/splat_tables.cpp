@@ -13,22 +13,22 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Smallest length, px, of a run of adjacent samples with the same disc. Fewer samples are faster as single
-/// splats. The cost of a run grows with the area that it reaches, that of a splat only with the length of its
-/// kernel's outline. Measured with bench/scatter_bench.cpp.
+/// Returns the smallest number of adjacent samples with the same disc for which a run is used. If there are
+/// fewer, single splats are faster. The cost of a run grows with the area that it reaches. The cost of a
+/// splat grows only with the length of its kernel's outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
 
 }  // namespace
 
-/// Builds the splats of one row of corners. Writes only data of this row.
+/// Builds the splats of one row of corners. It writes only the data of this row.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
         : t_(tables), round_(tables.responses_.model().is_round()), cache_(tables.kernels_) {}
 
-    /// Adds row `row` of the samples, which is raster row y.
+    /// Adds row `row` of the samples, which is row y of the raster.
     void build(const RecordBand& band, const PointSamples& samples, const PlainCorners& plain,
                std::size_t row, int y);
     void build(std::span<const PixelLight> lights, int y);
@@ -39,7 +39,8 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// `weight`: factor of the sample's weight; 0 for nodes that do not count in the normalisation.
+    /// `weight` is multiplied by the sample's weight. It is 0 for nodes that do not count in the
+    /// normalisation.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -51,7 +52,7 @@ class SplatTables::RowBuilder {
     bool round_;  ///< all responses are discs and ellipses
     KernelNumberCache cache_;
     std::vector<std::uint32_t>
-        level_;  ///< per column, the level of the corner that is stored in raster_; no_level if there is none
+        level_;  ///< per column, the level of the corner stored in raster_, or no_level if there is none
     std::vector<Splat> splats_;
     std::vector<SplatRun> runs_;
     std::array<float*, 3> raster_{};
@@ -80,8 +81,9 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // The largest CoC is that of surfaces seen directly, because the matrix W of other surfaces is unbounded
-    // near a caustic. Infinitely far surfaces are left out, because the CoC of empty space is not visible.
+    // Only directly visible surfaces count for the largest CoC, because the matrix W of other surfaces is
+    // unbounded near a caustic. Infinitely far surfaces do not count either, because the CoC of empty space
+    // is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -115,8 +117,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain corners of a row (samples of undivided pixels without reflections). A test checks that the
-// result equals that of add_sample for each of them.
+// Adds the plain corners of a row (samples of undivided pixels without reflections). The result is the same
+// as if add_sample were called for each of them, which a test checks.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -128,8 +130,8 @@ void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t r
     const PlainCorners::Row& facts = plain.rows[row];
     negative_ |= facts.negative;
     if (facts.least_inverse > facts.greatest_inverse) return;
-    // The signed CoC radius is linear in 1/z', so the largest radius is that of the nearest or the farthest
-    // corner.
+    // The signed CoC radius is a linear function of 1/z'. The nearest or the farthest corner therefore has
+    // the largest radius.
     for (const double end : {facts.least_inverse, facts.greatest_inverse}) {
         const double radius_px = std::abs(t_.responses_.geometry().coc_diameter_px(end) / 2);
         largest_radius_px_ = std::max(largest_radius_px_, radius_px);
@@ -242,7 +244,7 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // The reach is enlarged by one px on each side, because a kernel may lie up to 1 px from its anchor.
+    // The reach is enlarged by 1 px on each side, because a kernel may lie up to 1 px from its anchor.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -310,7 +312,8 @@ void SplatTables::find_reaches() {
     }
 }
 
-// Sorts the splats of a row by reach class (reach_classes). Within a class they remain sorted by column.
+// Sorts the splats of a row by how far they reach (reach_classes). Within a class they remain sorted by
+// column.
 void SplatTables::sort_by_reach(SplatRow& row) const {
     const std::vector<Splat> unsorted = row.splats;
     std::vector<std::uint8_t> classes;
@@ -363,8 +366,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again contribute only their splats that reach far, which were kept when the
-    // rows were added before.
+    // Rows that are not added again only contribute splats that reach far. These were kept when the rows were
+    // first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

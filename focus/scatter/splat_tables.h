@@ -1,4 +1,5 @@
-// Builds splats (impulse responses of samples) from records, sorted by source row, as input of scattering.
+// Builds splats (impulse responses of samples) from records, sorted by source row, as the input of
+// scattering.
 #pragma once
 
 #include <array>
@@ -22,44 +23,45 @@
 
 namespace postlens {
 
-/// Largest distance between a splat in `source` and a pixel in `picture`.
+/// Returns the largest distance between a splat in `source` and a pixel in `picture`.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
 /// One shading-tree node of a point sample. The node's colour is multiplied by the sample's weight. `weight`
-/// is 0 for reflected and transmitted nodes, so that each point sample counts once in the sum of weights.
+/// is 0 for reflected and transmitted nodes, so that each point sample counts only once in the sum of
+/// weights.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent corner samples of weight 1 with the same disc, in the columns [begin, end). Their colours are in
-/// SplatTables::raster_row.
+/// Adjacent corner samples of weight 1 with the same disc, in the columns [begin, end). Their colours are
+/// stored in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
-/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end), relative to its
-/// anchor.
+/// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end). They are
+/// relative to the kernel's anchor (the integer raster position of a splat).
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
 };
 
-/// Number of classes of reach. The splats of a row are grouped by how far they reach. Otherwise a single
-/// large CoC would make distant blocks of the image test all small splats of the row.
+/// Number of classes into which the splats of a row are divided by how far they reach. Without classes, a
+/// single large CoC would make distant blocks of the image test all small splats of the row.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Reach class c (splats with a similar reach) has the splats [class_begin[c], class_begin[c + 1]).
-    /// class_reach[c] is the union of their reaches.
+    /// Reach class c (splats with a similar reach) consists of the splats [class_begin[c], class_begin[c +
+    /// 1]). class_reach[c] is the union of their reaches.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// Rows [run_dy_begin, run_dy_end) that the runs of this row reach, relative to this row.
+    /// The rows that the runs of this row reach, [run_dy_begin, run_dy_end), relative to this row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
@@ -68,11 +70,11 @@ struct SplatRow {
     }
 };
 
-/// Usage: add each row once, in bands in any order; then call finish; then scatter.
+/// Usage: add each row once, in bands in any order. Then call finish, then scatter.
 class SplatTables {
   public:
-    /// `source`: window of the recorded pixel corners. `picture`: window of the image's pixels. `response`:
-    /// model of the impulse responses; null: discs.
+    /// `source` is the window of the recorded pixel corners, and `picture` is the window of the image's
+    /// pixels. `response` is the model of the impulse responses. If it is null, discs are used.
     SplatTables(const RasterWindow& source, const RasterWindow& picture, const FocusGeometry& geometry,
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
@@ -82,34 +84,35 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must have one more row above and
-    /// below, if the source window has these rows. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must also have the row above and
+    /// the row below, if the source window has them. Throws Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. The point samples of `rows` may already have been computed.
+    /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
-    /// Adds row y of another program's image, sorted by column. Hidden samples are skipped. Several threads
-    /// may add different rows at the same time.
+    /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
+    /// Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill a share of those pixels in which the arriving weights add up to less than 1.
-    /// `most`: per pixel of the image, row by row, the largest share that may be empty. Without this call,
-    /// every pixel is divided by its sum of weights.
+    /// Lets empty space fill a share of those pixels in which the weights that arrive add up to less than 1.
+    /// `most` contains, for each pixel of the image, row by row, the largest share that may be empty. Without
+    /// this call, every pixel is divided by its sum of weights.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
-    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row. Until
-    /// finish(), rows that are added only count kernels and runs (adjacent samples with the same disc).
+    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row is added.
+    /// Rows that are added before finish() are only used to find the kernels and the runs (adjacent samples
+    /// with the same disc).
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip of the image (a group of rows). Only splats that reach `part`, raster px, are kept. May
-    /// be called any number of times after finish(). Returns the ranges of rows [begin, end) that must be
-    /// added again, in this order, before finish_strip(); the first call returns all rows. The height of each
-    /// strip is a multiple of `block_px`.
+    /// Starts a strip (group of rows) of the image. Only splats that reach `part`, a window in raster px, are
+    /// kept. Returns the ranges of rows [begin, end) that must be added again, in this order, before
+    /// finish_strip(). The first call returns all rows. May be called any number of times after finish(). The
+    /// height of each strip is a multiple of `block_px`.
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Number of splats that reach the rows [begin, end) of blocks. Call it after a first strip that is
-    /// empty.
+    /// Returns the number of splats that reach the rows [begin, end) of blocks. Call it after a first strip
+    /// that is empty.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -119,33 +122,34 @@ class SplatTables {
     [[nodiscard]] const SplatRow& row(int y) const {
         return rows_[static_cast<std::size_t>(y - source_.y_begin)];
     }
-    /// Colour `channel` (0 to 2) of the corners of row y, from column x_begin on. Only the columns of the
-    /// row's runs (adjacent samples with the same disc) are valid.
+    /// Returns the colour `channel` (0 to 2) of the corners of row y, from column x_begin on. Only the
+    /// columns of the row's runs (adjacent samples with the same disc) are valid.
     [[nodiscard]] const float* raster_row(int channel, int y) const {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The rows that runs (adjacent samples with the same disc) reach, relative to their own row: the union
-    /// over all rows of the image. class_reach is the same union for the splats of a reach class.
+    /// The rows that the runs (adjacent samples with the same disc) of any row reach, relative to that row.
+    /// class_reach has the same for the splats of a reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// For each pixel of raster row y, the largest share of the pixel that may be empty (let_nothing_fill).
-    /// Null if let_nothing_fill was not called.
+    /// Returns, for each pixel of the raster row y, the largest share of the pixel that may be empty. Returns
+    /// null if let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Largest CoC diameter of the visible surfaces at a finite depth, px, not quantised.
+    /// Returns the largest CoC diameter of the visible surfaces at a finite depth, in px and not rounded to a
+    /// level.
     [[nodiscard]] double largest_coc_px() const;
-    /// Number of different radii of discs in use.
+    /// Returns the number of different radii of discs in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Whether any colour is negative. If no colour is, pixels are clamped to 0.
+    /// Returns whether any colour is negative. If none is, negative values of pixels are set to 0.
     [[nodiscard]] bool any_negative() const { return any_negative_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
 
@@ -167,7 +171,8 @@ class SplatTables {
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
     std::vector<Reach> reach_;            ///< per kernel number
-    /// Colour planes of the source. They are only initialised where adjacent samples share a disc (runs).
+    /// Colour planes of the source. Only those columns are initialised in which adjacent samples share a disc
+    /// (runs).
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

@@ -14,9 +14,10 @@
 
 namespace postlens {
 
-/// Finds the rows of the file that must be read again for each strip of the image. An `Item` belongs to a row
-/// and reaches several pixel rows, for example a splat. Most items only reach pixel rows close to their own.
-/// The few that reach far are kept in memory, so that only rows close to a strip must be read again.
+/// Finds the rows of the file that must be read again for each strip of the image. An `Item`, for example a
+/// splat, belongs to a row of the file and reaches several pixel rows. Most items only reach pixel rows close
+/// to their own row. The few items that reach far are kept in memory, so that only rows close to a strip must
+/// be read again.
 template <typename Item>
 class StripRows {
   public:
@@ -26,8 +27,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// `source`: the rows of the file. `picture`: the image, in blocks of `block_px` rows. A row that is
-    /// never added must be read for every strip.
+    /// `source` is the window of the file's rows. `picture` is the window of the image, whose blocks have
+    /// `block_px` rows. A row that is never added must be read for every strip.
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -35,8 +36,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of a row. Call it before all items of the row are added again, in order. Thread-safe
-    /// for different rows, like `add`.
+    /// Removes the items of a row. Call it before all items of the row are added again, in order. Several
+    /// threads may call it, and `add`, for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -58,8 +59,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items. While it exceeds the limit, the smallest reach of a kept item is
-    /// doubled, and items that reach less far are dropped. Call it each time that further rows are complete.
+    /// Limits the memory of the kept items, which are those that reach at least a certain distance. As long
+    /// as they exceed the limit, this distance is doubled, and items that reach less far are dropped. Call it
+    /// each time that further rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -81,8 +83,9 @@ class StripRows {
         }
     }
 
-    /// The rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end). The
-    /// ranges include short gaps of unneeded rows, because reading these is faster than starting a new range.
+    /// Returns the rows that must be read for the pixel rows [first, last), as ascending ranges [begin, end).
+    /// The ranges include short gaps of rows that are not needed, because reading them is faster than
+    /// starting a new range.
     [[nodiscard]] std::vector<std::pair<int, int>> to_be_read(int first, int last) const {
         constexpr int worth_a_gap = 16;
         std::vector<std::pair<int, int>> out;
@@ -98,7 +101,8 @@ class StripRows {
         }
         return out;
     }
-    /// Number of items that reach the blocks [begin, end). Call it after all rows were added.
+    /// Returns the number of items that reach the blocks [begin, end). Call it after all rows have been
+    /// added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
@@ -108,20 +112,20 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the kept items of a row (those that reach far), in order. If the row is not read again, it
-    /// contributes only these items.
+    /// Returns the kept items of a row, which are those that reach far, in order. If the row is not read
+    /// again, these are the only items that it contributes.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }
 
   private:
-    /// Memory limit of all kept items, bytes.
+    /// Memory limit of all kept items, in bytes.
     static constexpr std::size_t far_bytes = std::size_t{32} << 20;
 
     struct Row {
-        int first = 0, last = 0;  ///< pixel rows that are reached by the items that are not kept
+        int first = 0, last = 0;  ///< pixel rows that the items reach that are not kept
         std::vector<Far> far;
-        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that begin, or end, in it
+        std::vector<std::uint32_t> begins, ends;  ///< per block, number of items that begin or end in it
         [[nodiscard]] bool known() const { return !begins.empty(); }
         void include(int begin, int end) {
             first = std::min(first, begin);

@@ -1,4 +1,4 @@
-// Finds the focus distance and the f-numbers at which everything between two depths is sharp.
+// Finds the focus distance and the range of f-numbers at which everything between two depths is sharp.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ struct SharpRangeRequest {
 struct SharpLens {
     double focal_length_mm = 0;
     double f_number = 0;          ///< smallest f-number that keeps the range sharp
-    double largest_f_number = 0;  ///< f-number at which the Airy disc is as wide as the limit
-    std::string why_not;          ///< why no f-number works; empty if one does
+    double largest_f_number = 0;  ///< f-number at which the Airy disc is as wide as the CoC limit
+    std::string why_not;          ///< reason why no f-number works; empty if one does
 };
 
 struct SharpRange {
@@ -28,9 +28,12 @@ struct SharpRange {
 };
 
 /// Finds the focus distance s and the f-number n for which `depth_of_field` returns exactly the given near
-/// and far limit. s = 2 / (1/near + 1/far) for every lens. With the CoC limit c, n = F^2 (1/near - 1/far) /
-/// (2 c (1 - F/s)), but at least 0.7. There is no solution if F reaches the near limit, or if the Airy disc
-/// at that n is wider than c. Throws Error(wrong_arguments) for numbers out of range.
+/// and far limit. s = 2 / (1/near + 1/far) for every lens. n = F^2 (1/near - 1/far) / (2 c (1 - F/s)), where
+/// F is the focal length and c the CoC limit (the largest circle of confusion that is sharp). n is never less
+/// than 0.7.
+///
+/// A lens has no solution if F is as large as the near limit, or if the Airy disc at that n is wider than c.
+/// Throws Error(wrong_arguments) for numbers out of range.
 [[nodiscard]] SharpRange sharp_range(const SharpRangeRequest& request);
 
 }  // namespace postlens

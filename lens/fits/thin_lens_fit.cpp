@@ -13,15 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Focal length that is assumed if neither F nor n is known: 50 mm, or s/2 if that is shorter, because no
-/// lens focuses nearer than F. With F = s/2, the image is as large as the object.
+/// The focal length that is assumed if neither the focal length F nor the f-number is known. It is 50 mm, or
+/// half the focus distance s if that is shorter, because no lens focuses nearer than F.
 double example_focal_length_mm(double inverse_focus_per_m) {
     constexpr double usual_mm = 50;
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual c - K |q - 1/z| of one pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and q = 1/s.
-/// The fitted parameters are ln F, ln n and q.
+/// Residual c - K |q - 1/z| of one measured pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and
+/// q = 1/s. The fitted parameters are ln F, ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -36,8 +36,9 @@ struct Difference {
     }
 };
 
-/// Fit of the CoC c = K |q - x|, where x = 1/z. Each possible division of the pairs into those behind and
-/// those in front of the focus gives a straight line. The line with the smallest error is used.
+/// Fit of the CoC c = K |q - x|, where x = 1/z. The pairs can be divided at each depth into those behind and
+/// those in front of the focus. Each division gives a straight line, and the line with the smallest error is
+/// used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -47,8 +48,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // With a sign (positive behind the focus, negative in front), the CoC diameter is a straight line in
-        // x: c = K (q - x).
+        // With a positive sign behind the focus and a negative sign in front, the CoC diameter is a straight
+        // line in x: c = K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -91,8 +92,8 @@ void check(std::span<const CocPair> pairs, const ThinLensFitRequest& request) {
 
 constexpr std::array<const char*, 3> names = {"F", "n", "s"};
 
-/// Condition number of the Jacobian over the parameters `free`, with columns scaled to length 1. `weak`
-/// receives the direction in parameter space that the data determine with the largest error.
+/// Returns the condition number of the Jacobian over the parameters `free`, with its columns scaled to length
+/// 1. `weak` receives the direction in parameter space that the data determine least precisely.
 double condition_of(const std::vector<std::array<double, 3>>& rows, const std::vector<int>& free,
                     Eigen::VectorXd& weak) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
@@ -122,7 +123,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // F and n are linked by K = F^2 / (n (1 - F q)), so a known F determines n, and a known n determines F.
+    // F and n are linked by K = F^2 / (n (1 - F q)). A known F therefore determines n, and a known n
+    // determines F.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;
@@ -209,7 +211,7 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         return out;
     }
     if (!known) return out;
-    // Covariance of the fitted parameters: the variance of the residuals times (J^T J)^-1, J being the
+    // Covariance of the fitted parameters: the variance of the residuals times (J^T J)^-1, where J is the
     // Jacobian.
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
     for (Eigen::Index i = 0; i < J.rows(); ++i) {

@@ -9,20 +9,21 @@
 
 namespace postlens {
 
-/// Measured depth of a scene point, and the measured diameter of its circle of confusion on the film.
+/// The measured depth of a scene point, and the measured diameter of its circle of confusion (CoC) on the
+/// film.
 struct CocPair {
     double distance_m = 0;  ///< > 0, infinity allowed
     double coc_mm = 0;      ///< >= 0
 };
 
-/// Reads lines "distance_m,coc_mm". The first line may be that heading. Empty lines and lines that begin with
-/// # are ignored. Throws Error(invalid_input) with a message "FILE:LINE: ..".
+/// Reads lines of the form "distance_m,coc_mm". The first line may be this heading. Empty lines and lines
+/// that begin with # are ignored. Throws Error(invalid_input) with a message "FILE:LINE: ..".
 [[nodiscard]] std::vector<CocPair> read_coc_pairs(const std::filesystem::path& path);
 
 struct FittedNumber {
     double value = 0;
-    /// Estimated from the residuals of the fit. Absent if the number was given, or if the data do not
-    /// determine it. Also absent unless there are more pairs than fitted parameters.
+    /// Estimated from the residuals of the fit. Absent if the number was given, if the data do not determine
+    /// it, or if there are no more pairs than fitted parameters.
     std::optional<double> standard_error;
 };
 
@@ -38,12 +39,16 @@ struct ThinLensFitRequest {
     std::optional<double> focal_length_mm, f_number;  ///< known beforehand
 };
 
-/// Least-squares fit of c = F^2 |z - s| / (n z (s - F)) [potmesil1981, eq. 3] over F, n and s. Numbers given
-/// in the request stay fixed. The data determine only two numbers, because c = K |1/s - 1/z| with K = V D
-/// (film distance times aperture diameter). If neither F nor n is given, infinitely many solutions fit; the
-/// one with F = 50 mm is returned, and `doubts` explains this. Throws Error(invalid_input) for fewer than two
-/// different depths, and for data that no lens can produce (every CoC is 0, or K is negative). Throws
-/// Error(wrong_arguments) for F or n out of range.
+/// Fits the focal length F, the f-number n and the focus distance s by least squares, such that c = F^2 |z -
+/// s| / (n z (s - F)) [potmesil1981, eq. 3]. c is the CoC diameter and z the depth. Numbers given in the
+/// request stay fixed.
+///
+/// The data determine only two of the three numbers, because c = K |1/s - 1/z| with K = V D (film distance
+/// times aperture diameter). If neither F nor n is given, infinitely many solutions fit equally well. The
+/// solution with F = 50 mm is returned, and `doubts` explains this.
+///
+/// Throws Error(invalid_input) if there are fewer than two different depths, or if no lens can produce the
+/// data (every CoC is 0, or K is negative). Throws Error(wrong_arguments) if F or n is out of range.
 [[nodiscard]] ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitRequest& request);
 
 }  // namespace postlens

@@ -6,16 +6,17 @@
 
 namespace postlens {
 
-/// Returns J_0(v), J_1(v), .. for v >= 0, up to the order from which they are below 1e-18 of the largest.
-/// Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2 J_4 + .. = 1
-/// [abramowitz1972, 9.12]. The error of each order is about 1e-15 of the largest. Needs v + O(v^(1/3)) steps.
+/// Returns J_0(v), J_1(v), .. for v >= 0. The list ends at an order where the values are below 1e-18 of the
+/// largest value. Uses the downward recurrence J_{n-1} = (2n/v) J_n - J_{n+1}, normalised by J_0 + 2 J_2 + 2
+/// J_4 + .. = 1 [abramowitz1972, 9.12]. The error of each value is about 1e-15 of the largest. Needs v +
+/// O(v^(1/3)) steps.
 [[nodiscard]] std::vector<double> bessel_orders(double v);
 
-/// Order above v at which the downward recurrence starts, because J is below 1e-18 there.
+/// Returns an order above v at which J is below 1e-18. The downward recurrence starts there.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// Tables of J_0(v) and J_1(v) at v = 0, step, 2 step, ... Recurrences for any depth and wavelength start
-/// from these values.
+/// Tables of J_0(v) and J_1(v) at v = 0, step, 2 step, ... The upward recurrences for all depths and
+/// wavelengths start from these values.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

@@ -12,7 +12,7 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this |u|, the series for v < |u| loses precision: its terms, of order u^2, nearly cancel and are
+/// Below this |u|, the series for v < |u| loses precision. Its terms, of order u^2, nearly cancel and are
 /// then divided by u^2.
 constexpr double small_u = 8;
 
@@ -20,7 +20,7 @@ double squared(double x) {
     return x * x;
 }
 
-/// Sum of (-1)^s ratio^(first + 2 s) J_(first + 2 s), s = 0, 1, .. It equals Lommel's function U_first for
+/// Sums (-1)^s ratio^(first + 2 s) J_(first + 2 s) over s = 0, 1, .. The sum is Lommel's function U_first for
 /// ratio = u / v, and V_first for ratio = v / u [born1999, 8.8, eqs. 8 and 16].
 double lommel_sum(const std::vector<double>& j, double ratio, std::size_t first) {
     double sum = 0;
@@ -39,7 +39,7 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Sum of (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v), s = 0, 1, ..
+/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -55,8 +55,8 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Over the pupil radius p, the phase changes by at most u/2 + v. Each panel of the quadrature thus spans
-    // at most half a fringe, over which 16 nodes integrate up to rounding error.
+    // Over the pupil radius p, the phase changes by at most u/2 + v. Each panel of the quadrature therefore
+    // spans at most half a fringe, and 16 nodes integrate half a fringe up to rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +78,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // Evaluates (2/u)^2 (U1^2 + U2^2). One power of u/v is factored out of U1 and U2, so that u = 0 is
-        // allowed. The result for u = 0 is the Airy pattern.
+        // Evaluates (2/u)^2 (U1^2 + U2^2). One power of u/v is factored out of U1 and U2, so that u may be 0.
+        // For u = 0, the result is the Airy pattern.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {

@@ -14,14 +14,15 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Let x be the smaller of v/u and u/v. odd = sum of (-1)^s x^(1+2s) J_(1+2s), s = 0, 1, ..; even = sum of
-/// (-1)^s x^(2s) J_(2s), s = 1, 2, .. J_0 is left out, so that `even` stays precise for small x.
+/// Two sums over x, the smaller of v/u and u/v. `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1,
+/// .. `even` is the sum of (-1)^s x^(2s) J_(2s) over s = 1, 2, .. J_0 is left out, so that `even` stays
+/// precise for small x.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series by upward recurrence, which is stable for orders n < v: t_n = x^n J_n satisfies t_(n+1) =
-/// n c t_n - x^2 t_(n-1), where c = 2 x / v.
+/// Sums the series by upward recurrence, which is stable for orders n < v. The terms t_n = x^n J_n satisfy
+/// t_(n+1) = n c t_n - x^2 t_(n-1), where c = 2 x / v.
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {
@@ -34,8 +35,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
         odd[l] = here[l];
         even[l] = 0;
     }
-    // Signs alternate in pairs: terms of orders 2 and 3 are subtracted, those of orders 4 and 5 added, and so
-    // on.
+    // Signs alternate in pairs. The terms of orders 2 and 3 are subtracted, those of orders 4 and 5 are
+    // added, and so on.
     for (int n = 1; n < terms; n += 4) {
         const double n1 = n, n2 = n + 1, n3 = n + 2, n4 = n + 3;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -53,8 +54,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Sums the series by downward recurrence (Miller's algorithm), which is stable for any number of terms:
-/// J_(n-1) = (2 n / v) J_n - J_(n+1). Horner's rule sums the terms.
+/// Sums the series by the downward recurrence J_(n-1) = (2 n / v) J_n - J_(n+1) (Miller's algorithm), which
+/// is stable for any number of terms. Horner's rule sums the terms.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};
@@ -103,7 +104,7 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first few dozen points use the slow form, because the series loses precision or divides by zero
+    // The first few dozen points use the slow function, because the series loses precision or divides by zero
     // there.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;

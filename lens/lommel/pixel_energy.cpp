@@ -15,18 +15,20 @@ namespace {
 constexpr double two_pi = 2 * std::numbers::pi;
 
 /// Energy flow through a pixel border near the centre, with every fringe resolved. The border is the segment
-/// from y0 to y1 on the line at distance `x` from the centre. With y = x sinh t, r = x cosh t and encircled
-/// energy L, the flow L x / (2 pi r^2) dy becomes L / (2 pi cosh t) dt. Equal steps of t are short steps of r
-/// where the border passes close to the centre.
+/// from y0 to y1 on the line at distance `x` from the centre. L is the encircled energy, the energy within a
+/// radius.
+///
+/// The substitution y = x sinh t, r = x cosh t turns the flow L x / (2 pi r^2) dy into L / (2 pi cosh t) dt.
+/// Equal steps of t are then short steps of r where the border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // Within this distance of the centre, the flow of energy is negligible, because the encircled energy is
-    // proportional to the square of the radius.
+    // So close to the centre, the energy flow is negligible, because the encircled energy is proportional to
+    // the square of the radius.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // 16 quadrature nodes resolve the diffraction fringes of L, the light within a radius, over a panel that
-    // spans 6 in v. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
+    // A panel spans 6 in v. Over such a panel, 16 quadrature nodes resolve the diffraction fringes of L, the
+    // energy within a radius. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -41,14 +43,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Width over which fringes are averaged. A width slightly below the distance between two nodes gives the
-/// smallest error for fringes of medium width.
+/// Returns the width over which fringes are averaged. A width slightly below the distance between two nodes
+/// gives the smallest error for fringes of medium width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table over the radius r of L / (2 pi r^2), smoothed, where L is the encircled energy. The value times x is
-/// the energy that flows through a unit length of a pixel border at distance x from the centre.
+/// Table of L / (2 pi r^2) over the radius r, smoothed over fringes. L is the encircled energy, the energy
+/// within radius r. The table value times x is the energy that flows through a unit length of a pixel border
+/// at distance x from the centre.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -72,7 +75,7 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Energy flow in the direction of x through borders that lie on a line of constant x.
+/// Computes the energy flow in the direction of x through pixel borders that lie on a line of constant x.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -85,7 +88,7 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // Along a border, the flow depends only on r. Two-point Gauss quadrature integrates the flow.
+        // The flow along a border depends only on r. It is integrated by two-point Gauss quadrature.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -104,9 +107,9 @@ class Flow {
     FlowTable table_;
 };
 
-/// Energy flow through all pixel borders. If the response is centred on a corner or the centre of a pixel,
-/// the pixel grid is symmetric about that point. Then the flow is computed for one quadrant in advance and
-/// reused for the others.
+/// Computes the energy flow through all pixel borders. If the response is centred on a corner or the centre
+/// of a pixel, the pixel grid is symmetric about that point. The flow is then computed for one quadrant in
+/// advance and reused for the other quadrants.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -117,14 +120,14 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // Farther out, the grid has no pixel borders, and the flow table ends.
+                // Farther out, the grid has no pixel borders, and the table of the flow ends.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
         });
     }
-    /// Energy that flows in the direction of x through the border of a pixel from (x, y0) to (x, y0 + 1). By
-    /// the divergence theorem, a pixel's energy is the sum of its outflows.
+    /// Returns the energy that flows in the direction of x through the pixel border from (x, y0) to (x, y0 +
+    /// 1). By the divergence theorem, the energy of a pixel is the sum of its outflows.
     [[nodiscard]] double through(double x, double y0) const {
         if (quadrant_.empty()) return flow_.through(x, y0, y0 + 1);
         const auto line = static_cast<std::size_t>(std::abs(x));
@@ -148,8 +151,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The quadrant that Borders computes needs the flow in the whole square around the grid, up to the
-    // corners.
+    // Borders computes the flow for one quadrant. It needs the flow in a whole square around the grid, up to
+    // the square's corners.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -10,17 +10,17 @@
 namespace postlens {
 namespace {
 
-/// Weights of eight equidistant values. Their weighted sum is the integral of the Lagrange polynomial through
-/// them over the middle one of the seven steps. For a wave of frequency 2, the error is 1e-4 of its amplitude
-/// at step 1/2, and 1e-9 at step 1/8.
+/// Weights of eight equidistant values. The weighted sum is the integral of the Lagrange polynomial through
+/// the values, over the middle one of the seven steps between them. For a wave of frequency 2, the error is
+/// 1e-4 of the amplitude at step 1/2, and 1e-9 at step 1/8.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
-constexpr std::size_t values_beyond = 3;  ///< number of values used beyond each end of a step
+constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small |u|, a few fringes contain all of the energy and need fine steps. At large |u|, each fringe
+    // At small |u|, all of the energy lies in a few fringes, which need fine steps. At large |u|, each fringe
     // contains at most 1/u of the energy.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
@@ -40,7 +40,7 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
     const std::size_t nodes = count - values_beyond;
     within_.resize(nodes);
     within_sum_.resize(nodes);
-    // dE/dv = I v / 2 is an odd function of v, so values at negative v follow by symmetry.
+    // dE/dv = I v / 2 is an odd function of v, so its values at negative v follow by symmetry.
     const auto slope = [this](std::ptrdiff_t i) {
         const double v = step_ * static_cast<double>(i);
         return intensity_[static_cast<std::size_t>(std::abs(i))] * v / 2;
@@ -52,7 +52,8 @@ RadialEnergy::RadialEnergy(double u, double v_end, const BesselGrid& grid) : u_(
             sum += middle_weights[static_cast<std::size_t>(m)] * (slope(k - m) + slope(k + 1 + m));
         }
         within_[i + 1] = within_[i] + step_ * sum;
-        // Integrates the cubic (Hermite) polynomial through the values and slopes at both ends of the step.
+        // Integrates the cubic (Hermite) polynomial that has the given values and slopes at both ends of the
+        // step.
         within_sum_[i + 1] = within_sum_[i] + step_ * (within_[i] + within_[i + 1]) / 2 +
                              step_ * step_ * (slope(k) - slope(k + 1)) / 12;
     }
@@ -75,9 +76,9 @@ double RadialEnergy::within_integral(double v) const {
     const double slope0 = intensity_[i] * static_cast<double>(i) / 2 * step_ * step_;
     const double slope1 = intensity_[i + 1] * static_cast<double>(i + 1) / 2 * step_ * step_;
     const double rise = within_[i + 1] - within_[i];
-    // Integral of the cubic w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3 from the beginning of the
-    // step (t = 0). w0 is the value there, s0 and s1 are the slopes at both ends of the step, and r (`rise`)
-    // is the difference of the values at both ends.
+    // Integrates the cubic w0 + s0 t + (3 r - 2 s0 - s1) t^2 + (s0 + s1 - 2 r) t^3 from the beginning of the
+    // step, where t = 0. w0 is the value at the beginning. s0 and s1 are the slopes at both ends of the step.
+    // r (`rise`) is the difference of the values at both ends.
     return within_sum_[i] + step_ * t *
                                 (within_[i] + t * (slope0 / 2 + t * ((3 * rise - 2 * slope0 - slope1) / 3 +
                                                                      t * (slope0 + slope1 - 2 * rise) / 4)));

@@ -1,4 +1,4 @@
-// Table of how the response's energy at one wavelength is distributed over the radius.
+// A table of how the response's energy is distributed over the radius, for one wavelength.
 #pragma once
 
 #include <span>
@@ -8,18 +8,19 @@
 
 namespace postlens {
 
-/// The response of a circular aperture with defocus u, tabulated over v in [0, v_end]. The steps resolve
-/// every fringe, because I(u, v) contains no frequency above 2 (the aperture ends at p = 1). Intensity and
-/// energy are related by dE = I v dv / 2: the intensity is 1 at (u, v) = (0, 0), and the total energy through
-/// the aperture is 1.
+/// The response of a circular aperture with defocus u, tabulated over the radius v in [0, v_end]. The steps
+/// resolve every fringe, because the intensity I(u, v) contains no frequency above 2. The energy in a ring of
+/// width dv is dE = I v dv / 2. The intensity is 1 at (u, v) = (0, 0), and the total energy through the
+/// aperture is 1.
 class RadialEnergy {
   public:
-    /// Step of v in the table for u: 1/8 or 1/2.
+    /// Returns the step of v that the table for u uses: 1/8 or 1/2.
     [[nodiscard]] static double step_for(double u);
-    /// Number of grid entries that a table up to v_end needs.
+    /// Returns the number of grid entries that a table up to v_end needs.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// `grid` must have the step `step_for(u)`, and at least `grid_count` entries for this v_end.
+    /// `grid` must have the step `step_for(u)`, and at least as many entries as `grid_count` returns for this
+    /// v_end.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Makes its own tables of Bessel functions.
@@ -28,10 +29,10 @@ class RadialEnergy {
     [[nodiscard]] double u() const { return u_; }
     [[nodiscard]] double v_end() const { return step_ * static_cast<double>(within_.size() - 1); }
 
-    /// Share of the energy within radius v, for 0 <= v <= v_end. The error is below 2e-7.
+    /// Returns the fraction of the energy within radius v, for 0 <= v <= v_end. The error is below 2e-7.
     [[nodiscard]] double within(double v) const;
-    /// Integral of `within` from 0 to v. The difference of two values, divided by the difference of their v,
-    /// is a mean of `within` that averages out finer fringes.
+    /// Returns the integral of `within` from 0 to v. Use it to compute the mean of `within` between two
+    /// radii, which averages out the finer fringes.
     [[nodiscard]] double within_integral(double v) const;
     /// I(u, v) at v = i step().
     [[nodiscard]] std::span<const double> intensity() const { return intensity_; }
@@ -40,7 +41,7 @@ class RadialEnergy {
   private:
     double u_ = 0, step_ = 0.5;
     std::vector<double> intensity_;   ///< I(u, i step)
-    std::vector<double> within_;      ///< share of the energy within i step
+    std::vector<double> within_;      ///< fraction of the energy within v = i step
     std::vector<double> within_sum_;  ///< integral of within_ from 0
 };
 

@@ -35,8 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // For a smooth function, the value at the centre follows from the means B over three neighbouring
-        // intervals: (26 B_0 - B_-1 - B_1) / 24. The error is 3/640 of the fourth difference.
+        // For a smooth function, its means over three neighbouring intervals of width w determine the value
+        // at the centre: 26/24 of the mean over the middle interval, minus 1/24 of the other two means. The
+        // error is 3/640 of the fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -45,7 +46,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Half of the width over which fringes are averaged, and three halves of it, in steps of the row.
+    // `half` and `three` are 1/2 and 3/2 of the width over which fringes are averaged, in steps of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {
@@ -72,7 +73,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A ring of area 2 pi r dr contains the energy dE = I v dv / 2, so the density is their ratio.
+    // A ring of area 2 pi r dr contains the energy dE = I v dv / 2. The energy density is the ratio of the
+    // two.
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

@@ -1,4 +1,5 @@
-// Encircled energy of a mixture of wavelengths, as a function of the radius in pixels.
+// Encircled energy (the energy within a radius) of a mixture of wavelengths, as a function of the radius in
+// px.
 #pragma once
 
 #include <vector>
@@ -7,7 +8,7 @@
 
 namespace postlens {
 
-/// Weighted sum of the concentric responses of several wavelengths.
+/// The weighted sum of the responses of several wavelengths, which all have the same centre.
 class RadialProfile {
   public:
     struct Part {
@@ -17,22 +18,22 @@ class RadialProfile {
     };
     explicit RadialProfile(std::vector<Part> parts) : parts_(std::move(parts)) {}
 
-    /// Radius to which the tables of all parts extend, px.
+    /// Returns the radius, in px, up to which the tables of all parts extend.
     [[nodiscard]] double end_px() const;
     /// Largest v_per_px of all parts.
     [[nodiscard]] double v_per_px() const;
 
-    /// Share of the energy within a radius from 0 to end_px().
+    /// Returns the fraction of the energy within a radius. The radius must be between 0 and end_px().
     [[nodiscard]] double within(double radius_px) const;
-    /// `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, the
+    /// Returns `within`, averaged over fringes that are finer than `width_px`. Where `within` is smooth, the
     /// averaging error is of fourth order in `width_px`. The radius must be at least 3/2 widths away from 0
     /// and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
-    /// Returns `smoothed_within` at `count` radii, from `begin_px` on in steps of width_px / row_steps.
-    /// Faster than single calls, because four radii share each integral.
+    /// Returns `smoothed_within` at `count` radii, which start at `begin_px` and have the spacing width_px /
+    /// row_steps. This is faster than single calls, because four radii share each integral.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
-    /// Energy per px^2 at the radius, from the closed form of the intensity.
+    /// Returns the energy per px^2 at a radius, computed from the closed form of the intensity.
     [[nodiscard]] double density(double radius_px) const;
 
   private:

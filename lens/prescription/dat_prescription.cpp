@@ -1,5 +1,5 @@
-// Reads the lens tables of pbrt. Each line describes one surface, from the front to the film: "radius
-// thickness index diameter".
+// Reads the lens tables of pbrt. Each line describes one surface as "radius thickness index diameter". The
+// lines are ordered from the front of the lens to the film.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 /// Decides which rows with radius 0 are planes. Such a row is normally the stop, but some files also write
-/// planes with radius 0. If there are several such rows and exactly one does not change the medium, that row
-/// is the stop and the others are planes.
+/// planes with radius 0. If there are several such rows and exactly one of them does not change the medium,
+/// that row is the stop and the others are planes.
 void find_planes(std::vector<Surface>& surfaces, double wavelength_nm) {
     const auto refracts = [&](std::size_t i) {
         const double before = i == 0 ? 1 : surfaces[i - 1].glass.index(wavelength_nm);
@@ -49,7 +49,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
             }
             continue;
         }
-        // A line with a single number before the table gives the focal length.
+        // A line with a single number in front of the table states the focal length.
         if (words.size() == 1 && lens.surfaces.empty() && !lens.stated_focal_length_mm) {
             lens.stated_focal_length_mm = number_in(file, line.number, words[0], "focal length");
             continue;
@@ -72,7 +72,7 @@ Prescription parse_dat(const std::string& text, const std::string& file) {
         s.curvature_per_mm = radius == 0 ? 0 : 1 / radius;
         s.thickness_mm = number_in(file, line.number, words[1], "thickness");
         s.clear_radius_mm = 0.5 * diameter;
-        // A stop may have index 0: then the medium in front of the stop continues behind it.
+        // A stop may have index 0. The medium in front of the stop then continues behind it.
         s.glass = s.is_stop && index == 0 ? before : Glass::constant(index);
         before = s.glass;
         lens.surfaces.push_back(s);

@@ -9,8 +9,9 @@
 namespace postlens {
 namespace {
 
-// Ray transfer matrix of several surfaces. The matrix maps a ray in front of the surfaces, with height y and
-// index times slope nu, to the ray behind the surfaces: (y, nu) -> (a y + b nu, c y + d nu).
+// Ray transfer matrix of several surfaces. It maps a ray in front of the surfaces to the ray behind them: (y,
+// nu) -> (a y + b nu, c y + d nu). y is the height of the ray, and nu is its slope times the refractive
+// index.
 struct Matrix {
     double a = 1, b = 0, c = 0, d = 1;
     void refract(double power) {
@@ -37,9 +38,8 @@ double checked_index(const Prescription& lens, std::size_t i, double wavelength_
     return n;
 }
 
-// Transfer from the vertex plane of surface `begin`, before its refraction, to the vertex plane of surface
-// `end - 1`, after its refraction. If the stop's own surface refracts, its refraction belongs to the part
-// behind the stop.
+// Returns the transfer matrix from the vertex plane of surface `begin`, before refraction there, to the
+// vertex plane of surface `end - 1`, after refraction there.
 Matrix between(const Prescription& lens, double wavelength_nm, std::size_t begin, std::size_t end) {
     Matrix m;
     double n = begin == 0 ? 1 : checked_index(lens, begin - 1, wavelength_nm);
@@ -61,8 +61,8 @@ FirstOrder first_order(const Prescription& lens) {
 FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     const std::size_t count = lens.surfaces.size(), stop = lens.stop();
     const Matrix all = between(lens, wavelength_nm, 0, count);
-    // The power counts as 0 if power times the lens's length is below 1e-9. A lens without thickness has the
-    // length 1e-3 mm in this test.
+    // The lens counts as afocal if its power times its length is below 1e-9. In this test, the length is at
+    // least 1e-3 mm.
     const double scale_mm = std::max(lens.length_mm(), 1e-3);
     if (!(std::abs(all.c) * scale_mm > 1e-9) || !std::isfinite(all.c)) {
         fail(ExitCode::invalid_input,
@@ -77,17 +77,18 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Transfer from the first surface to the plane of the stop, before any refraction at the stop.
+    // Transfer from the first surface to the plane of the stop. If the stop's own surface refracts, its
+    // refraction belongs to the part behind the stop.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
-    // A ray with height y and index times slope nu meets the stop at height a y + b nu = a (y + b/a nu). So
-    // the lens images the plane z = b/a in object space onto the stop. The entrance pupil is 1/a times as
-    // large as the stop.
+    // Let y be the height of a ray at the first surface, and nu its slope times the refractive index. The ray
+    // meets the stop at the height a y + b nu = a (y + b/a nu). The lens therefore images the plane z = b/a
+    // in object space onto the stop. The entrance pupil is 1/a times as large as the stop.
     out.entrance_pupil_z_mm = front.b / front.a;
-    out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, for a stop on the last surface
+    out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;
     if (lens.entrance_pupil_diameter_mm) radius = 0.5 * *lens.entrance_pupil_diameter_mm * std::abs(front.a);
     if (lens.f_number) radius = 0.5 * std::abs(out.efl_mm) / *lens.f_number * std::abs(front.a);
@@ -106,8 +107,8 @@ ParaxialRay paraxial_ray(const Prescription& lens, double wavelength_nm, Paraxia
 
 double paraxial_image_z_mm(const Prescription& lens, double wavelength_nm, double object_z_mm) {
     const Matrix m = between(lens, wavelength_nm, 0, lens.surfaces.size());
-    // A ray from the axial object point has the height y = -z nu at the first vertex, where nu is the
-    // refractive index times the slope. For an object at infinity, nu = 0.
+    // Let nu be the slope of a ray times the refractive index. A ray from the object point on the axis has
+    // the height y = -z nu at the first vertex. For an object at infinity, nu is 0.
     const double t = std::isinf(object_z_mm) ? 0 : -1 / object_z_mm;
     return -lens.image_index(wavelength_nm) * (m.a + m.b * t) / (m.c + m.d * t);
 }

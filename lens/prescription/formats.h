@@ -1,5 +1,5 @@
-// The parsers that read_prescription calls, one per format. The parsers do not check the prescription as a
-// whole. Only read_prescription.cpp and the parsers include this header.
+// The parsers that read_prescription calls, one per format. A parser does not check whether the prescription
+// as a whole is valid. Only read_prescription.cpp and the parsers include this header.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-// `file` is the file name that error messages begin with. All parsers throw Error(invalid_input) "FILE:LINE:
+// `file` is the file name with which error messages begin. All parsers throw Error(invalid_input) "FILE:LINE:
 // ...".
 [[nodiscard]] Prescription parse_dat(const std::string& text, const std::string& file);
 [[nodiscard]] Prescription parse_zmx(const std::string& text, const std::string& file);
@@ -25,21 +25,21 @@ struct TextLine {
     std::string_view text;
 };
 
-/// Splits a text into lines at "\n", "\r\n" or "\r". The lines do not include these characters.
+/// Splits text into lines at "\n", "\r\n" or "\r". The lines do not include these characters.
 [[nodiscard]] std::vector<TextLine> lines_of(std::string_view text);
 
-/// Splits a line into words at blanks and tabs. A text in single or double quotes is one word, without the
-/// quotes.
+/// Splits a line into words at blanks and tabs. Text in single or double quotes is one word, which does not
+/// include the quotes.
 [[nodiscard]] std::vector<std::string_view> words_of(std::string_view line);
 
 /// Parses a word as a number. Throws "FILE:LINE: WHAT is not a finite number (got ...; expected a number)".
 double number_in(const std::string& file, int line, std::string_view word, std::string_view what);
 
-/// Throws if a prescription with `count` surfaces cannot have another one, because of the limit
+/// Throws if a prescription that already has `count` surfaces cannot have another one, because the limit is
 /// most_surfaces.
 void check_surface_count(const std::string& file, int line, std::size_t count);
 
-/// Throws if the medium between the object and the lens, behind the object's surface, is not air.
+/// Throws if the medium between the object and the lens is not air.
 void check_object_medium(const std::string& file, const Surface& object);
 
 /// Finds a glass by name. Throws "FILE:LINE: unknown glass ..." if the name is unknown.

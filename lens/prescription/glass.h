@@ -7,37 +7,39 @@
 
 namespace postlens {
 
-/// Wavelengths, nm, of the spectral lines at which catalogues state indices: yellow helium, blue and red
-/// hydrogen.
+/// Wavelengths, in nm, of the spectral lines at which glass catalogues state refractive indices: the yellow
+/// helium line (d), the blue hydrogen line (F) and the red hydrogen line (C).
 inline constexpr double d_line_nm = 587.5618, F_line_nm = 486.1327, C_line_nm = 656.2725;
 
-/// An optically homogeneous medium. Its refractive indices are relative to air, whose index is 1.
+/// An optically homogeneous medium. Its refractive index is relative to air, which has index 1.
 class Glass {
   public:
     /// Air.
     Glass() = default;
-    /// A medium whose index is the same at every wavelength.
+    /// Makes a medium whose refractive index is the same at every wavelength.
     [[nodiscard]] static Glass constant(double index, std::string name = "");
-    /// n = A + B / L^2 [born1999, 2.3.4], where A and B follow from nd and the Abbe number Vd = (nd - 1) /
-    /// (nF - nC) > 0. For real glasses, the error in the visible spectrum is about 1e-4.
+    /// Makes a glass with n = A + B / L^2 at wavelength L [born1999, 2.3.4]. A and B follow from nd, the
+    /// index at the d line, and from the Abbe number Vd = (nd - 1) / (nF - nC) > 0. For real glasses, the
+    /// error in the visible spectrum is about 1e-4.
     [[nodiscard]] static Glass abbe(double nd, double vd, std::string name = "");
-    /// n^2 = 1 + sum B_i L^2 / (L^2 - C_i) at wavelength L in um [born1999, 2.3.4]. `terms`: B1 B2 B3 C1 C2
-    /// C3 (C in um^2).
+    /// Makes a glass with n^2 = 1 + sum B_i L^2 / (L^2 - C_i) at wavelength L in um [born1999, 2.3.4].
+    /// `terms` are B1 B2 B3 C1 C2 C3, with C in um^2.
     [[nodiscard]] static Glass sellmeier(const std::array<double, 6>& terms, std::string name = "");
-    /// n^2 = A0 + A1 L^2 + A2 / L^2 + A3 / L^4 + A4 / L^6 + A5 / L^8 at wavelength L in um: the Laurent
-    /// series that Schott's older catalogues use.
+    /// Makes a glass with n^2 = A0 + A1 L^2 + A2 / L^2 + A3 / L^4 + A4 / L^6 + A5 / L^8 at wavelength L in
+    /// um. This Laurent series is used in Schott's older catalogues.
     [[nodiscard]] static Glass laurent(const std::array<double, 6>& terms, std::string name = "");
-    /// n = A + B / L^2 + C / L^4, where A, B and C follow from the indices at three different wavelengths,
-    /// nm.
+    /// Makes a glass with n = A + B / L^2 + C / L^4 at wavelength L. A, B and C follow from the indices at
+    /// three different wavelengths in nm.
     [[nodiscard]] static Glass three_points(const std::array<double, 3>& wavelengths_nm,
                                             const std::array<double, 3>& indices, std::string name = "");
 
-    /// Index at wavelength_nm > 0. Returns not-a-number where the formula has a pole or n^2 is negative.
+    /// Returns the refractive index at wavelength_nm > 0. Returns NaN where the formula has a pole or n^2 is
+    /// negative.
     [[nodiscard]] double index(double wavelength_nm) const;
     [[nodiscard]] bool is_air() const {
         return formula_ == Formula::cauchy && terms_[0] == 1 && terms_[1] == 0 && terms_[2] == 0;
     }
-    /// Empty if the source states no name.
+    /// Returns the name of the glass. It is empty if the source gives no name.
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] bool operator==(const Glass& other) const {
         return formula_ == other.formula_ && terms_ == other.terms_;

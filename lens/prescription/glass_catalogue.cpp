@@ -10,7 +10,7 @@ namespace {
 
 struct Entry {
     std::string_view name;
-    double nd;  // published with the terms; a test compares both
+    double nd;  // published with the terms; a test compares the two
     std::array<double, 6> terms;
 };
 
@@ -117,8 +117,8 @@ constexpr Entry catalogue[] = {
     // clang-format on
 };
 
-// Converts a name to capital letters and digits: removes hyphens, blanks, and the underscore with the maker's
-// name.
+// Reduces a name to capital letters and digits. Hyphens and blanks are removed, and so is the maker's name
+// after an underscore.
 std::string bare(std::string_view name) {
     std::string out;
     for (const char c : name.substr(0, name.find('_'))) {
@@ -140,8 +140,8 @@ std::optional<Glass> find_glass(std::string_view name) {
     const std::string wanted = bare(name);
     if (wanted.empty()) return std::nullopt;
     const Entry* entry = find_bare(wanted);
-    // In the 1990s, lead-free glasses replaced older glasses. A replacement has the old name with an N in
-    // front.
+    // In the 1990s, lead-free glasses replaced older glasses. The name of a replacement is the old name with
+    // an N in front.
     if (entry == nullptr) entry = find_bare("N" + wanted);
     if (entry == nullptr) return std::nullopt;
     return Glass::sellmeier(entry->terms, std::string(entry->name));

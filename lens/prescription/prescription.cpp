@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-// Neighbouring surfaces may overlap by up to this share of the clear radius. Patents often round clear radii
-// up. Surfaces then overlap by a few thousandths of the radius near their rims, where no light passes.
+// Neighbouring surfaces may overlap by up to this fraction of the clear radius. Patents often round clear
+// radii up, so surfaces can overlap slightly near their rims, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {
@@ -44,8 +44,8 @@ void check_surface(const Prescription& lens, std::size_t i) {
     }
 }
 
-// Gap between surfaces i and i + 1 at distance r from the axis. Not-a-number beyond the edge of either
-// surface.
+// Returns the gap between surfaces i and i + 1 at distance r from the axis. It is NaN beyond the edge of
+// either surface.
 double gap_mm(const Prescription& lens, std::size_t i, double r_mm) {
     const Surface& a = lens.surfaces[i];
     return a.thickness_mm + lens.surfaces[i + 1].sag_mm(r_mm) - a.sag_mm(r_mm);

@@ -1,4 +1,4 @@
-// A lens prescription: surfaces, thicknesses, glasses and one stop.
+// A lens prescription consists of surfaces, thicknesses, glasses and one stop.
 #pragma once
 
 #include <array>
@@ -13,32 +13,32 @@
 
 namespace postlens {
 
-/// Largest number of surfaces accepted. Photographic lenses have far fewer. The limit bounds the time per
-/// ray, because a ray meets every surface.
+/// Largest number of surfaces that is accepted. Photographic lenses have far fewer. The limit bounds the time
+/// per ray, because a ray meets every surface.
 inline constexpr std::size_t most_surfaces = 500;
-/// Number of terms r^2, r^4, ... r^20 of an even asphere.
+/// Number of terms in the polynomial r^2, r^4, ... r^20 of an even asphere.
 inline constexpr std::size_t asphere_terms = 10;
 
-/// A surface of revolution about the z axis, which points from the scene to the film. Its sag at distance r
-/// from the axis is c r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i). The sag is the distance from
-/// the vertex's plane, positive towards the film.
+/// A surface of revolution about the z axis, which points from the scene to the film. The sag is the distance
+/// of the surface from its vertex plane, positive towards the film. At distance r from the axis, the sag is c
+/// r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i).
 struct Surface {
-    double curvature_per_mm = 0;  ///< c = 1 / radius; > 0: centre of curvature on the film's side
-    double conic = 0;             ///< k; 0 sphere, -1 paraboloid
+    double curvature_per_mm = 0;                  ///< c = 1 / radius; > 0 if the centre is on the film side
+    double conic = 0;                             ///< k; 0 for a sphere, -1 for a paraboloid
     std::array<double, asphere_terms> asphere{};  ///< a_1 (1/mm), a_2 (1/mm^3), ...
-    double thickness_mm = 0;                      ///< to the next vertex, 0 or more; unused for the last
-    double clear_radius_mm = std::numeric_limits<double>::infinity();  ///< > 0; infinity: not stated
+    double thickness_mm = 0;                      ///< to the next vertex; not negative
+    double clear_radius_mm = std::numeric_limits<double>::infinity();  ///< > 0; infinity: none given
     Glass glass;                                                       ///< medium behind the surface
     bool is_stop = false;
-    int line = 0;  ///< line number in the file, for error messages; 0: unknown
+    int line = 0;  ///< line number in the file, for error messages; 0 if unknown
 
     [[nodiscard]] bool is_asphere() const;
-    /// Sag at distance r_mm from the axis. Not-a-number beyond the edge of the conic.
+    /// Returns the sag at distance r_mm from the axis. It is NaN beyond the edge of the conic.
     [[nodiscard]] double sag_mm(double r_mm) const;
 };
 
-/// A lens prescription. Lengths are in mm, whatever unit the file uses. A prescription that
-/// `read_prescription` returns has passed `check_prescription`.
+/// A lens prescription. Lengths are in mm, even if the file uses another unit. Prescriptions from
+/// `read_prescription` have passed `check_prescription`.
 struct Prescription {
     std::string file;    ///< file name for error messages
     std::string name;    ///< may be empty
@@ -47,42 +47,43 @@ struct Prescription {
     double wavelength_nm = d_line_nm;          ///< reference wavelength of the file's numbers
     std::optional<double> film_distance_mm;    ///< from the last vertex; absent: the rear focal point
     std::optional<double> object_distance_mm;  ///< from the first vertex; absent: infinity
-    /// The stop's opening is given by at most one of these two numbers. If both are absent, the opening is
-    /// the stop's clear radius.
+    /// The opening of the stop is given by at most one of these two numbers. If both are absent, the opening
+    /// is the clear radius of the stop.
     std::optional<double> entrance_pupil_diameter_mm, f_number;
     std::optional<double> stated_focal_length_mm;  ///< as stated in the file, for comparison
     std::vector<double> field_angles_deg;          ///< fields listed in the file; may be empty
-    std::vector<std::string> notes;                ///< messages to the user about changes on reading
+    std::vector<std::string> notes;                ///< messages to the user about changes made while reading
 
-    /// Index into `surfaces`.
+    /// Returns the index of the stop in `surfaces`.
     [[nodiscard]] std::size_t stop() const;
     [[nodiscard]] double index_after(std::size_t surface) const {
         return surfaces[surface].glass.index(wavelength_nm);
     }
-    /// Refractive index between the last surface and the film: 1 in air, more in an eye or under water.
+    /// Returns the refractive index between the last surface and the film. It is 1 in air, and larger in an
+    /// eye or under water.
     [[nodiscard]] double image_index(double at_nm) const { return surfaces.back().glass.index(at_nm); }
-    /// Distance from the first vertex to the last.
+    /// Returns the distance from the first vertex to the last.
     [[nodiscard]] double length_mm() const;
 };
 
-/// "FILE:LINE" of a surface.
+/// Returns "FILE:LINE" of a surface, for error messages.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
 
-/// Hash of the prescription. Prescriptions through which all rays take the same path have equal hashes.
+/// Returns a hash of the prescription. Two prescriptions have equal hashes if all rays take the same paths
+/// through both.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that cross within the smaller of their clear radii, by more than 1 % of this
-/// radius. Both clear radii are reduced to the radius where the surfaces meet, and a note is added. Patents
-/// and files of fisheye lenses contain such radii. Surfaces that would meet closer to the axis than 1 % of
-/// this radius stay unchanged.
+/// Repairs neighbouring surfaces that cross within the smaller of their clear radii. Patents and files of
+/// fisheye lenses contain such radii. If the surfaces overlap by more than 1 % of the smaller clear radius,
+/// both clear radii are reduced to the radius where the surfaces meet, and a note is added. Surfaces that
+/// would meet closer to the axis than 1 % of that radius stay unchanged.
 void clip_crossings(Prescription& lens);
 
-/// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these hold:
-/// - there are 1 to `most_surfaces` surfaces and exactly one stop, whose width is stated;
-/// - numbers are finite, thicknesses not negative, clear radii positive;
-/// - indices at the wavelength are between 1 and 5;
-/// - no two neighbouring surfaces cross within the smaller of their clear radii by more than 1 % of this
-///   radius.
+/// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these conditions hold:
+/// - The prescription has 1 to `most_surfaces` surfaces and exactly one stop, whose opening is given.
+/// - All numbers are finite, thicknesses are not negative, and clear radii are positive.
+/// - Refractive indices at the prescription's wavelength are between 1 and 5.
+/// - No two neighbouring surfaces cross within the smaller of their clear radii by more than 1 % of it.
 void check_prescription(const Prescription& lens);
 
 }  // namespace postlens

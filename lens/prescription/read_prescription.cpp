@@ -13,14 +13,14 @@
 namespace postlens {
 namespace {
 
-// Limit of the file size. A Zemax file with the largest number of surfaces, 500, is smaller than 1 MB.
+// Largest accepted file size. A Zemax file with the largest number of surfaces, 500, is smaller than 1 MB.
 constexpr std::uintmax_t largest_file_bytes = 64'000'000;
 
 std::string ending_of(const std::filesystem::path& path) {
     return lower_case(path.extension().string());
 }
 
-// Converts UTF-16 to ASCII; Zemax writes UTF-16 with or without a byte order mark. Non-ASCII characters occur
+// Converts UTF-16 to ASCII. Zemax writes UTF-16 with or without a byte order mark. Non-ASCII characters occur
 // only in names and become question marks.
 std::string decoded(std::string bytes) {
     const auto byte = [&bytes](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
@@ -44,7 +44,8 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Keeps only ASCII. The encoding of names is unknown, and they are written to terminals, JSON and drawings.
+// Replaces characters that are not ASCII. The encoding of names is unknown, and names are written to
+// terminals, JSON and drawings.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-// True if a Sellmeier formula could be that of a glass: its index is between 1.2 and 4, and its poles are
-// below 0.32 um or above 2 um.
+// Returns true if a Sellmeier formula could describe a real glass. Its index must be between 1.2 and 4, and
+// its poles must be below 0.32 um or above 2 um.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
     return n > 1.2 && n < 4 &&
@@ -37,8 +37,8 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
         const double vd = number_in(file_, line, std::string_view(name).substr(colon + 1), "Vd");
         if (vd > 0) return Glass::abbe(nd, vd, name);
     }
-    // In a code such as 517.642, the digits before the dot are the decimals of nd = 1.517. The digits after
-    // the dot are Vd = 64.2.
+    // In a code such as 517.642, the digits before the dot are the decimals of the index nd = 1.517. The
+    // digits after the dot are the Abbe number Vd = 64.2.
     const auto is_digits = [](std::string_view part) {
         return part.size() >= 3 && part.size() <= 9 &&
                std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
@@ -55,9 +55,9 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
     return glass_by_name(file_, line, word);
 }
 
-// Reads a private glass given by a formula. Missing coefficients are 0. Files list Sellmeier coefficients
-// either as B1 C1 B2 C2 B3 C3 or as B1 B2 B3 C1 C2 C3. The order that gives a plausible glass is used. If
-// both orders or neither are plausible, the formula is rejected.
+// Reads a private glass that is given by a formula. Missing coefficients are 0. Some files list Sellmeier
+// coefficients as B1 C1 B2 C2 B3 C3, others as B1 B2 B3 C1 C2 C3. The order that gives a plausible glass is
+// used. If both orders or neither of them give one, the formula is rejected.
 void SeqGlasses::define_by_formula(int line, const std::string& key, const std::string& formula,
                                    std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",
@@ -91,7 +91,7 @@ void SeqGlasses::define(int line, const std::string& key, const SeqWords& words)
         for (std::size_t i = 1; i < words.size(); ++i)
             wavelengths_nm_.push_back(seq_number(file_, line, words, i, "wavelength"));
     } else {
-        // A private glass that cannot be read is an error only if a surface uses it, so the reason is kept
+        // A private glass that cannot be read causes an error only if a surface uses it. The reason is kept
         // for `find`.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);

@@ -1,5 +1,6 @@
-// Glasses of CODE V sequence files: private definitions, codes of nd and Vd, and catalogue names. Only the
-// parser of these files includes this header.
+// Glasses of CODE V sequence files. A file refers to a glass by its catalogue name, by a code of its index nd
+// and Abbe number Vd, or by the name of a private glass that the file defines. Only the parser of these files
+// includes this header.
 #pragma once
 
 #include <map>
@@ -17,12 +18,12 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a command between PRV and END, which defines a private glass or the wavelengths of the following
-    /// indices. A glass that cannot be read is not an error until a surface uses it: then `find` throws.
+    /// Reads a command between PRV and END. Such a command defines a private glass, or the wavelengths of the
+    /// indices that follow. If a glass cannot be read, `find` throws when a surface uses the glass.
     void define(int line, const std::string& key, const SeqWords& words);
-    /// Finds a glass by its catalogue name, by the name of a private glass, or by a code of nd and Vd:
-    /// "517642", "517.642", "516800.641700" or "1.5168:64.17". Throws Error(invalid_input) if the glass is
-    /// unknown.
+    /// Finds a glass by its catalogue name, by the name of a private glass, or by a code of its index nd and
+    /// Abbe number Vd. Examples of codes are "517642", "517.642", "516800.641700" and "1.5168:64.17". Throws
+    /// Error(invalid_input) if the glass is unknown.
     [[nodiscard]] Glass find(int line, std::string_view word) const;
 
   private:

@@ -18,8 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads a command. If `glasses` is true, reads only definitions of private glasses; otherwise, all other
-    /// commands.
+    /// Reads a command. If `glasses` is true, reads it only if it defines a private glass. Otherwise reads
+    /// only the other commands.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -38,7 +38,7 @@ class SeqReader {
     int line_ = 0;
     bool by_radius_ = false;
     double mm_per_unit_ = 1;
-    std::size_t reference_ = SIZE_MAX;  ///< SIZE_MAX: not stated; CODE V then uses the middle one
+    std::size_t reference_ = SIZE_MAX;  ///< SIZE_MAX if not given; CODE V then uses the middle one
     std::vector<double> wavelengths_nm_;
     std::vector<Surface> all_;  // object, lens surfaces, image
     std::size_t current_ = 0;
@@ -47,8 +47,8 @@ class SeqReader {
     SeqGlasses glasses_;
 };
 
-// Returns the surface that a command applies to: the one named after the command, as in "S3", or else the
-// latest surface.
+// Returns the surface that a command applies to. This is the surface named after the command, as in "S3", or
+// else the latest surface.
 Surface& SeqReader::addressed(const SeqWords& words, std::size_t& next) {
     std::size_t at = current_;
     if (next < words.size() && words[next].size() > 1 && std::toupper(words[next][0]) == 'S') {
@@ -138,8 +138,8 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius; the words before the number may be in any order. Light must
-// pass inside the glass (EDG) and inside the clear aperture (CLR), so the smallest radius is used.
+// Reads the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius may be in any order.
+// Light must pass inside the glass (EDG) and inside the clear aperture (CLR), so the smallest radius is used.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);
@@ -156,7 +156,7 @@ void SeqReader::clear_radius(const SeqWords& words) {
 
 void SeqReader::system_command(const std::string& key, const SeqWords& words) {
     if (key == "RDM") {
-        // RDM or "RDM Y" announces radii of curvature. "RDM N" announces curvatures.
+        // After RDM or "RDM Y", the file gives radii of curvature. After "RDM N", it gives curvatures.
         by_radius_ = words.size() < 2 || upper_case(words[1]) != "N";
     } else if (key.starts_with("TIT")) {
         if (words.size() > 1) lens_.name = std::string(words[1].substr(0, 200));
@@ -192,7 +192,7 @@ void SeqReader::system_command(const std::string& key, const SeqWords& words) {
             if (angle != 0) lens_.field_angles_deg.push_back(angle);
         }
     }
-    // All other commands, such as weights, solves, vignetting and displays, do not define the shape of the
+    // All other commands, such as weights, solves, vignetting and displays, do not affect the shape of the
     // lens.
 }
 
@@ -239,7 +239,8 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The image surface's thickness is the defocus: the distance from the image surface to the film.
+    // The thickness of the image surface is the defocus, which is the distance from the image surface to the
+    // film.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-// Removes the comment of a line: everything from the first ! outside quotes.
+// Removes the comment from a line. A comment begins at the first ! outside quotes.
 std::string_view without_remark(std::string_view line) {
     char quote = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {

@@ -1,5 +1,5 @@
-// Reads the text format of Zemax: blocks of lines that begin with SURF, from the object surface to the image
-// surface.
+// Reads the text format of Zemax. Each surface is a block of lines that begins with SURF. The blocks are
+// ordered from the object surface to the image surface.
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ using Words = std::vector<std::string_view>;
 struct ZmxSurface {
     Surface surface;
     double thickness = 0;                   ///< in the file's unit; may be infinite
-    std::optional<double> aperture_radius;  ///< of CLAP or FLAP; unlike DIAM, they always block light
+    std::optional<double> aperture_radius;  ///< from CLAP or FLAP, which block light
     std::string_view type = "STANDARD";
     std::map<int, double> parameters;  ///< values of PARM lines, by number
     bool has_diameter = false;
@@ -77,7 +77,7 @@ class ZmxReader {
     int primary_ = 1;
     double mm_per_unit_ = 1;
     bool by_stop_size_ = false;
-    bool fields_are_angles_ = true;  ///< false: they are heights
+    bool fields_are_angles_ = true;  ///< false if the fields are heights
 };
 
 void ZmxReader::glass(const Words& words) {
@@ -93,8 +93,8 @@ void ZmxReader::glass(const Words& words) {
     }
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
-    // Only a model glass is defined by the numbers of its line. For a glass of a catalogue, many files state
-    // Zemax's placeholder, nd 1.5 and Vd 40, instead of the glass's own numbers.
+    // If the name is unknown, the numbers on the line define the glass. Many files give Zemax's placeholder
+    // (nd 1.5 and Vd 40) for a catalogue glass, so these two numbers are accepted only for a model glass.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);
@@ -132,7 +132,7 @@ bool ZmxReader::surface_line(std::string_view key, const Words& words) {
     } else if (key == "GLAS") {
         glass(words);
     } else if (key == "CLAP" || key == "FLAP") {
-        // CLAP and FLAP give the inner and outer radius of a ring that transmits light.
+        // CLAP and FLAP give the inner and the outer radius of a ring that transmits light.
         if (number(words, 1, "inner radius") > 0) unsupported("a ring of " + std::string(key));
         s.aperture_radius = number(words, 2, "outer radius");
     } else if (key == "OBSC" || key == "SQAP" || key == "SQOB" || key == "ELAP" || key == "ELOB" ||
@@ -199,16 +199,16 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane with air on both sides is only a reference plane, so the diameter that Zemax states for it
-        // is ignored.
+        // A plane with air on both sides is only a reference plane. Zemax states a diameter for it, which is
+        // ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
         double power = mm_per_unit_;
         for (std::size_t i = 0; i < 8; ++i) {
             const auto found = from.parameters.find(static_cast<int>(i) + 1);
-            // The file's coefficient a_i of r^(2i) is for lengths in its own unit U. For lengths in mm, the
-            // coefficient is a_i U / U^(2i).
+            // The file gives the coefficient a_i of r^(2i) for lengths in its own unit U. For lengths in mm,
+            // the coefficient is a_i U / U^(2i).
             power /= mm_per_unit_ * mm_per_unit_;
             if (found != from.parameters.end()) s.asphere[i] = found->second * power;
         }
@@ -235,7 +235,7 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // Zemax states the type of the fields before the fields.
+    // In the file, the type of the fields comes before the fields themselves.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;

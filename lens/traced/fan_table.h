@@ -1,5 +1,4 @@
-// Impulse responses of a traced lens for every depth and field, interpolated between precomputed fans of
-// rays.
+// Impulse responses of a traced lens for every depth and field, interpolated from precomputed fans of rays.
 #pragma once
 
 #include <vector>
@@ -8,33 +7,36 @@
 
 namespace postlens {
 
-/// Fans: each is a bundle of rays from one object point through the lens. The object points lie on a grid of
-/// inverse depths and field tangents. The constructor traces the fans in parallel. Fans between grid points
-/// are interpolated linearly (errors: docs/lens.md). Results are bit-identical for any number of threads.
+/// A table of fans. A fan is a bundle of rays from one object point through the lens. The object points lie
+/// on a grid of inverse depths and field tangents (tangents of the angle from the axis). The constructor
+/// traces the fans in parallel. Between grid points, fans are interpolated linearly; docs/lens.md gives the
+/// errors. Results are bit-identical for any number of threads.
 class FanTable {
   public:
     /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` and tangents from 0 to `widest_tangent`.
-    /// Beyond the largest inverse depth, responses grow linearly; beyond the widest tangent, they stay
+    /// Beyond the largest inverse depth, responses grow linearly. Beyond the widest tangent, they stay
     /// constant. `view` must outlive the table.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Light that the pixel in this direction receives from a uniform scene, relative to the centre pixel (as
-    /// LensView::light). The depth of the scene has no influence.
+    /// Returns LensView::light, interpolated in the table. This is the light that the pixel in the direction
+    /// of `tangent` receives from a uniform scene, relative to the light of the centre pixel. The depth of
+    /// the scene has no effect.
     [[nodiscard]] double light(double tangent) const;
-    /// Upper bound of the radius of an impulse response: the distance on the film from the object point's
-    /// image to the farthest light of that point, divided by the film distance.
+    /// Returns an upper bound of the radius of an impulse response. The radius is the distance on the film
+    /// from the object point's image to the farthest light of that point, divided by the film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Upper bound of the derivative of responses over the field: how far a ray's landing point, relative to
-    /// the image of its object point, moves per distance that the object point moves. Both are tangents.
+    /// Returns an upper bound of how fast responses change over the field. When an object point moves, the
+    /// landing point of a ray moves relative to the point's image. The bound is the ratio of these two
+    /// movements, both measured as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;
 
   private:
     struct Place {
-        std::size_t depth = 0, field = 0;       ///< indices of the grid node at or below the point
-        double depth_part = 0, field_part = 0;  ///< fraction of a step; depth_part may lie outside 0..1
+        std::size_t depth = 0, field = 0;       ///< grid point at or below the given one
+        double depth_part = 0, field_part = 0;  ///< fraction of a step; depth_part may be outside 0..1
     };
     [[nodiscard]] Place place(double inverse_depth_per_m, double tangent) const;
     [[nodiscard]] double of_depth(const std::vector<double>& values, double inverse_depth_per_m) const;

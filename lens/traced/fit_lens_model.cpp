@@ -14,7 +14,8 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Residual of the fit for one coordinate of one ray's landing point on the film; linear in the coefficients.
+// Residual of the fit for one coordinate of one ray's landing point on the film. It is linear in the
+// coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
     LandingResidual(const std::array<double, polynomial_terms>& terms, double mm) : terms_(terms), mm_(mm) {}
@@ -35,7 +36,7 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from a point on the pupil's edge to the edge of the intersection of the three circles.
+// Signed distance from a point on the edge of the pupil to the edge of the intersection of the three circles.
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -46,8 +47,8 @@ struct EdgeResidual {
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
             const Number y = at.y - (c[0] + c[4] * K) * T - c[1] * (T * T * T);
-            // The term 1e-12 keeps the argument of the root above 0, because the derivative of the root is
-            // infinite at 0.
+            // The derivative of the root is infinite at 0, so the term 1e-12 keeps the argument of the root
+            // above 0.
             const Number outside = sqrt(at.x * at.x + y * y + 1e-12) - (c[2] + c[3] * (T * T) + c[5] * K);
             if (first || outside > residual[0]) residual[0] = outside;
             first = false;
@@ -60,7 +61,7 @@ ceres::Solver::Options options() {
     ceres::Solver::Options out;
     out.linear_solver_type = ceres::DENSE_QR;
     out.max_num_iterations = 100;
-    out.num_threads = 1;  // bit-identical results need one order of summation
+    out.num_threads = 1;  // threads would change the order of summation
     out.logging_type = ceres::SILENT;
     return out;
 }
@@ -74,8 +75,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds one residual for each pair of neighbouring mesh nodes of which only one passes: the pupil's edge is
-// assumed halfway between them. Points are in radii of the paraxial pupil.
+// Adds one residual for each pair of neighbouring mesh nodes (rays) of which only one passes the lens. The
+// edge of the pupil is assumed to lie halfway between the two nodes. Points are in radii of the paraxial
+// pupil.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);
@@ -95,8 +97,8 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Initial values of the fit: the paraxial images of the stop and of the first and last rim, in the plane of
-// the pupil.
+// Returns initial values for the fit. These are the paraxial images of the stop and of the first and last
+// rim, in the plane of the pupil.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();
@@ -107,7 +109,7 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // At the surface, a ray through pupil point q with field tangent t has the height a q - b t.
+        // A ray through pupil point q with field tangent t meets the surface at the height a q - b t.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

@@ -1,5 +1,5 @@
-// Models of one lens, from the thin lens to the traced lens, and the error of each model relative to the
-// traced lens.
+// Models of one lens, from the thin lens to the traced lens. Also computes the error of each model relative
+// to the traced lens.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-/// Models of a lens, ordered from the fastest to the slowest to evaluate.
+/// The models of a lens, ordered from the fastest to the slowest.
 enum class LensModelKind {
     thin,        ///< (a) thin lens of equal focal length, with its pupil at the pinhole
     thick,       ///< (b) principal planes and both pupils: all first-order effects
@@ -23,30 +23,34 @@ enum class LensModelKind {
 inline constexpr std::size_t lens_model_kinds = 4;
 [[nodiscard]] const char* name_of(LensModelKind kind);
 
-/// Landing point of a ray on the film, relative to the chief ray of its object point (the ray through the
-/// centre of the stop). `passes` is false if the lens blocks the ray.
+/// The point where a ray lands on the film. It is relative to the landing point of the chief ray, which is
+/// the ray from the same object point through the centre of the stop. `passes` is false if the lens blocks
+/// the ray.
 struct ModelRay {
     glm::dvec2 film_mm{0};
     bool passes = false;
 };
 
-/// Number of terms of the polynomial per coordinate of the landing point. Terms are functions of pupil and
-/// field: the pupil point (u, v), in radii of the paraxial pupil with v along the field; and the field T, its
-/// tangent divided by the largest tangent. Each term occurs alone and multiplied by the defocus K = 1/z' -
-/// 1/s, divided by its largest value. Mirror symmetry about the meridian permits only terms odd in u for x,
-/// and even in u for y.
+/// Number of terms of the polynomial for each coordinate of the landing point. The terms depend on the pupil
+/// point (u, v) and on the field T. u and v are in radii of the paraxial pupil, with v in the direction of
+/// the field. T is the field tangent (the tangent of the angle between object point and axis), divided by its
+/// largest value.
+///
+/// Each term occurs twice: alone, and multiplied by the defocus K. K is 1/z' - 1/s for depth z' and focus
+/// distance s, divided by its largest value. Mirror symmetry about the meridian permits only terms that are
+/// odd in u for x, and even in u for y.
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. T is the field
-/// and K the defocus, as for pupil_terms. The circle's centre is (0, (shift + shift_by_depth K) T + bend
-/// T^3). Its radius is radius + radius_by_depth K + growth T^2.
+/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. The circle
+/// depends on the field T and on the defocus K, which are defined above at pupil_terms. Its centre is (0,
+/// (shift + shift_by_depth K) T + bend T^3). Its radius is radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
 
-/// The polynomial model of a lens (LensModelKind::polynomial), fitted by `fit_polynomial_lens`. All members
-/// are plain numbers, so the model can be stored in a file or passed to a renderer.
+/// The polynomial model of a lens (LensModelKind::polynomial), which `fit_polynomial_lens` returns. All
+/// members are plain numbers, so the model can be stored in a file or passed to a renderer.
 struct PolynomialLens {
     double pupil_radius_mm = 1;        ///< unit of (u, v)
     double largest_tangent = 1;        ///< tangent at which T = 1
@@ -55,23 +59,24 @@ struct PolynomialLens {
     std::array<double, polynomial_terms> x_mm{}, y_mm{};
     std::array<PupilCircle, 3> circles{};
 
-    /// Evaluates the model for a depth > 0 or infinity and a field tangent >= 0 along +y. The pupil point is
-    /// in mm on the plane of the paraxial pupil.
+    /// Evaluates the model. The depth must be positive and may be infinite. The field tangent is along +y and
+    /// must not be negative. The pupil point is in mm on the plane of the paraxial pupil.
     [[nodiscard]] ModelRay ray(double depth_m, double tangent, glm::dvec2 pupil_mm) const;
     /// Evaluates the terms for x and for y.
     static void terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                       std::array<double, polynomial_terms>& y);
 };
 
-/// The depths and fields for which a model is fitted, or for which its error is measured.
+/// The depths and fields for which a model is fitted or its error is measured.
 struct LensModelRange {
     std::vector<double> depths_m;  ///< > 0, infinity allowed
     std::vector<double> tangents;  ///< >= 0, along +y
 };
 
-/// Returns `count` depths from a to b (infinity allowed) in equal steps of 1/z'. Also returns `count`
-/// tangents of field angles, from 0 to that of the chief ray that lands `field_mm` from the centre of the
-/// film. Throws Error(wrong_arguments) if not 0 < a < b, or if no chief ray lands at that distance.
+/// Returns `count` depths and `count` field tangents. The depths range from a to b in equal steps of the
+/// inverse depth, and b may be infinite. The tangents range from 0 to the edge of the field. At the edge, the
+/// chief ray (the ray through the centre of the stop) lands `field_mm` from the centre of the film. Throws
+/// Error(wrong_arguments) unless 0 < a < b, or if no chief ray lands at that distance.
 [[nodiscard]] LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, double field_mm,
                                               int count);
 
@@ -81,20 +86,24 @@ class LensModels {
     LensModels(const Prescription& lens, const TracedLens& traced);
     void set_polynomial(const PolynomialLens& model) { polynomial_ = model; }
 
-    /// Returns the landing point of a ray as computed by the given model. The polynomial model requires a
-    /// previous call of set_polynomial.
+    /// Returns the landing point of a ray according to the given model. Call set_polynomial before using the
+    /// polynomial model.
     [[nodiscard]] ModelRay ray(LensModelKind kind, double depth_m, double tangent, glm::dvec2 pupil_mm) const;
 
-    /// Root mean square error of the model's landing points, mm, at one depth and field, over a uniform grid
-    /// of the pupil. Landing points of model and traced lens are relative to their chief rays. If only one of
-    /// the two transmits a ray, the ray's error is its distance on the film from the nearest pupil point that
-    /// both transmit: that is how far its light would have to move.
+    /// Returns the root mean square error of the model's landing points, in mm, at one depth and field. The
+    /// error is computed over a uniform grid of the pupil. In both the model and the traced lens, landing
+    /// points are relative to the chief ray.
+    ///
+    /// If only one of the two transmits a ray, its light has to move to a pupil point that both transmit. The
+    /// error of the ray is then the distance on the film to the landing point of the nearest such pupil
+    /// point.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
-    /// Largest error over all depths and fields of a range.
+    /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick lens, a displacement of a ray on the pupil displaces its landing point on the film. The
-    /// ratio of both, mm per mm, is thick_at_infinity() + thick_per_depth_m() / z'.
+    /// If a ray is displaced on the pupil of the thick lens, its landing point on the film is displaced in
+    /// proportion. The ratio of the two displacements, in mm per mm, is thick_at_infinity() +
+    /// thick_per_depth_m() / z', where z' is the depth.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 
@@ -108,8 +117,8 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
-/// Landing points depend linearly on the coefficients. The pupil's edge is fitted by three circles. Their
-/// initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
+/// The landing points depend linearly on the coefficients. The edge of the pupil is fitted by three circles.
+/// Their initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
 /// bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);

@@ -1,4 +1,4 @@
-// Outlines of a lens and rays through it, for a drawing.
+// Computes the outlines of a lens, and rays through it, for a drawing.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,25 +8,26 @@
 
 namespace postlens {
 
-/// Section of a lens along its axis: points (z, y) in mm, z from the first vertex towards the film.
+/// A section of a lens along its axis. Points (z, y) are in mm, and z is measured from the first vertex
+/// towards the film.
 struct LensSection {
     struct RayLine {
         std::size_t field = 0;  ///< index into the parameter `fields`
         std::vector<glm::dvec2> points;
     };
     std::vector<std::vector<glm::dvec2>>
-        glass;  ///< closed outlines of the elements, the last point not repeated
+        glass;  ///< closed outlines of the elements; the last point is not repeated
     std::vector<std::vector<glm::dvec2>> planes;  ///< surfaces that do not bound glass
     std::vector<std::vector<glm::dvec2>> stop;    ///< the two edges of the stop's opening
-    std::vector<RayLine> rays;                    ///< rays that pass, from in front of the lens to the film
+    std::vector<RayLine> rays;                    ///< rays that pass the lens, from front to film
     double film_z_mm = 0;
-    double front_z_mm = 0;  ///< where rays begin
+    double front_z_mm = 0;  ///< z at which rays begin
     double height_mm = 0;   ///< largest distance of these curves from the axis
 };
 
-/// Traces `rays` rays across the pupil, in the plane of the drawing, from an object point at depth_m for each
-/// tangent of `fields`. Surfaces are drawn up to their clear radius. If the prescription states no clear
-/// radius, they are drawn as wide as the rays need.
+/// Computes the section of a lens. For each tangent in `fields`, traces `rays` rays from an object point at
+/// depth_m. The rays are spread across the pupil, in the plane of the drawing. Surfaces are drawn up to their
+/// clear radius. If the prescription gives no clear radius, surfaces are drawn as wide as the rays need.
 [[nodiscard]] LensSection lens_section(const Prescription& lens, const TracedLens& traced, double depth_m,
                                        const std::vector<double>& fields, int rays);
 

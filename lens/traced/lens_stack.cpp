@@ -9,7 +9,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-// Moves the origin of a ray along the ray to the plane z. A distant origin would lose precision, because its
+// Moves the origin of a ray along the ray to the plane z. A distant origin would lose precision when its
 // coordinates are squared.
 void begin_at(double z, LensRay& ray) {
     if (ray.direction.z != 0) ray.origin += (z - ray.origin.z) / ray.direction.z * ray.direction;
@@ -49,17 +49,17 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // If the origin is more than 100 radii of curvature away, rounding of its squared coordinates would
-    // destroy the intersection. Therefore the origin moves to the ray's point nearest to the vertex. The
-    // second pass removes the rounding error of the first, which can exceed the radius of a tiny surface.
+    // If the origin is more than 100 radii of curvature away, its squared coordinates are too imprecise for
+    // the intersection. The origin then moves to the point of the ray that is nearest to the vertex. A second
+    // pass removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. Of the two roots, the one that stays finite as
-    // c approaches 0 is used [welford1986, 4.3]. It can be computed as f / (b + root) or as (b - root) / a.
-    // Each form loses precision by cancellation where the other does not. For example, a ray along the axis
-    // of a ball meets the ball's second surface with b = -1 and f = 0.
+    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. The root that stays finite as c approaches 0
+    // is used [welford1986, 4.3]. It can be computed as f / (b + root) or as (b - root) / a. Each form loses
+    // precision by cancellation where the other form does not. For example, f / (b + root) fails for a ray
+    // along the axis of a ball at the second surface, where b = -1 and f = 0.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -70,8 +70,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // Beyond its widest circle, a conic turns back. No lens includes this back part, so intersections
-        // there are rejected.
+        // Beyond its widest circle, a conic turns back. Lens surfaces do not include this part of the conic,
+        // so intersections there are rejected.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {
@@ -97,7 +97,7 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
             if (!(std::abs(miss) > close_mm) || rate == 0) break;
             p -= miss / rate * d;
         }
-        if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // also if it is not a number
+        if (!(std::abs(miss) <= close_mm)) return RayFate::misses;  // also true for NaN
     } else {
         if (!met) return RayFate::misses;
         normal = dvec3(-e.c * p.x, -e.c * p.y, 1 - e.c * q * p.z);
@@ -108,14 +108,14 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         normal /= length;
     }
     ray.origin = p + dvec3(0, 0, e.z);
-    // A not-a-number coordinate makes this comparison false, so the ray counts as vignetted.
+    // A NaN coordinate makes this comparison false, and the ray then counts as vignetted.
     const bool inside = p.x * p.x + p.y * p.y <= e.radius_squared;
     if (apertures == Apertures::respected && !inside) return RayFate::vignetted;
     return RayFate::passes;
 }
 
-// Refracts by Snell's law, n' (d' x N) = n (d x N). `ratio` is n / n'; `normal` points towards +z. Returns
-// false for total reflection.
+// Refracts a ray by Snell's law, n' (d' x N) = n (d x N). `ratio` is n / n', and `normal` points towards +z.
+// Returns false for total reflection.
 bool LensStack::refract(dvec3& direction, const dvec3& normal, double ratio) noexcept {
     const double cosine = glm::dot(direction, normal);
     const double under_root = 1 - ratio * ratio * (1 - cosine * cosine);

@@ -1,4 +1,4 @@
-// Exact ray tracing through a lens, surface by surface.
+// Traces rays exactly through a lens, surface by surface.
 #pragma once
 
 #include <array>
@@ -14,23 +14,24 @@ namespace postlens {
 
 enum class RayFate : std::uint8_t {
     passes,
-    misses,     ///< does not intersect a surface on the side of its vertex
-    vignetted,  ///< meets a surface outside its clear radius, or the stop outside its opening
+    misses,     ///< does not meet a surface on the side of its vertex
+    vignetted,  ///< falls outside a clear radius or outside the opening of the stop
     reflected,  ///< total internal reflection
 };
 
-/// The result of tracing a ray. If the ray did not pass, `surface` is where it ended.
+/// The result of tracing a ray. If the ray does not pass, `surface` is the surface where it ends.
 struct RayEnd {
     RayFate fate = RayFate::passes;
     std::size_t surface = 0;  ///< index into the prescription's surfaces
     [[nodiscard]] bool passes() const { return fate == RayFate::passes; }
 };
 
-/// A ray in the frame of the lens, mm: the origin is the first surface's vertex, z points towards the film.
+/// A ray in the frame of the lens, in mm. The origin of the frame is the vertex of the first surface, and z
+/// points towards the film.
 struct LensRay {
     glm::dvec3 origin{0};
     glm::dvec3 direction{0, 0, 1};  ///< of length 1
-    /// Intersection with the plane at z, perpendicular to the axis.
+    /// Returns the intersection with the plane at z, which is perpendicular to the axis.
     [[nodiscard]] glm::dvec2 at_z(double z_mm) const {
         return glm::dvec2(origin) + (z_mm - origin.z) / direction.z * glm::dvec2(direction);
     }
@@ -38,14 +39,14 @@ struct LensRay {
 
 enum class Apertures : bool { ignored, respected };
 
-/// The surfaces of a prescription at one wavelength and one opening of the stop, prepared for ray tracing.
-/// Refraction uses Snell's law in vector form. Intersections with conics are computed in closed form;
-/// intersections with even aspheres are computed by Newton's method to 1e-10 mm [welford1986, 4]. Tracing a
-/// ray neither allocates nor throws, and many threads may trace at once.
+/// The surfaces of a prescription at one wavelength and with one opening of the stop, prepared for ray
+/// tracing. Refraction uses Snell's law in vector form. Intersections with conics are computed in closed
+/// form. Intersections with even aspheres are computed by Newton's method to 1e-10 mm [welford1986, 4].
+/// Tracing a ray neither allocates nor throws. Many threads may trace rays at the same time.
 class LensStack {
   public:
-    /// `lens` must have passed check_prescription. `stop_radius_mm` is >= 0; infinity selects the clear
-    /// radius of the stop's surface.
+    /// `lens` must have passed check_prescription. `stop_radius_mm` must not be negative. If it is infinite,
+    /// the opening of the stop is the clear radius of its surface.
     LensStack(const Prescription& lens, double wavelength_nm, double stop_radius_mm);
 
     [[nodiscard]] std::size_t size() const { return elements_.size(); }
@@ -55,23 +56,23 @@ class LensStack {
     [[nodiscard]] std::size_t stop() const { return stop_; }
     [[nodiscard]] double stop_radius_mm() const { return stop_radius_mm_; }
 
-    /// Traces a ray from the scene to the film. Afterwards `ray` is the ray behind the last surface or, if
-    /// the ray ended at a surface, the ray in front of this surface. The ray is treated as a line, so its
-    /// origin may be any point on the line. `hits` must be empty or have size() points, and receives the
-    /// intersections up to the end of the ray.
+    /// Traces a ray from the scene to the film. If the ray passes, `ray` becomes the ray behind the last
+    /// surface. If the ray ends at a surface, `ray` becomes the ray in front of this surface. The ray is
+    /// treated as an infinite line, so its origin may be any point on the line. `hits` receives the
+    /// intersections up to the end of the ray. It must be empty or have size() points.
     RayEnd forward(LensRay& ray, Apertures apertures = Apertures::respected,
                    std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces a ray from the film to the scene, with direction.z < 0; otherwise as `forward`.
+    /// Traces a ray from the film to the scene, in the same way as `forward`. direction.z must be negative.
     RayEnd backward(LensRay& ray, Apertures apertures = Apertures::respected,
                     std::span<glm::dvec3> hits = {}) const noexcept;
-    /// Traces a ray from the scene to the plane of the stop, ignoring apertures, and returns the
-    /// intersection. Returns not-a-number if the ray ends before the stop.
+    /// Traces a ray from the scene to the plane of the stop, ignoring apertures. Returns the intersection
+    /// with this plane, or NaN if the ray ends before the stop.
     [[nodiscard]] glm::dvec2 at_stop(LensRay ray) const noexcept;
 
   private:
     struct Element {
         double z = 0, c = 0, k = 0;
-        double forward_ratio = 1, backward_ratio = 1;  ///< n before / n after the surface, and the inverse
+        double forward_ratio = 1, backward_ratio = 1;  ///< n before / n after the surface, and its inverse
         double radius_squared = std::numeric_limits<double>::infinity();
         bool is_asphere = false;
         std::array<double, asphere_terms> asphere{};

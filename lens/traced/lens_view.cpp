@@ -12,14 +12,14 @@ using glm::dvec2;
 
 namespace {
 
-/// Number of points of the distortion curve. Cubic interpolation between that many points has a relative
+/// Number of points of the distortion curve. With this number of points, cubic interpolation has a relative
 /// error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// Small field tangent at which the paraxial scale of the film is measured.
+/// A small field tangent, at which the paraxial scale of the film is measured.
 constexpr double small_tangent = 1e-4;
 
-// Distance from the film centre at which the ray through the centre of the stop lands; negative if that ray
-// is blocked.
+// Returns the distance from the film centre at which the ray through the centre of the stop lands. It is
+// negative if that ray is blocked.
 double chief_radius_mm(const TracedLens& lens, double depth_m, double tangent) {
     const dvec2 field(0, tangent);
     const std::optional<dvec2> aim = lens.aim_at_stop(depth_m, field);
@@ -64,8 +64,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // At this tangent the lens transmits no ray, so the image is black. The curve is extended linearly,
-        // because it must keep growing to be invertible.
+        // If r has not grown, the lens transmits no ray at this tangent and the image is black. The curve is
+        // then extended linearly, because it must keep growing to be invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -73,9 +73,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Mean weight of a ray over the unit square of (u, v). The region of passing rays is divided into triangles
-// that fan out from the region's centre to its edge. The region is symmetric, so the triangles cover only one
-// half, and the result is doubled.
+// Returns the mean weight of a ray over the unit square of (u, v). The region of passing rays is divided into
+// triangles between the region's centre and its edge. The region is symmetric, so the triangles cover only
+// one half of it, and the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -90,8 +90,8 @@ double LensView::light(double tangent) const {
     double sum = 0;
     for (std::size_t j = 0; j + 1 < edge.size(); ++j) {
         const dvec2 a = edge[j] - middle, b = edge[j + 1] - middle;
-        // The mean over the midpoints of its three sides integrates second-degree polynomials exactly over a
-        // triangle.
+        // The mean over the midpoints of the three sides of a triangle integrates second-degree polynomials
+        // exactly.
         const double mean =
             (weight(middle + a / 2.0) + weight(middle + b / 2.0) + weight(middle + (a + b) / 2.0)) / 3;
         sum += std::abs(a.x * b.y - a.y * b.x) / 2 * mean;
@@ -99,8 +99,8 @@ double LensView::light(double tangent) const {
     return 2 * sum;
 }
 
-// Catmull-Rom interpolation of the curve, which is an odd function. Beyond its last point, the curve is
-// extended linearly.
+// Evaluates the curve by Catmull-Rom interpolation. The curve is an odd function. Beyond its last point, it
+// is extended linearly.
 double LensView::film_radius_mm(double tangent) const noexcept {
     const double at = tangent / tangent_step_;
     const std::size_t last = film_radius_.size() - 1;
@@ -126,7 +126,7 @@ double LensView::film_mm_per_tangent(double tangent) const noexcept {
 dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
     const double r = glm::length(film_mm);
     if (r == 0) return dvec2(0);
-    // Finds the interval of the distortion curve that contains the film radius r, then solves for the tangent
+    // Finds the interval of the distortion curve that contains the film radius r. Then solves for the tangent
     // by Newton's method.
     const auto above = std::upper_bound(film_radius_.begin(), film_radius_.end() - 1, r);
     const auto i = static_cast<double>(above - film_radius_.begin());
@@ -142,7 +142,7 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
     // The image on the film is rotated by 180 degrees, so x changes its sign. y keeps its sign, because the y
-    // axis of the raster points down.
+    // axis of the raster already points down.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

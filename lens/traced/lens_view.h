@@ -1,5 +1,5 @@
-// A real lens whose image is framed like a pinhole's image: each pixel shows the same direction as in the
-// pinhole image.
+// A real lens whose image is framed like the image of a pinhole, so that each pixel shows the same direction
+// in both images.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -12,12 +12,12 @@
 namespace postlens {
 
 struct LensViewSettings {
-    double focus_distance_m = 1;     ///< s > 0 from the pinhole; infinity allowed
+    double focus_distance_m = 1;     ///< s, from the pinhole; > 0, may be infinite
     std::optional<double> f_number;  ///< absent: wide open
     Framing framing = Framing::keep;
     Film film;                    ///< of the pinhole camera
-    double half_diagonal_px = 1;  ///< > 0; largest distance of a pixel from the image centre
-    double widest_tangent = 0;    ///< the view also covers directions up to this tangent
+    double half_diagonal_px = 1;  ///< > 0; distance of the farthest pixel from the image centre
+    double widest_tangent = 0;    ///< the view covers directions up to at least this tangent
 };
 
 /// A ray into the scene, in the axes of the raster: x to the right, y down.
@@ -27,40 +27,41 @@ struct ViewRay {
     double weight = 0;      ///< see TracedLens::scene_ray
 };
 
-/// A view through a lens, with the lens's distortion corrected as cameras correct it. For a point in the
-/// plane of focus, the ray through the centre of the stop lands on the pixel that shows the same direction in
-/// the pinhole image. Vignetting, the fall-off of light and all blur remain.
+/// A view through a lens, with the distortion of the lens corrected as cameras correct it. A point in the
+/// plane of focus then appears at the same pixel as in the pinhole image: its chief ray (the ray through the
+/// centre of the stop) lands there. Vignetting, the fall-off of light and all blur remain.
 ///
 /// Framing::keep scales the film so that the field of view equals that of the traced pinhole image. The other
-/// framings keep the size of the film's pixels: with `lens` the film is one focal length behind the lens,
-/// with `breathing` it is where the focus distance requires it.
+/// framings keep the pixel size of the film. With `lens`, the film is one focal length behind the lens. With
+/// `breathing`, the film is where the focus distance requires it.
 class LensView {
   public:
-    /// Throws the errors of TracedLens, and Error(wrong_arguments) if a value of the film is out of range.
+    /// Throws Error(wrong_arguments) if a value of the film is out of range. Also throws the errors of
+    /// TracedLens.
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
-    /// The thin lens with the same focal length, pupil and focus distance.
+    /// Returns the thin lens that has the same focal length, pupil and focus distance.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
-    /// Paraxial scale of the image: mm on the film per unit of the field tangent.
+    /// Returns the paraxial scale of the image, in mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray that contributes to the pixel which shows the direction `tangent` in the pinhole image.
-    /// (u, v) in [0, 1)^2 are as for TracedLens::scene_ray. Returns false if the ray is blocked. Does not
-    /// allocate.
+    /// Computes a ray that contributes to one pixel, the pixel that shows the direction `tangent` in the
+    /// pinhole image. (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns false if the ray
+    /// is blocked. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
-    /// Light that the pixel in this direction receives from a uniform scene at any distance, relative to the
-    /// light of the centre pixel.
+    /// Returns the light that the pixel in this direction receives from a uniform scene, relative to the
+    /// light of the centre pixel. The distance of the scene has no effect.
     [[nodiscard]] double light(double tangent) const;
 
-    /// Distance from the film centre, mm, at which the light of the pixel in the direction `tangent` >= 0
-    /// lands.
+    /// Returns the distance from the film centre, in mm, at which the light of the pixel in the direction
+    /// `tangent` lands. `tangent` must not be negative.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// Inverse of the distortion: returns the tangent, in camera axes (x right, y up), of the pixel that
-    /// shows a film point.
+    /// Inverse of the distortion. Returns the tangent of the pixel that shows the given film point, in camera
+    /// axes (x right, y up).
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

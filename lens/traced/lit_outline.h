@@ -11,9 +11,10 @@
 
 namespace postlens {
 
-/// Outline of the region of rays that pass. The region must be star-shaped (visible as a whole from one inner
-/// point) and symmetric about x = 0. Both are true for an object point on the +y axis of a rotationally
-/// symmetric lens. `passes(p)` tests one ray; `scale` is the approximate width of the outline.
+/// The outline of the region in which rays pass. The region must be symmetric about x = 0 and star-shaped,
+/// which means that one inner point sees the whole region. Both are true for an object point on the +y axis
+/// of a rotationally symmetric lens. `passes(p)` tests one ray. `scale` is the approximate width of the
+/// outline.
 template <class Passes>
 class LitOutline {
   public:
@@ -22,8 +23,8 @@ class LitOutline {
 
     LitOutline(Passes passes, double scale) : passes_(std::move(passes)), scale_(scale) {}
 
-    /// Searches for the region around `near`. Sets `near` to the region's centre and `edge` to its outline.
-    /// Returns false if no ray passes.
+    /// Searches for the region around the point `near`. Sets `near` to the centre of the region and `edge` to
+    /// its outline. Returns false if no ray passes.
     [[nodiscard]] bool find(glm::dvec2& near, Edge& edge) const {
         if (!passes_(near) && !search(near)) return false;
         find_edge(near, edge);
@@ -35,7 +36,7 @@ class LitOutline {
     }
 
   private:
-    /// Bisection steps of the search for the edge; the last step is about scale / 2^16.
+    /// Number of bisection steps in the search for the edge. The last step is about scale / 2^16.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -44,7 +45,8 @@ class LitOutline {
         return {std::sin(angle), std::cos(angle)};
     }
 
-    // Searches a coarse grid for the passing point that is nearest to the mean of all passing points.
+    // Tests the rays of a coarse grid. Chooses the passing point that is nearest to the mean of all passing
+    // points.
     [[nodiscard]] bool search(glm::dvec2& near) const {
         std::vector<glm::dvec2> found;
         glm::dvec2 sum(0);
@@ -79,11 +81,11 @@ class LitOutline {
         }
     }
 
-    // y of the centroid of the region between the half outline and its mirror image.
+    // Returns y of the centroid of the region between the half outline and its mirror image.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {
-            // Area and moment of the strip between a side of the outline and the axis of symmetry.
+            // Area and moment of the strip between one side of the outline and the axis of symmetry.
             const glm::dvec2 &a = edge[j], &b = edge[j + 1];
             area += (a.x + b.x) / 2 * (a.y - b.y);
             moment += (a.y - b.y) * (a.x * (2 * a.y + b.y) + b.x * (a.y + 2 * b.y)) / 6;

@@ -73,10 +73,10 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A node of the fan at its position on the raster.
+/// A node (ray) of the fan with its position on the raster.
 struct Placed {
-    dvec2 px{0};     ///< landing point, relative to the anchor
-    dvec2 pupil{0};  ///< pupil point, as in the node
+    dvec2 px{0};     ///< landing point, px relative to the anchor
+    dvec2 pupil{0};  ///< same as in the node of the fan
     double light = 0;
 };
 
@@ -100,8 +100,8 @@ double fan_reach_px(const PupilFan& fan, const FanImage& image) {
 }
 
 ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const PixelWindow& window) {
-    // Computes the raster position of each node once, and from these positions the bounding box of the
-    // response.
+    // Computes the raster position of each node (ray of the fan) once, and from these positions the bounding
+    // box of the response.
     constexpr std::size_t per_side = (rings + 1) * (spokes + 1);
     std::array<Placed, 2 * per_side> nodes;
     dvec2 low(HUGE_VAL), high(-HUGE_VAL);
@@ -110,8 +110,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A small response uses fewer nodes; the sides of its outline still deviate from the curve by less than
-    // 0.03 px.
+    // A small response uses fewer nodes. The sides of its outline still deviate from the true curve by less
+    // than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {
@@ -152,8 +152,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
             deposit.add(std::array{a.px, b.px, c.px, d.px}, first + second);
             return;
         }
-        // The image of this cell is folded, because rays of different lens zones cross. The cell is added as
-        // two triangles, because the image of a triangle cannot fold.
+        // The image of this cell is folded, because rays from different lens zones cross. The cell is added
+        // as two triangles, because the image of a triangle cannot fold.
         if (first > 0) deposit.add(std::array{a.px, b.px, c.px}, first);
         if (second > 0) deposit.add(std::array{a.px, c.px, d.px}, second);
     });

@@ -1,5 +1,5 @@
-// How the light of one object point is distributed over the pupil: rays in rings, the outermost on the
-// pupil's edge.
+// The light of one object point as it is distributed over the pupil. Rays are arranged in rings, and the
+// outermost ring lies on the edge of the pupil.
 #pragma once
 
 #include <array>
@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Rays of an object point on the +y axis, at nodes on rings and spokes. The rings extend from the centre to
-/// the edge of the pupil region that passes light. Nodes with x < 0 are mirror images and are not stored.
-/// Between nodes, all values are interpolated linearly.
+/// Rays of an object point on the +y axis. Each ray is a node of a mesh of rings and spokes. The mesh covers
+/// the part of the pupil that passes light, from its centre to its edge. Nodes with x < 0 are mirror images
+/// and are not stored. Between nodes, all values are interpolated linearly.
 struct PupilFan {
     static constexpr std::size_t rings = 12;
     static constexpr std::size_t spokes = 48;  ///< steps over half a turn, from +y to -y
@@ -25,7 +25,7 @@ struct PupilFan {
     }
     struct Node {
         glm::dvec2 pupil_m{0};  ///< on the plane of the pinhole
-        glm::dvec2 landing{0};  ///< landing pixel's tangent minus the object point's
+        glm::dvec2 landing{0};  ///< tangent of the landing pixel minus that of the object point
         double light = 0;       ///< light per area of the plane of the pinhole
     };
     std::array<Node, (rings + 1) * (spokes + 1)> nodes;
@@ -36,14 +36,14 @@ struct PupilFan {
     }
 };
 
-/// Traces the fan of rays of an object point at inverse depth 1/z' in the direction of the given tangent >=
-/// 0. 1/z' may be 0 or negative; a negative value is light that converges. The search for the lit region
-/// begins at `near_m`, which is then set to the region's centre. Returns false and leaves `out` unchanged if
-/// no light passes.
+/// Traces the rays of an object point at inverse depth 1/z', in the direction of the given tangent, which
+/// must not be negative. An inverse depth of 0 means infinitely far. A negative inverse depth means
+/// converging light. The search for the lit part of the pupil begins at `near_m`, which is then set to the
+/// centre of that part. Returns false and leaves `out` unchanged if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
-/// Position and scale of a fan's response on the raster.
+/// Where the response of a fan lies on the raster, and its scale there.
 struct FanImage {
     double gain_px = 1;  ///< px per tangent
     glm::dmat2 further_px_m{
@@ -52,11 +52,11 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// Largest distance of the response's light from `centre_px`, px.
+/// Returns the largest distance of the response's light from `centre_px`, in px.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
-/// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the cell's
-/// image; small responses use fewer cells. Values add up to 1, except for the part outside `window`.
+/// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the image of
+/// the cell. Small responses use fewer cells. Values add up to 1, except for the part outside `window`.
 [[nodiscard]] ResponseGrid fan_response(const PupilFan& fan, const FanImage& image,
                                         const PixelWindow& window);
 

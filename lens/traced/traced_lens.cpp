@@ -72,7 +72,7 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
     set_focus(lens);
     find_rear_boxes();
     if (rear_boxes_.front().empty()) {
-        // The message explains the failure: it names the surface at which a ray at 0.7 of the pupil radius
+        // To explain the failure, the message names the surface at which a ray at 0.7 of the pupil radius
         // ends.
         LensRay ray =
             object_ray(HUGE_VAL, dvec2(0), dvec2(0, 0.35 * first_order_.entrance_pupil_diameter_mm));
@@ -88,7 +88,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The plane of the pupil moves with the lens, but depths and tangents are relative to the fixed pinhole.
+    // The plane of the pupil moves with the lens, but depths and tangents are relative to the pinhole, which
+    // does not move.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -105,7 +106,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Secant method. A step is at most one pupil radius, because rays aimed farther away miss the lens.
+    // Finds the pupil point by the secant method. Steps are limited to one pupil radius, because rays aimed
+    // farther away miss the lens.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -123,8 +125,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // The pupil of a wide-angle lens moves with the field angle. So the loop follows the pupil from the axis
-    // in equal steps of the angle. Each step starts at the linear extrapolation of the previous two.
+    // In a wide-angle lens, the pupil moves with the field angle. The loop therefore follows the pupil from
+    // the axis outwards in equal steps of the angle. Each step starts at a linear extrapolation of the
+    // previous two.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -152,10 +155,9 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // The rays lie in one meridian, at equal steps on the pupil. Each ray's weight is its radius, because
-        // the ring that it represents has an area in proportion to its radius. The object distance is
-        // measured from the pupil: object_ray cannot be used, because it measures from the pinhole, where the
-        // pupil is before the lens moves.
+        // The rays lie in one meridian, at equal steps on the pupil. Each ray represents a ring whose area is
+        // proportional to the ring's radius, so the weight of the ray is this radius. The object distance is
+        // measured from the pupil. object_ray is not used, because it measures from the pinhole.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -195,8 +197,8 @@ void TracedLens::set_focus(const Prescription& lens) {
         return;
     }
     // Object and image have the distances x and x' from the focal points, with x x' = n' efl^2. If the lens
-    // moves between fixed object and film, the sum x + x' stays constant, and the product is largest for x =
-    // x'. If the object is so near that even this product is below n' efl^2, no lens position makes it sharp.
+    // moves between a fixed object and a fixed film, the sum x + x' stays constant, and the product is
+    // largest for x = x'. If even this product is below n' efl^2, the object is too near to be in focus.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -206,9 +208,8 @@ void TracedLens::set_focus(const Prescription& lens) {
              s, nearest_mm * 1e-3);
     };
     if (s * 1e3 < nearest_mm) too_near();
-    // Solves e = film(s - e) - film(infinity) for the extension e, which lengthens the distance to the film
-    // and shortens the distance to the object. The right side grows with e, so the iteration from e = 0
-    // converges from below.
+    // Solves e = film(s - e) - film(infinity) for the extension e, by which the lens moves towards the
+    // object. The right side grows with e, so the iteration from e = 0 converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -240,8 +241,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // If a prescription states no clear radii, stray rays pass that every real mount would block. Therefore
-    // only the largest connected patch of passing rays is used.
+    // If a prescription gives no clear radii, stray rays pass that any real mount would block. Therefore only
+    // the largest connected group of passing rays is used.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -267,7 +268,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
         box = around;
     }
     if (largest == 0) return {};
-    // The edge of the region lies less than one grid step beyond the outermost grid node whose ray passes.
+    // The edge of the region is less than one grid step beyond the outermost grid point whose ray passes.
     const double x = box.high.x + step.x;
     return {{-x, box.low.y - step.y}, {x, box.high.y + step.y}};
 }
@@ -275,8 +276,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search region is twice as wide as the paraxial exit pupil appears in the plane of the last surface,
-    // seen from the farthest film point.
+    // The search region is a square in the plane of the last surface. It is about twice as wide as the
+    // paraxial exit pupil appears there, seen from the farthest film point.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -287,8 +288,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search is coarse and covers the whole region. The following ones cover only the passing
-        // rays.
+        // The first search is coarse and covers the whole region. The later searches cover only the part
+        // where rays pass.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -307,8 +308,8 @@ void TracedLens::find_rear_boxes() {
         }
     }
     if (rear_boxes_.front().empty()) return;
-    // Computes E0, the irradiance at the film's centre for a scene of radiance 1, by the midpoint rule. The
-    // edge of the pupil causes a relative error of about 1 / nodes^1.5.
+    // Computes E0 by the midpoint rule. E0 is the irradiance at the centre of the film for a scene of
+    // radiance 1. The edge of the pupil causes a relative error of about 1 / nodes^1.5.
     constexpr int nodes = 256;
     double sum = 0;
     SceneRay ray;
@@ -379,16 +380,15 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // No ray passes near the paraxial pupil, because strong aberrations displace the pupil. Therefore the
-        // search now covers all rays that meet the first surface.
+        // Strong aberrations have moved the pupil, and no ray passes near the paraxial pupil. The search now
+        // covers all rays that meet the first surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // The second search covers only the passing rays, so that the rectangle of pupil points fits them
-    // tightly.
+    // A second search covers only the passing rays, so that the rectangle of pupil points fits them tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -403,7 +403,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // Solid angle per area of the pupil's plane, seen from the object point: cos / r^2 = cos^3 / depth^2.
+        // The weight is the solid angle per area of the pupil plane, seen from the object point: cos / r^2 =
+        // cos^3 / depth^2.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

@@ -1,4 +1,5 @@
-// The f-numbers at which diffraction becomes wider than defocus or than a pixel.
+// Finds the f-numbers at which the blur by diffraction becomes wider than the blur by defocus, or than a
+// pixel.
 #pragma once
 
 #include <vector>
@@ -7,18 +8,20 @@
 
 namespace postlens {
 
-/// Diameters of Airy disc and CoC on a film at distance V, for f-numbers in steps of a third of a stop. Also
-/// the f-numbers n at which the Airy disc equals the CoC, and at which it equals the pixel pitch. The Airy
-/// disc is measured to its first zero, 2 * 1.2197 lambda V / D, and grows with n. The CoC is V D |1/s - 1/z|
-/// and becomes smaller with n.
+/// The diameters of the Airy disc and of the CoC (circle of confusion), for f-numbers in steps of a third of
+/// a stop. Also the f-number at which the Airy disc is as wide as the CoC, and the one at which it is as wide
+/// as a pixel.
+///
+/// The film is at distance V, and D is the aperture diameter. The diameter of the Airy disc, to its first
+/// zero, is 2 * 1.2197 lambda V / D and grows with the f-number. The diameter of the CoC is V D |1/s - 1/z|
+/// for focus distance s and depth z, and decreases with the f-number.
 struct Crossover {
     struct Stop {
         double f_number = 0, airy_mm = 0, coc_mm = 0;
     };
-    double over_defocus_f_number =
-        0;                           ///< where Airy disc = CoC; 0 in focus, where diffraction is always wider
-    double over_pixel_f_number = 0;  ///< where Airy disc = pixel pitch
-    std::vector<Stop> stops;         ///< third stops from f/0.5 to f/128: n = 2^(i/6)
+    double over_defocus_f_number = 0;  ///< Airy disc = CoC; 0 in focus, where diffraction is always wider
+    double over_pixel_f_number = 0;    ///< where Airy disc = pixel pitch
+    std::vector<Stop> stops;           ///< third stops from f/0.5 to f/128: n = 2^(i/6)
 };
 
 /// Throws Error(wrong_arguments) if focal length, focus distance, depth, pitch or wavelength is out of range.

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, one per step size. Each is long enough for the longest table
-/// of radial energy.
+/// Tables of the Bessel functions J_0 and J_1, with one table per step size. Each table is long enough for
+/// the longest table of radial energy that uses it.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -104,7 +104,7 @@ void cut_to_circle(double centre_x, double centre_y, double radius_px, ResponseG
 }  // namespace
 
 double radius_of_tail(double u, double tail) {
-    // Solution v of (2/pi) v / (v^2 - u^2) = tail.
+    // Solves (2/pi) v / (v^2 - u^2) = tail for v.
     const double a = 1 / (std::numbers::pi * tail);
     return a + std::hypot(a, u);
 }
@@ -118,7 +118,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // All sizes are computed first, so that missing memory is reported before anything is allocated.
+    // All sizes are computed first, so that a lack of memory is reported before anything is allocated.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

@@ -1,4 +1,5 @@
-// Impulse responses of a circular aperture with diffraction, on the pixel grid, for many depths at once.
+// Computes impulse responses of a circular aperture with diffraction, on the pixel grid and for many depths
+// at once.
 #pragma once
 
 #include <array>
@@ -14,40 +15,42 @@ namespace postlens {
 
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
-    double centre_x = 0, centre_y = 0;  ///< geometric image, px from the anchor
-    /// At most this share of the energy lies beyond the edge of the grid; > 0, < 1. The share decreases only
-    /// as 1 / radius: it is 0.01 at a distance of 10 lambda V/D from the disc's edge, and 0.001 at 100 lambda
-    /// V/D.
+    double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
+    /// At most this fraction of the energy, between 0 and 1, lies beyond the edge of the grid. The energy
+    /// beyond a radius decreases only as 1 / radius. Let a be the length lambda V/D (wavelength * film
+    /// distance / aperture diameter). The fraction is 0.01 at a distance of 10 a from the edge of the disc,
+    /// and 0.001 at 100 a.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
-    /// true: the energy beyond the grid is added to the pixels in proportion to their energy, so that the sum
-    /// is 1. false: that energy is lost, so the sum is 1 - loss.
+    /// If true, the energy beyond the grid is added to the pixels in proportion to their energy, so that the
+    /// sum is 1. If false, that energy is lost, and the sum is 1 - loss.
     bool fold_tail = true;
     PixelEnergySettings pixels;
 };
 
-/// The responses of the three colour channels at one depth. All three grids have the same window. Pixels that
-/// lie completely beyond `radius_px` of the centre are 0.
+/// The responses of the three colour channels at one depth. All three grids cover the same pixels. Pixels
+/// that lie completely outside the circle of radius `radius_px` around the centre are 0.
 struct ChannelResponses {
     std::array<ResponseGrid, 3> channel;
-    std::array<double, 3> loss{};  ///< share of the energy beyond the grid, even if added by fold_tail
+    std::array<double, 3> loss{};  ///< fraction of the energy beyond the grid, even with fold_tail
     double radius_px = 0;
 };
 
-/// Computes the responses for each signed CoC diameter (px, FocusGeometry::coc_diameter_px), in the given
-/// order. The sign has no effect, because without aberrations the light in front of and behind the focus is
-/// equal. The geometry gives v_per_px for each wavelength, and u = v_per_px coc / 2. Throws
-/// Error(wrong_arguments) for an aperture of width 0 (its diffraction is unbounded), for a CoC that is not
-/// finite or exceeds `largest_u`, and for settings out of range. Throws Error(out_of_memory), with the memory
-/// needed, if the tables do not fit. Depths run in parallel; results are bit-identical for any number of
-/// threads.
+/// Computes one response for each signed CoC diameter, in px and in the given order
+/// (FocusGeometry::coc_diameter_px). The sign has no effect, because without aberrations the light in front
+/// of the focus equals the light behind it. The geometry gives v_per_px for each wavelength, and u = v_per_px
+/// coc / 2. Depths run in parallel, and results are bit-identical for any number of threads.
+///
+/// Throws Error(wrong_arguments) if the aperture has width 0, because its diffraction has no limit. Throws
+/// the same error if a CoC is not finite or is too large for `largest_u`, or if a setting is out of range.
+/// Throws Error(out_of_memory), with the required memory, if the tables do not fit into memory.
 [[nodiscard]] std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometry,
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Radius v beyond which at most the share `tail` of the energy lies, by the formula (2/pi) v/(v^2 - u^2).
-/// Near the disc's edge, the formula overestimates the share. So the result is at least the true radius minus
-/// one fringe.
+/// Returns the radius v beyond which at most the fraction `tail` of the energy lies, by the formula (2/pi)
+/// v/(v^2 - u^2). Near the edge of the disc, the formula overestimates this fraction. The result is at most
+/// one fringe smaller than the true radius.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

@@ -71,7 +71,7 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // With a smaller radius the disc would cover the same pixels: one pixel, or four at a pixel corner.
+    // A smaller radius would give the same result, because the disc would still cover the same pixels.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -91,8 +91,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // A sample of the radial profile at radius v takes about v computing steps. Limiting the sum of these
-    // steps limits the time to a few seconds.
+    // A sample of the radial profile at radius v takes about v computing steps. The sum of these steps is
+    // limited, so that the profile takes at most a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -103,8 +103,8 @@ std::vector<double> profile_radii(double half_px, double v_per_px) {
     return radii;
 }
 
-/// Full width at half maximum: twice the largest radius with half the maximum intensity. Values between
-/// samples of the profile are interpolated linearly.
+/// Returns the full width at half maximum, which is twice the largest radius at which the intensity is half
+/// of its maximum. Between samples of the profile, values are interpolated linearly.
 std::optional<double> full_width(const std::vector<RadialSample>& profile) {
     const auto by_intensity = [](const RadialSample& a, const RadialSample& b) {
         return a.intensity < b.intensity;
@@ -132,8 +132,9 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Upper bound of the memory, bytes, for a grid and for two arrays of at most its size: the energy flow
-/// through its pixel borders, and one quadrant of that flow.
+/// Returns an upper bound of the required memory, in bytes, for a grid and two arrays of at most the same
+/// size. One array holds the energy flow through the pixel borders, and the other holds one quadrant of that
+/// flow.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -145,8 +146,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity inside the disc: 1 / (area of the disc), divided by v_per_px^2 / (4 pi), which is the
-        // intensity of the peak in focus.
+        // Intensity inside the disc, relative to the peak in focus. The intensity is 1 / (area of the disc),
+        // and the peak in focus is v_per_px^2 / (4 pi).
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -157,7 +158,7 @@ void make_disc(LensResponse& out, int size_px) {
 /// not round.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens is displaced by the radius of the CoC.
+    // Light through the rim of the lens is displaced by the radius of the CoC (circle of confusion).
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -208,8 +209,8 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Default width of the grid: odd, and large enough for all light of a geometric response, which reaches
-/// `farthest_px`, or for 99 % of the diffracted light.
+/// Returns the default width of the grid, which is odd. The grid contains all light of a geometric response,
+/// which reaches `farthest_px`. With diffraction, the grid contains 99 % of the light.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
@@ -247,7 +248,7 @@ LensResponse lens_response(const LensResponseRequest& request) {
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Spherical aberration X adds X rho^2 to the defocus 1/s - 1/z at lens radius rho.
+    // At lens radius rho, spherical aberration X adds X rho^2 to the defocus 1/s - 1/z.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

@@ -1,4 +1,4 @@
-// Impulse response of a lens with its film at distance V, and numbers that describe the response.
+// The impulse response of a lens with its film at distance V, and numbers that describe the response.
 #pragma once
 
 #include <optional>
@@ -16,11 +16,11 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// Aperture for geometric kinds of impulse. If absent, made from `impulse`; required for an aperture
-    /// picture.
+    /// The aperture for the geometric kinds of impulse response. If absent, the aperture is made from
+    /// `impulse`. It must be given if the kind is an aperture picture.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
-    int size_px = 0;             ///< width and height, px; 0: contains 99 % of the energy, at most 1025
+    int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
 };
 
 /// A sample of the radial profile.
@@ -28,34 +28,35 @@ struct RadialSample {
     double radius_px = 0;
     double v = 0;          ///< radius in units of v at the mean wavelength
     double intensity = 0;  ///< energy per area, relative to the peak of the same lens in focus
-    double encircled = 0;  ///< share of the energy within the radius
+    double encircled = 0;  ///< fraction of the energy within the radius
 };
 
 struct LensResponse {
-    /// Energy per pixel, as a share of the total energy; the sum over the grid is `energy_in_frame`. The
-    /// geometric image is at the centre of the grid: at the centre of a pixel for odd sizes, at a pixel
-    /// corner for even sizes.
+    /// The energy in each pixel, as a fraction of the total energy. The sum over the grid is
+    /// `energy_in_frame`. The geometric image is at the centre of the grid, which is the centre of a pixel
+    /// for odd sizes and a pixel corner for even sizes.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
     double image_distance_mm = 0;
-    double wavelength_nm = 0;  ///< mean of those used
+    double wavelength_nm = 0;  ///< mean of the wavelengths used
     double u = 0, v_per_px = 0;
     double airy_diameter_px = 0;  ///< to the first zero in focus, 2.4394 lambda V/D
-    /// Full width at half maximum: twice the largest radius at which the intensity is half of its maximum.
-    /// For a disc it is the diameter. Absent if it exceeds the grid.
+    /// Full width at half maximum, which is twice the largest radius at which the intensity is half of its
+    /// maximum. For a disc, it is the diameter. Absent if it exceeds the grid.
     std::optional<double> fwhm_px;
-    /// Diameter of the circle that contains half of the energy. Unlike `fwhm_px`, which may measure only a
-    /// bright fringe, it always measures the blur. Absent if the circle exceeds the grid.
+    /// Diameter of the circle that contains half of the energy. It always describes the blur, while `fwhm_px`
+    /// may describe only a bright fringe. Absent if the circle exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// From the centre to half the width of the grid. Four samples per unit of v, at most 8192; fewer if v
-    /// reaches 1e6, because such samples are slow.
+    /// Samples from the centre to half the width of the grid. There are four samples per unit of v, and at
+    /// most 8192. If v reaches 1e6, there are fewer samples, because samples at such a large v are slow to
+    /// compute.
     std::vector<RadialSample> profile;
 };
 
-/// Computes the response. An infinite f-number gives a disc of width 0 and is rejected for diffraction.
-/// Throws Error(wrong_arguments) if focal length, f-number, focus distance, depth, pitch, size or a
-/// wavelength is out of range, and Error(out_of_memory) with the memory needed.
+/// Computes the response. An infinite f-number gives a disc of width 0, and is an error for diffraction.
+/// Throws Error(wrong_arguments) if the focal length, f-number, focus distance, depth, pixel pitch, size or a
+/// wavelength is out of range. Throws Error(out_of_memory), with the required memory, if memory is short.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

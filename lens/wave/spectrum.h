@@ -16,15 +16,17 @@ struct SpectralLine {
 /// Spectral lines whose weights add up to 1 in every channel.
 using Spectrum = std::vector<SpectralLine>;
 
-/// A band of wavelengths per channel, under white light: seven lines from 440 to 632 nm, 32 nm apart. Their
-/// weights are cos^2(pi (lambda - c) / (2 w)) for |lambda - c| < w, normalised to the sum 1. w = 64 nm; c =
-/// 611, 549 and 464 nm, the dominant wavelengths of the Rec.709 primaries against D65 [itu-bt709]. Colour
-/// matching functions cannot be used, because some of their weights would be negative. Each band has three or
+/// Returns a band of wavelengths for each channel, under white light. The bands consist of seven spectral
+/// lines from 440 to 632 nm, 32 nm apart. The weight of a line is cos^2(pi (lambda - c) / (2 w)) for |lambda
+/// - c| < w, scaled so that the weights of a channel add up to 1. w is 64 nm. c is 611, 549 and 464 nm, the
+/// dominant wavelengths of the Rec.709 primaries against D65 [itu-bt709].
+///
+/// Colour matching functions are not used, because some weights would be negative. Each band has three or
 /// four lines, because a single line would cause fringes that no camera shows.
 [[nodiscard]] Spectrum channel_bands();
 
-/// Gives each wavelength the same weight in every channel. Throws Error(wrong_arguments) for an empty list,
-/// for more than 64 wavelengths, or if `check_wavelength` rejects a wavelength.
+/// Gives each wavelength the same weight in every channel. Throws Error(wrong_arguments) if the list is
+/// empty, if it has more than 64 wavelengths, or if `check_wavelength` rejects a wavelength.
 [[nodiscard]] Spectrum equal_lines(std::span<const double> wavelengths_nm);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// Computes the optical coordinates u (defocus) and v (radius) of diffraction from lens, film and wavelength.
+// Computes the optical coordinates of diffraction, u (defocus) and v (radius), from the lens, the film and
+// the wavelength.
 #pragma once
 
 #include "lens/focus_geometry.h"
@@ -9,29 +10,31 @@ namespace postlens {
 /// Optical coordinates of one depth [born1999, 8.8.1].
 struct WaveScale {
     double u = 0;         ///< defocus (2 pi / lambda) (D/2)^2 (1/s - 1/z); positive behind the focus
-    double v_per_px = 0;  ///< v = pi r D / (lambda V) for r = one pixel; 0 for an aperture of width 0
+    double v_per_px = 0;  ///< pi r D / (lambda V) for r = one pixel; 0 if the aperture has width 0
 };
 
 /// Throws Error(wrong_arguments) if the wavelength is outside [shortest_wavelength_nm,
 /// longest_wavelength_nm].
 void check_wavelength(double wavelength_nm);
 
-/// Largest |u| accepted. At larger |u|, fringes are narrower than a millionth of the disc, so the geometric
-/// disc is accurate, and a table would take seconds.
+/// Largest accepted |u|. At larger |u|, fringes are narrower than a millionth of the disc. The geometric disc
+/// is then accurate, and a table would take seconds.
 inline constexpr double largest_u = 1e6;
 
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Scale for a lens with its film at distance V (`lens psf`) and pixels of `pixel_pitch_mm`. u = v_per_px CoC
-/// / 2 for a CoC in px, so the edge of the geometric disc is at v = |u|. Requires s > F and a finite n.
+/// Returns the scale for a lens with its film at distance V and pixels of `pixel_pitch_mm`. The command `lens
+/// psf` uses it. For a CoC diameter in px, u = v_per_px CoC / 2, so the edge of the geometric disc is at v =
+/// |u|. Requires s > F and a finite n.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Scale for the film of a traced image, whose distance d does not depend on the focus. Aperture radius a and
-/// gain d / pitch give v_per_px = 2 pi a / (lambda gain) and u = v_per_px coc_diameter_px / 2. With framing
-/// `breathing`, d = V as in the function above. With framing `keep`, Airy discs are of size lambda d / D:
-/// like the CoC, they use the film distance of the trace.
+/// Returns the scale for the film of a traced image, whose distance d does not depend on the focus. With the
+/// aperture radius a and gain = d / pixel pitch, v_per_px is 2 pi a / (lambda gain) and u is v_per_px
+/// coc_diameter_px / 2. With framing `breathing`, d is V as in the function above. With framing `keep`, d is
+/// the film distance of the trace, so Airy discs have the size lambda d / D, where D is the aperture
+/// diameter.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 

@@ -8,19 +8,18 @@
 namespace postlens {
 namespace {
 
-/// The fastest level. Level 2 makes scanlines with three nodes per pixel 17 % smaller in 1.4 times the time,
-/// but does not reduce scanlines with one node. Higher levels gain nothing (measured on the frame of
-/// bench/sample_file_bench.cpp).
+/// The fastest level. Higher levels make files a little smaller, but take much longer
+/// (bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// A run of equal bytes is stored as its length - 1 (2..127), followed by the byte. Other bytes are stored as
-// minus their number (1..127), followed by these bytes.
+// A run of equal bytes is stored as (its length - 1), from 2 to 127, followed by the byte. Other bytes are
+// stored as minus their number, from -1 to -127, followed by the bytes themselves.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
 
-/// Moves the bytes at even positions in front of those at odd positions. Then replaces each byte by its
-/// difference from the previous byte, plus 128.
+/// Moves the bytes at even positions to the front and those at odd positions behind them. Then replaces each
+/// byte by its difference from the previous byte, plus 128.
 void predict(ByteView raw, Bytes& apart, Bytes& out) {
     apart.resize(raw.size());
     out.resize(raw.size());
@@ -42,12 +41,14 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
     }
 }
 
-/// Replaces each byte by the running sum of bytes[i] - 128. The first byte stays unchanged.
+/// Reverses the differences: replaces each byte by the running sum of bytes[i] - 128. The first byte stays
+/// unchanged.
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Each step treats eight bytes as one 64-bit word. Three additions of the word to itself, shifted by 1, 2
-    // and 4 bytes, give the running sums of all eight. `add` prevents carries from one byte into the next.
+    // Each step treats eight bytes as one 64-bit word. The running sums of the eight bytes are obtained by
+    // adding the word to itself three times, shifted by 1, 2 and 4 bytes. `add` prevents carries from one
+    // byte into the next.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -81,7 +82,7 @@ void unpredict(Bytes& predicted, std::span<std::uint8_t> raw) {
     if (even_count > pairs) to[2 * pairs] = even[pairs];
 }
 
-/// Returns the length of the encoded data, or 0 if it is not shorter than `in`.
+/// Returns the length of the encoded data, or 0 if the encoded data is not shorter than `in`.
 std::size_t run_length_encode(ByteView in, Bytes& out) {
     out.resize(in.size() + 2);
     const std::size_t limit = in.size();
@@ -155,7 +156,7 @@ int rows_per_chunk(ChunkCompression compression) {
 bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
     libdeflate_decompressor* d = libdeflate_alloc_decompressor();
     if (d == nullptr) throw std::bad_alloc();
-    // Because the pointer for the actual size is null, libdeflate fails unless the output is filled exactly.
+    // The pointer for the actual size is null, so libdeflate fails unless it fills the output exactly.
     const auto result =
         libdeflate_zlib_decompress(d, packed.data(), packed.size(), raw.data(), raw.size(), nullptr);
     libdeflate_free_decompressor(d);
@@ -172,7 +173,7 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The buffer is one byte smaller than `raw`: a result of the same size would save nothing.
+        // The buffer is one byte smaller than `raw`, because a result as long as `raw` would save nothing.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }
@@ -191,8 +192,7 @@ bool ChunkCodec::decompress(ChunkCompression compression, ByteView packed, std::
     } else {
         if (!decompressor_) decompressor_.reset(libdeflate_alloc_decompressor());
         if (!decompressor_) throw std::bad_alloc();
-        // Because the pointer for the actual size is null, libdeflate fails unless the output is filled
-        // exactly.
+        // The pointer for the actual size is null, so libdeflate fails unless it fills the output exactly.
         if (libdeflate_zlib_decompress(decompressor_.get(), packed.data(), packed.size(), scratch_.data(),
                                        scratch_.size(), nullptr) != LIBDEFLATE_SUCCESS) {
             return false;

@@ -40,7 +40,7 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// Position behind the channel list that begins at the first byte; 0 if the list has no end.
+/// Returns the position after the channel list at the start of `value`, or 0 if the list has no end.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {
@@ -70,14 +70,15 @@ bool preview_fills(ByteView value) {
     std::array<std::uint32_t, 2> edges{};
     if (value.size() < sizeof(edges)) return false;
     std::memcpy(edges.data(), value.data(), sizeof(edges));
-    // This limit prevents an overflow of the product below.
+    // This limit prevents the product below from overflowing.
     if (std::max(edges[0], edges[1]) > std::numeric_limits<std::int32_t>::max() / 4) return false;
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Upper bound of the memory, bytes, that the OpenEXR library allocates for a chunk's samples when it opens a
-/// part: 4 bytes per channel and pixel. 0 without channels, or for a scanline part without a window. `tiled`
-/// must state whether the part consists of tiles, because a scanline part may have a tile size, too.
+/// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the samples of a
+/// chunk when it opens a part. The bound is 4 bytes per channel and pixel. It is 0 for a part without
+/// channels, and for a scanline part without a data window. The caller states whether the part is `tiled`,
+/// because a scanline part may have a tile size, too.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -89,11 +90,11 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         while (at < channels->size() && (*channels)[at] != 0) ++at;
         at += 1 + after_name;
     }
-    // Both numbers are limited, so that their product cannot overflow.
+    // Both factors are limited so that their product cannot overflow.
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-    // If a part states no compression, the library assumes ZIP.
+    // The library assumes ZIP if a part does not state its compression.
     constexpr std::size_t zip = 3;
     const std::size_t packed = compression && !compression->empty() ? (*compression)[0] : zip;
     std::array<std::uint32_t, 2> tile{};
@@ -102,8 +103,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // If a scanline part states no window, the OpenEXR library assumes a small one. For tiles, it would
-    // allocate the stated tile size (above).
+    // If a scanline part has no data window, the OpenEXR library assumes a small one. For tiles, it would
+    // allocate the stated tile size, which is counted above.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -30,7 +30,7 @@ T load(const std::uint8_t* from) {
     return value;
 }
 
-/// Reads the bytes of a header in order. Loads more of the file when all loaded bytes are used.
+/// Reads the bytes of a header in order. Loads more of the file when needed.
 class HeaderReader {
   public:
     explicit HeaderReader(const InputFile& file) : file_(file) {}
@@ -138,7 +138,7 @@ std::optional<ByteView> ExrPart::raw(std::string_view name, std::string_view typ
 
 namespace {
 
-/// Interprets the bytes as `count` numbers of type T.
+/// Reads the bytes as `count` numbers of type T.
 template <typename T, std::size_t count>
 std::optional<std::array<T, count>> numbers(std::optional<ByteView> bytes, const std::string& file,
                                             std::string_view name) {
@@ -190,8 +190,8 @@ std::optional<ChunkCompression> ExrPart::compression() const {
 std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     const auto bytes = raw("channels", "chlist");
     if (!bytes) return std::nullopt;
-    // The file stores each channel as name, 0, int32 type, uint8 linear, 3 bytes, int32 x sampling, int32 y
-    // sampling. A 0 ends the list.
+    // Each channel is stored as its name, a zero byte, int32 type, uint8 linear, 3 bytes, int32 x sampling
+    // and int32 y sampling. A zero byte ends the list.
     constexpr std::size_t tail = 16;
     std::vector<ExrChannel> channels;
     ByteView rest = *bytes;
@@ -256,9 +256,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // The OpenEXR library (3.1) reads four bytes too many for a manifest, so it misses the first four
-            // characters of the next attribute's name. If the name is that short, the library would interpret
-            // other bytes as a size.
+            // The OpenEXR library (3.1) reads four bytes beyond the end of a manifest. It therefore misses
+            // the first four characters of the name of the next attribute. If that name has at most four
+            // characters, the library would take other bytes for a size.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

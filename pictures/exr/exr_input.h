@@ -1,4 +1,4 @@
-// An OpenEXR file opened for reading, and its headers. Every size is checked before memory is allocated.
+// Opens OpenEXR files for reading and reads their headers. Every size is checked before memory is allocated.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// A regular file that is read. If a function fails, it throws Error(invalid_input) with the file's name.
-/// Several threads may read at the same time.
+/// A regular file opened for reading. Functions that fail throw Error(invalid_input) with the name of the
+/// file. Several threads may read at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);
@@ -27,7 +27,7 @@ class InputFile {
 
     [[nodiscard]] const std::string& name() const { return name_; }
     [[nodiscard]] std::uint64_t size() const { return size_; }
-    /// Reads from position `offset` until `out` is full. Throws if the file is too short.
+    /// Reads from position `offset` until `out` is full. Throws if the file ends before that.
     void read_at(std::uint64_t offset, std::span<std::uint8_t> out) const;
 
   private:
@@ -36,13 +36,13 @@ class InputFile {
     std::uint64_t size_ = 0;
 };
 
-/// Inclusive corners, as in OpenEXR's box2i.
+/// A rectangle of pixels. Its corners are inclusive, as in OpenEXR's box2i.
 struct Window {
     std::int32_t x_min = 0, y_min = 0, x_max = -1, y_max = -1;
     friend bool operator==(const Window&, const Window&) = default;
 };
 
-/// A matrix for row vectors, as in all of OpenEXR: p' = p M, with elements m[4 * row + column].
+/// A matrix for row vectors, as everywhere in OpenEXR: p' = p M. Its elements are m[4 * row + column].
 using Matrix44 = std::array<double, 16>;
 
 struct ExrChannel {
@@ -52,8 +52,8 @@ struct ExrChannel {
     friend bool operator==(const ExrChannel&, const ExrChannel&) = default;
 };
 
-/// The attributes of one part, by name. Getters return an empty optional if the attribute is absent. They
-/// throw Error(invalid_input) if the attribute has another type or a damaged value.
+/// The attributes of one part, by name. A getter returns an empty optional if the attribute is absent. It
+/// throws Error(invalid_input) if the attribute has the wrong type or a damaged value.
 class ExrPart {
   public:
     explicit ExrPart(std::string file_name) : file_(std::move(file_name)) {}
@@ -65,7 +65,7 @@ class ExrPart {
     [[nodiscard]] std::optional<Window> get_window(std::string_view name) const;
     [[nodiscard]] std::optional<Matrix44> get_matrix(std::string_view name) const;
     [[nodiscard]] std::optional<ChunkCompression> compression() const;
-    /// Channels in file order. Throws for subsampled channels.
+    /// Returns the channels in the order of the file. Throws if a channel is subsampled.
     [[nodiscard]] std::optional<std::vector<ExrChannel>> channels() const;
     [[nodiscard]] std::optional<ByteView> raw(std::string_view name, std::string_view type) const;
 
@@ -83,18 +83,18 @@ class ExrPart {
 struct ExrHeaders {
     std::vector<ExrPart> parts;  ///< at least one
     std::uint64_t end = 0;       ///< position at which the chunk offset tables begin
-    bool multi_part = false;     ///< the file is multi-part; each part has a type
-    bool tiled = false;          ///< only for a single part: it consists of tiles instead of scanlines
+    bool multi_part = false;     ///< the file is a multi-part file, in which each part states its type
+    bool tiled = false;          ///< only for a file with a single part: the part is tiled
 };
 
 enum class AttributeSizes {
     any,     ///< no check
-    filled,  ///< throws if a value does not fill its stated size (fills_its_size)
+    filled,  ///< throw if a value does not fill its stated size (fills_its_size)
 };
 
 /// Reads the headers of the first `most_parts` parts. `end` is valid only if the file has no further parts.
-/// Throws Error(invalid_input) for a file that is not OpenEXR 2, for headers of more than 64 MB, and for more
-/// than 1000 attributes per part.
+/// Throws Error(invalid_input) if the file is not an OpenEXR 2 file, if its headers exceed 64 MB, or if a
+/// part has more than 1000 attributes.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,
                                           AttributeSizes sizes = AttributeSizes::any);
 

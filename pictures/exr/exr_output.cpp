@@ -19,7 +19,8 @@ namespace postlens {
 namespace {
 
 constexpr std::size_t buffer_bytes = 1U << 18U;
-/// File version 2. A file with several parts adds the flags for multi-part (0x1000) and deep data (0x800).
+/// File version 2. A file with several parts also has the flags for multi-part (0x1000) and deep data
+/// (0x800).
 constexpr std::uint32_t one_part_version = 2U, parts_version = 2U | 0x800U | 0x1000U;
 
 template <typename... T>
@@ -31,7 +32,7 @@ auto little_endian(T... values) {
     return bytes;
 }
 
-/// Output stream through which the OpenEXR library writes a header into memory.
+/// Output stream that lets the OpenEXR library write a header into memory.
 class MemoryStream : public Imf::OStream {
   public:
     MemoryStream() : Imf::OStream("header") {}

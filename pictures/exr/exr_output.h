@@ -1,10 +1,9 @@
-// Writes an OpenEXR file chunk by chunk. The OpenEXR library is used only to write the headers.
+// Writes an OpenEXR file chunk by chunk. The OpenEXR library writes only the headers.
 //
-// Reasons: for deep data, the library needs one pointer per pixel and channel. Handling scanlines in the
-// layout of the file is faster, even with all checks. An image of 1920x1080 with one record per pixel (RLE,
-// two threads) is written in 136 ms instead of 214 ms, and read in 35 ms instead of 192 ms. Any thread can
-// compress any scanline. When reading, damaged data is checked before it is used. For uncompressed flat
-// images, the library would write row by row and wait for another thread after each row.
+// For deep data, the library needs one pointer per pixel and channel. It is faster to handle scanlines in the
+// layout of the file, and any thread can compress any scanline. An image of 1920x1080 with one record per
+// pixel is written in 136 ms instead of 214 ms, and read in 35 ms instead of 192 ms. For uncompressed flat
+// images, the library would wait for another thread after each row.
 #pragma once
 
 #include <OpenEXR/ImfForward.h>
@@ -22,9 +21,9 @@ namespace postlens {
 class ExrOutput {
   public:
     /// Truncates the existing file `path` and writes the headers. `chunks[i]` is the number of chunks of part
-    /// i; a single part must consist of flat scanlines. `shown_name` is the file's name in error messages. If
-    /// the size of every chunk is known, it is passed as `chunk_bytes`; the chunk table can then be written
-    /// first, and the whole file from front to back. All functions throw Error(cannot_write).
+    /// i. A single part must consist of flat scanlines. Error messages call the file `shown_name`. If the
+    /// size of every chunk is known in advance, pass it as `chunk_bytes`. The chunk table is then written
+    /// first, and the whole file is written from front to back. All functions throw Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);
@@ -34,14 +33,15 @@ class ExrOutput {
     ExrOutput(ExrOutput&&) = delete;
     ExrOutput& operator=(ExrOutput&&) = delete;
 
-    /// Writes the next chunk of a part of flat scanlines. The chunk's first scanline is y.
+    /// Writes the next chunk of a flat part. y is the first scanline of the chunk.
     void write_flat_chunk(int part, int y, ByteView data);
-    /// Writes the next chunk of a part of deep scanlines.
+    /// Writes the next chunk of a deep part. y is the first scanline of the chunk.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions into its reserved place and closes the file. Returns the file's
-    /// size in bytes.
+    /// Writes the table of chunk positions into the place reserved for it and closes the file. Returns the
+    /// size of the file in bytes.
     std::uint64_t finish();
-    /// XXH3 hash of the file, after finish(). Empty if the file was not written from front to back.
+    /// Returns the XXH3 hash of the file after finish(). Empty if the file was not written from front to
+    /// back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:
@@ -60,7 +60,7 @@ class ExrOutput {
     std::uint64_t table_position_ = 0;
     std::vector<std::vector<std::uint64_t>> offsets_;  ///< per part, positions of the chunks written so far
     std::vector<std::size_t> chunks_;
-    std::optional<Checksum> checksum_;  ///< of the bytes written; empty: not written front to back
+    std::optional<Checksum> checksum_;  ///< of the bytes written; empty unless written from front to back
 };
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Writes flat OpenEXR files with one part, in scanlines.
+// Writes flat OpenEXR files that have one part, stored in scanlines.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@
 namespace postlens {
 
 struct FlatExr {
-    /// A channel's pixel (0, 0) is at `first`. The next pixel is `pixel_bytes` farther, and the next row
-    /// `row_bytes` farther.
+    /// A channel's pixel (0, 0) is at `first`. The next pixel is `pixel_bytes` further on, and the next row
+    /// is `row_bytes` further on.
     struct Channel {
         std::string name;
         ExrChannel::Type type = ExrChannel::Type::float32;
         const void* first = nullptr;
         enum class Layout {
-            pixels,   ///< beside the other channels of the same pixel
+            pixels,   ///< values are next to the other channels of the same pixel
             plane,    ///< all values of the channel are adjacent, row after row
             one_row,  ///< all rows of the image are equal to the row at `first`
         };
@@ -35,9 +35,8 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
-/// Overwrites the existing file `path`. `shown_name` is the file's name in error messages. Returns the XXH3
-/// hash of the file if the file is not compressed. Throws Error(cannot_write), for example if the disk is
-/// full.
+/// Overwrites the existing file `path`. Error messages call the file `shown_name`. Returns the XXH3 hash of
+/// the file if the file is not compressed. Throws Error(cannot_write), for example if the disk is full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

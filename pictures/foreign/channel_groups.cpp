@@ -25,7 +25,8 @@ std::vector<std::string> sorted_words(std::string_view name) {
     return out;
 }
 
-/// True for names that libraries give to parts without a name: "subimage" or "part", followed by a number.
+/// Returns true for the names that libraries give to unnamed parts: "subimage" or "part", followed by a
+/// number.
 bool is_number_of_part(const std::string& word) {
     for (const std::string_view stem : {"subimage", "part"}) {
         if (word.size() > stem.size() && word.starts_with(stem) &&
@@ -93,7 +94,8 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     const auto [before, letter] = split_channel(name);
     const std::string last = lower_case(letter);
     const ChannelGroup group = channel_group(file, part, before, depth_words);
-    // A Z beside X and Y is not a depth, but a component of a position, a direction or a motion.
+    // If there are channels X and Y, a channel Z is not a depth. It is a component of a position, a direction
+    // or a motion.
     const bool has_x =
         p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
     if (last == "z" && (group.has_pass || !has_x)) {

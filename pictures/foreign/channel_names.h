@@ -1,4 +1,4 @@
-// Handles names of channels as text: separates layer and last word, and converts to lower case.
+// Splits names of channels into layer and last word, and converts them to lower case.
 #pragma once
 
 #include <initializer_list>
@@ -13,13 +13,14 @@ namespace postlens {
 
 using ChannelNames = std::vector<std::string>;
 
-/// Returns the first of the names that the part has as a channel; empty if it has none of them.
+/// Returns the first of these names for which the part has a channel. Empty if the part has none of the
+/// channels.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
-/// Splits a name after its last dot.
+/// Splits a name after its last dot. The dot belongs to the first part.
 [[nodiscard]] std::pair<std::string, std::string> split_channel(const std::string& name);
 
-/// Whether one of `some` is among the words.
+/// Returns true if one of `some` is among the words.
 [[nodiscard]] bool has_any_word(const std::vector<std::string>& words,
                                 std::initializer_list<std::string_view> some);
 

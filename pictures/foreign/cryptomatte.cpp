@@ -17,7 +17,7 @@
 namespace postlens {
 namespace {
 
-/// Largest number of layers, with two ranks each, that are read. More layers do not improve edges.
+/// Largest number of layers to read; a layer has two ranks. More layers do not improve edges.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -26,7 +26,8 @@ constexpr std::size_t longest_shown = 80;
 /// Largest length of a channel name in OpenEXR.
 constexpr std::size_t longest_name = 255;
 
-/// Prepares a name from a file for an error message: limits its length and replaces control characters.
+/// Prepares a name from a file for an error message. Limits the length of the name and replaces its control
+/// characters.
 std::string shown(const std::string& name) {
     std::string out = name.size() <= longest_shown ? name : name.substr(0, longest_shown) + "...";
     std::replace_if(
@@ -34,9 +35,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// True if a part may contain Cryptomattes for the colours in part `own`. The part must be flat. With a
-/// separate file of ids, the part must be in that file; otherwise, the part must have the same view as the
-/// colours.
+/// Returns true if a part may contain Cryptomattes for the colours in part `own`. The part must be flat. If
+/// there is a separate file of ids, the part must be in that file. Otherwise, the part must have the same
+/// view as the colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -44,7 +45,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a part of the OpenEXR file that has the channel. The part with the colours has priority.
+/// Finds a part of the OpenEXR file that has the channel. The part with the colours is searched first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -86,7 +87,7 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Finds Cryptomattes by their channel names. The name of a Cryptomatte is the text in front of "00.R".
+/// Finds Cryptomattes by their channel names. The name of a Cryptomatte is the text before "00.R".
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -102,7 +103,7 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Sort key for the name of a Cryptomatte: objects come first, then assets, then all others.
+/// Returns the sort key of a Cryptomatte with this name. Objects come first, then assets, then all others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
@@ -120,12 +121,13 @@ std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
     return "";
 }
 
-/// Text in a manifest between a name and its id, and between an id and the next name.
+/// The text between a name and its id in a manifest, and the text between an id and the next name.
 constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Position of the end of a name that begins at `begin`, in a manifest of Cycles; npos if no id follows it.
+/// Returns the position at which a name that begins at `begin` ends, in a manifest written by Cycles. Returns
+/// npos if no id follows the name.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -138,7 +140,7 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
 }
 
 /// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where an
-/// id follows it. Empty if the manifest does not have this form.
+/// id follows. Returns empty if the manifest does not have this form.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -152,7 +154,7 @@ std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     }
 }
 
-/// Whether every name in a manifest has the hash of the name as its id.
+/// Returns true if the id of every name in the manifest is the hash of the name.
 bool has_its_ids(const nlohmann::json& manifest) {
     if (!manifest.is_object()) return false;
     const auto items = manifest.items();
@@ -161,9 +163,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as JSON. Cycles does not escape quotation marks and backslashes in names. Its manifest
-/// is then not JSON, or it is JSON for another name, whose hash differs from the id. Such names are escaped
-/// here. Other text stays unchanged.
+/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. Its
+/// manifest is then either not JSON, or it contains a different name whose hash is not the id. In these cases
+/// the names are escaped. Any other text is returned unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();
@@ -176,8 +178,8 @@ std::string as_json(std::string manifest) {
 /// Largest manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Text of a manifest that is stored in its own file. The file must be in the folder of the image, because
-/// Cryptomatte allows no other folder. Empty if the file cannot be read.
+/// Returns the text of a manifest that is stored in its own file. The file must be in the folder of the
+/// image, because Cryptomatte allows no other folder. Returns empty if the file cannot be read.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";
@@ -259,7 +261,7 @@ ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set) 
 }
 
 std::optional<std::vector<ManifestObject>> manifest_objects(const std::string& manifest) {
-    // This parser reports errors without exceptions. Deeply nested JSON cannot overflow its call stack.
+    // This parser reports errors without exceptions, and deeply nested JSON does not overflow its call stack.
     const auto json = nlohmann::json::parse(manifest, nullptr, false);
     if (!json.is_object()) return std::nullopt;
     std::vector<ManifestObject> objects;
@@ -301,8 +303,8 @@ std::uint32_t cryptomatte_id(std::string_view name) {
     hash = (hash ^ hash >> 16U) * 0x85ebca6bU;
     hash = (hash ^ hash >> 13U) * 0xc2b2ae35U;
     hash ^= hash >> 16U;
-    // With an exponent of 0 or 255, the float is zero, denormal, infinite or NaN; compositors may change such
-    // bits.
+    // If the exponent is 0 or 255, the float is zero, denormal, infinite or NaN. Compositors may change the
+    // bits of such floats.
     const std::uint32_t exponent = hash >> 23U & 255U;
     if (exponent == 0 || exponent == 255) hash ^= 1U << 23U;
     return hash;

@@ -15,7 +15,7 @@ bool is_volume(const DeepSample& s) {
     return s.z >= 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
-/// Rates of a volume per unit of length: emission in red, green and blue, and density.
+/// Emission of red, green and blue, and density of a volume, per unit of length.
 using Rates = std::array<double, 4>;
 
 Rates rates_of(const DeepSample& s) {
@@ -27,7 +27,7 @@ Rates rates_of(const DeepSample& s) {
             static_cast<double>(s.b) * gain / length, depth / length};
 }
 
-/// A depth at which a volume begins or ends, or at which a surface lies.
+/// A depth at which a volume begins or ends, or at which there is a surface.
 struct Event {
     float z;
     enum class Kind : std::uint8_t { ends, begins, surface } kind;  ///< events at equal depth have this order
@@ -40,10 +40,10 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
     if (volumes.empty()) return;
-    // Sorting makes the result, including its rounding errors, independent of the order in the file.
+    // Sorting makes the result, including rounding errors, independent of the order of samples in the file.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
-            // Colours may be NaN, which cannot be ordered, so their bits are compared.
+            // NaN cannot be ordered, so the bits of the colours are compared.
             const auto bits = [](float v) { return std::bit_cast<std::uint32_t>(v); };
             return std::tuple(s.z, s.z_back, s.alpha, bits(s.r), bits(s.g), bits(s.b), s.id);
         };
@@ -60,8 +60,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // If no surface lies in a volume and no other volume begins in it, the samples stay unchanged. `out`
-    // begins with the surfaces, so a surface precedes a slice that begins at its depth.
+    // The samples stay unchanged if no volume contains a surface or the beginning of another volume. `out`
+    // begins with the surfaces. A surface therefore precedes a volume that begins at the same depth.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

@@ -1,4 +1,4 @@
-// Splits overlapping volumes of a deep pixel, so that the resulting volumes follow each other in depth.
+// Splits overlapping volumes of a deep pixel into volumes that follow each other in depth.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// A decoded sample of a deep pixel: a surface if its front and back depths are equal, and otherwise a
+/// A decoded sample of a deep pixel. It is a surface if its front and back depths are equal, and otherwise a
 /// volume. Colours are premultiplied by alpha.
 struct DeepSample {
     float z = 0, z_back = 0;
@@ -14,14 +14,14 @@ struct DeepSample {
     std::uint32_t id = 0;
 };
 
-/// Splits volumes at the depths of surfaces, and where other volumes begin or end. Merges the parts that then
-/// fill the same interval. Within a volume the density is constant. Where volumes overlap, their densities
-/// and emissions add up:
-///     density s = -log(1 - A) / length,  emission e = C / A s,
-///     together over a length d: A = 1 - exp(-d sum s), C = A sum e / sum s,
-/// where A is alpha and C colour, as in "Interpreting OpenEXR Deep Pixels". The result does not depend on the
-/// order of the samples. A merged volume gets the id of its densest part. Surfaces are not changed; an opaque
-/// volume counts as a surface at its front. Takes O(n log n) time.
+/// Splits volumes at the depths of surfaces and at the depths where other volumes begin or end. Merges the
+/// pieces that then fill the same interval. The density within a volume is constant. Where volumes overlap,
+/// their densities and emissions are added. The formulas are those of "Interpreting OpenEXR Deep Pixels",
+/// where A is the alpha of a volume, C its colour and d its length:
+///     density s = -log(1 - A) / d, emission e = C s / A,
+///     merged volume: A = 1 - exp(-d sum s), C = A sum e / sum s.
+/// A merged volume gets the id of its densest component. Surfaces are not changed. An opaque volume counts as
+/// a surface at its front. The result does not depend on the order of the samples. Takes O(n log n) time.
 void tidy_volumes(std::vector<DeepSample>& samples);
 
 }  // namespace postlens

@@ -12,7 +12,7 @@ struct DepthEncoding {
     Kind kind = Kind::distance;
     double at_0 = 0, at_1 = 1;
 
-    /// Distance of a value. The results 0 and infinity both mean infinitely far.
+    /// Returns the distance for a value. A result of 0 or infinity means infinitely far.
     [[nodiscard]] float distance(float value) const {
         switch (kind) {
             case Kind::distance:

@@ -11,15 +11,15 @@
 namespace postlens {
 namespace {
 
-/// Depths of neighbouring pixels of one surface differ by at most this relative amount.
+/// In neighbouring pixels, depths that differ by at most this relative amount belong to the same surface.
 constexpr double same = 0.05;
-/// Smallest difference of two depths that counts as a depth edge (a "step"), relative to the nearer depth.
+/// Minimum difference of depth (a "step") at a depth edge, relative to the nearer depth.
 constexpr double least_step = 0.1;
-/// On both sides of a depth edge, depth changes from pixel to pixel by at most this share of the difference
-/// at the edge.
+/// On either side of a depth edge, the depth changes from pixel to pixel by at most this fraction of the
+/// step.
 constexpr double plateau = 0.1;
-constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus, for a filter radius of 2 px
-constexpr std::size_t few = 4;           ///< fewer edges are no evidence
+constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
+constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
 constexpr float transparent = 0.02F, opaque = 0.998F;
 
 bool is_nothing(float v) {
@@ -50,7 +50,7 @@ class Mender {
   private:
     [[nodiscard]] bool is_rim(std::size_t i) const { return alpha_[i] > transparent && alpha_[i] < opaque; }
 
-    /// Calls visit(pixel) for all pixels within `reach` px of pixel i, except for i itself.
+    /// Calls visit(pixel) for all pixels within `reach` px of pixel i, but not for i itself.
     template <typename Visit>
     void around(std::size_t i, std::size_t reach, const Visit& visit) const {
         const std::size_t x = i % width_, y = i / width_;
@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// The depth edges along some rows or columns: number of jumps (from one pixel to the next), number of
-    /// ramps (over several pixels), and the mixed pixels of both.
+    /// The depth edges along some rows or columns. A jump is an edge between two adjacent pixels, and a ramp
+    /// extends over several pixels. `mixed` contains the mixed pixels of both.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,9 +107,8 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// True if the depths a and b of two neighbouring pixels are nearly equal, as on either side of a depth
-    /// edge. Equal values always count as nearly equal, also where nothing was hit, whatever value the file
-    /// has there.
+    /// Returns true if the depths a and b of two neighbouring pixels are nearly equal, as they are on either
+    /// side of a depth edge. Equal values always count as nearly equal, also where nothing was hit.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -128,8 +127,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels `begin` and `end` may be slightly mixed, too. So the depths of both sides are
-                // extrapolated from the pixels beyond these two.
+                // The pixels `begin` and `end` may be slightly mixed, too. The depths on both sides are
+                // therefore extrapolated from the pixels beyond them.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -143,7 +142,7 @@ class Mender {
         }
     }
 
-    /// Extrapolates the depth of a surface towards an edge, from its last two pixels.
+    /// Extrapolates the depth of a surface towards an edge from the last two pixels of the surface.
     [[nodiscard]] static float goes_on(float last, float before, double step) {
         return is_plateau(step, last, before) && std::isfinite(before) ? last + (last - before) : last;
     }
@@ -152,7 +151,7 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A pixel whose depth is hardly mixed belongs to the surface on its own side of the edge.
+        // A pixel whose depth is hardly mixed is not part of the ramp. It belongs to the surface on its side.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -174,8 +173,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A row or column that runs along an edge meets only mixed depths. So of the two results, along the
-        // row and along the column, the one with the larger difference of depth is kept.
+        // In a row or column along an edge, all depths are mixed. So of the two results for a pixel, from its
+        // row and from its column, the one with the larger step is kept.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -190,15 +189,15 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Gives edge pixels in front of empty space the depth of their surface. Their own depth is useless,
-    /// because a mean with an infinite depth is infinite.
+    /// Gives edge pixels in front of empty space the depth of their surface. The stored depth cannot be used,
+    /// because the mean of a finite and an infinite depth is infinite.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {
             if (!(alpha_[i] > 0 && alpha_[i] < opaque) || !is_nothing(depth_[i])) continue;
             bool before_nothing = false;
             float nearest = 0;
-            // The radius of 2 px is that of the filter.
+            // The radius of the filter is 2 px.
             around(i, 2, [&](std::size_t k) {
                 before_nothing = before_nothing || alpha_[k] <= transparent;
                 if (alpha_[k] >= opaque && !is_nothing(depth_[k]) &&

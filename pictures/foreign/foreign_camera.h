@@ -1,4 +1,4 @@
-// The camera of another program's image. Its values come from attributes of the file, from options, or are
+// The camera of another program's image. Its values come from the user or from attributes of the file, or are
 // assumed.
 #pragma once
 
@@ -15,38 +15,38 @@ enum class DepthAlong {
     ray,   ///< Z is the distance from the camera's centre
 };
 
-/// Settings from the user. Absent values are read from the file's attributes or assumed.
+/// Settings from the user. A value that is absent is read from the file's attributes or assumed.
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
-    /// Number of pixels by which the display window extends beyond the frame on every side. Programs render
-    /// beyond the frame by using a larger film; `film_width_mm` is then the film width of the frame alone.
+    /// Number of pixels by which the display window extends beyond the frame on every side. `film_width_mm`
+    /// is the film width of the frame alone, without this overscan.
     int overscan_px = 0;
 };
 
 struct ForeignCamera {
     double film_width_mm = 36;     ///< of the display window
-    double film_distance_mm = 50;  ///< from the pinhole; determines, with the width, the field of view
+    double film_distance_mm = 50;  ///< from the pinhole; with the width, it gives the field of view
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// True if neither the file nor the user states the film distance. It then equals the focal length that
-    /// the user states, or the default.
+    /// True if neither the file nor the user states the film distance. The film distance is then the focal
+    /// length that the user states, or the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
-    /// One text for each value that is assumed, because neither the file nor the user states it.
+    /// One text for each value that is assumed because neither the file nor the user states it.
     std::vector<std::string> assumed;
 };
 
-/// Determines the camera. docs/inputs.md lists the sources of each value, in order of priority. Throws
-/// Error(wrong_arguments) for choices that are not positive and finite; attributes with such values are
-/// ignored.
+/// Determines the camera. docs/inputs.md lists the sources of each value in order of priority. Throws
+/// Error(wrong_arguments) if a value in `choice` is not positive and finite. Ignores attributes with such
+/// values.
 [[nodiscard]] ForeignCamera foreign_camera(const ForeignFile& file, std::size_t part,
                                            const ForeignCameraChoice& choice);
 
-/// Tangent of half the horizontal angle of view, computed from OpenEXR's worldToCamera and worldToNDC. Absent
-/// if these matrices are not a perspective projection. NDC (normalised device coordinates) may run across the
-/// image from 0 to 1, as in OpenEXR, or from -1 to 1.
+/// Returns the tangent of half the horizontal angle of view, computed from OpenEXR's worldToCamera and
+/// worldToNDC. Returns empty if these matrices are not a perspective projection. NDC (normalised device
+/// coordinates) may run from 0 to 1 across the image, as OpenEXR specifies, or from -1 to 1.
 [[nodiscard]] std::optional<double> half_width_tangent(const Matrix44& world_to_camera,
                                                        const Matrix44& world_to_ndc);
 

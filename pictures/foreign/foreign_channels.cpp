@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels that may contain a pass (such as depth or ids), in all parts that may contain it.
-/// `add(part, name, out)` tests one channel.
+/// Lists the channels that may contain a pass (such as depth or ids), in all parts that may contain the pass.
+/// `add(part, name, out)` adds a channel to `out` if its name fits.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -38,7 +38,7 @@ std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const Foreign
     return out;
 }
 
-/// Name of a layer for messages.
+/// Returns the name of a layer for messages.
 std::string title(const ChannelGroup& group) {
     std::string out = fmt::format("{}", fmt::join(group.layer, "."));
     if (!group.view.empty()) out += (out.empty() ? "view " : " of view ") + group.view;
@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // A lower-case "a" beside upper-case R, G, B is a different channel, not the alpha of these colours.
+        // If the colours are upper-case R, G and B, a lower-case "a" is not their alpha.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -71,7 +71,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // The alpha of another layer is never used, because it would make opaque pixels transparent.
+        // The alpha of another layer is never used, because it could make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -147,9 +147,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part of an OpenEXR file that has a channel of exactly this name. Parts are searched in this
-    /// order: the part with the colours, parts of the same stereo view, all other parts. If a separate file
-    /// was given for `use`, only that file is searched.
+    /// Finds a part of an OpenEXR file that has a channel of exactly this name. The part with the colours is
+    /// searched first, then parts of the same stereo view, then all other parts. If a separate file was given
+    /// for `use`, only that file is searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -186,8 +186,7 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // A separate depth file stores the depths in its only channel, or the same depths in each of R, G and
-        // B.
+        // A separate file of depths has a single channel, or has the same depths in each of R, G and B.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -218,8 +217,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in any part of the file. Only its layer must match the layer of the
-            // colours. Its candidate is therefore listed in the part with the colours.
+            // A Cryptomatte may be in any part of the file, but its layer must match the layer of the
+            // colours. So the candidate is listed in the part with the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

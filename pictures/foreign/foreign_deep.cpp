@@ -13,8 +13,8 @@ using namespace foreign;
 
 namespace {
 
-/// A band of deep pixels in the layout of the OpenEXR library: sample counts, and one pointer per pixel and
-/// channel.
+/// A band of deep pixels in the layout of the OpenEXR library, with the sample counts, and one pointer per
+/// pixel and channel.
 class DeepBand {
   public:
     DeepBand(const ForeignPart& part, const Imf::Header& h, std::span<const std::string> channels,
@@ -92,9 +92,9 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// Checks the stated sizes of deep chunks. The OpenEXR library would allocate the stated size before it reads
-/// the chunk. The file is opened a second time, because querying a size changes the position in the file from
-/// which the library reads pixels.
+/// Checks the stated sizes of deep chunks, because the OpenEXR library allocates the stated size before it
+/// reads a chunk. The file is opened a second time for these queries: a query changes the position from which
+/// the library reads pixels.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

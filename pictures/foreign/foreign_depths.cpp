@@ -17,7 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Factor, at a pixel, that converts the file's inverse depth to the inverse depth along the axis, 1/m.
+/// Returns the factor that converts an inverse depth of the file to the inverse depth along the axis, 1/m, at
+/// a pixel.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
@@ -30,8 +31,9 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
 }
 
-/// Finds the pixels of rims in which an opaque object covers a part of a sky that has light and no alpha.
-/// Alpha is the object's share of the pixel, but the colour is that of both. By pixel, both shares.
+/// Finds edge pixels in which an opaque object covers part of a sky that has light but no alpha. The alpha of
+/// such a pixel is the fraction that the object covers, but its colour contains both. Returns the fractions
+/// of object and sky for each of these pixels.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

@@ -1,4 +1,4 @@
-// Depths of another program's image: converts values of the file to inverse depths along the optical axis.
+// Converts the depths in another program's image to inverse depths along the optical axis.
 #pragma once
 
 #include <algorithm>
@@ -15,27 +15,27 @@ namespace postlens {
 
 class ForeignDepths {
   public:
-    /// Distances from here on mean that nothing was hit: renderers write 1e9, 1e10 or infinity.
+    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity.
     static constexpr float nothing_z = 1e9F;
 
-    /// `encoding`: absent if the values are distances.
+    /// `encoding` is absent if the values are distances.
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Whether a distance is that of a surface. 0, NaN, and distances from `nothing_z` on mean that nothing
-    /// was hit.
+    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or `nothing_z` and more means
+    /// that nothing was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
-    /// Inverse of a distance; 0 where nothing was hit.
+    /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Converts a value at the pixel (x, y) of the file to the inverse of the distance's absolute value.
-    /// Records the distance (note).
+    /// Converts a value at the pixel (x, y) of the file to the inverse of its distance, without the sign.
+    /// Calls `note`.
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);
         return inverse_of(std::abs(z));
     }
-    /// Records the sign and the size of the distance `z`, which came from `value` at the pixel (x, y) of the
-    /// file, for `finish`.
+    /// Keeps the sign and the size of a distance for the checks in `finish`. The distance `z` was computed
+    /// from `value` at the pixel (x, y) of the file.
     void note(float z, int x, int y, float value) {
         if (!is_hit(z)) return;
         farthest_ = std::max(farthest_, std::abs(z));
@@ -48,12 +48,12 @@ class ForeignDepths {
         }
     }
 
-    /// Sets the depths of a flat image's samples from the file's values, one per pixel, after repairing
-    /// filtered depths. `covered` is the alpha of each pixel.
+    /// Repairs filtered depths, then sets the depths of a flat image's samples. `depths` has one value of the
+    /// file per pixel. `covered` is the alpha of each pixel.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
-    /// Converts depths to metres along the axis, and sorts each stack from near to far. Throws
-    /// Error(invalid_input) if only some depths are negative.
+    /// Converts depths to metres along the axis, and sorts the samples of each pixel from near to far. Throws
+    /// Error(invalid_input) if some depths are negative and others are positive.
     void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
 
   private:
@@ -61,8 +61,8 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
-    /// Warns if all distances are at most 1: few scenes are that small, but other encodings of depth have
-    /// this range. Also warns if values that should be normalized exceed 1.
+    /// Warns if all distances are at most 1. Few scenes are that small, but other encodings of depth have
+    /// this range. Also warns if normalised depths exceed 1.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;

@@ -1,5 +1,5 @@
-// Implementation of ForeignFile: the open files of the OpenEXR library, and functions for both flat and deep
-// parts.
+// Implementation of ForeignFile: the open files of the OpenEXR library, and functions used for both flat and
+// deep parts.
 #pragma once
 
 #include <OpenEXR/ImfChannelList.h>
@@ -20,17 +20,17 @@ namespace postlens {
 
 namespace foreign {
 
-/// Up to this much memory, bytes, is allocated without a comparison with the size of the file.
+/// Up to this many bytes are allocated without a comparison with the size of the file.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032, and no method
-/// compresses twice.
+/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032.
 inline constexpr std::uint64_t densest = 4096;
 
-/// Number of rows that are compressed together.
+/// Returns the number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// Type as which the library must read a channel: float, or integer, whose bits are then stored in place of a
-/// float. Throws Error(invalid_input) for a channel that is missing or subsampled.
+/// Returns the pixel type that the library must use to read a channel. A channel of integers is read as
+/// integers, whose bits are stored in place of floats. Any other channel is read as floats. Throws
+/// Error(invalid_input) for a channel that is missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 
@@ -64,7 +64,7 @@ struct ForeignFile::Impl {
         while (files[i].first_part > part) --i;
         return files[i];
     }
-    /// Index of the part within its own file.
+    /// Returns the index of the part within its own file.
     [[nodiscard]] int number(std::size_t part) const { return static_cast<int>(part - of(part).first_part); }
     [[nodiscard]] const Imf::Header& header(std::size_t part) const {
         return of(part).file->header(number(part));

@@ -18,8 +18,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
     guarded(name, [&] {
         const Imf::Header& h = impl_->header(part);
         const auto width = static_cast<std::size_t>(p.width());
-        // Each band consists of whole tiles or chunks, so that every tile and chunk is decompressed only
-        // once.
+        // A band consists of whole tiles or chunks, so that each of them is decompressed only once.
         const int unit = p.tiled ? static_cast<int>(h.tileDescription().ySize) : chunk_rows(h);
         const int rows = std::min(p.height(), unit * std::max(1, 64 / unit));
         require_memory(width * static_cast<std::uint64_t>(rows) * channels.size() * sizeof(float),
@@ -59,7 +58,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // The channel has values where both coordinates are multiples of the steps.
+    // The channel has values where x and y are multiples of its subsampling steps.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {
@@ -83,7 +82,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// The indices of the two values between which a pixel lies, and the weight of the second value.
+    /// The indices of the two stored values next to a pixel, and the weight of the second value.
     struct Between {
         std::size_t first, second;
         float share;

@@ -7,13 +7,14 @@
 namespace postlens {
 namespace {
 
-/// Continues the outermost values of part `from` in a plane of part `onto`: beyond each border of the display
-/// window that `from` reaches without passing it.
+/// Repeats the outermost values of part `from` in a plane of part `onto`. Values are repeated beyond each
+/// border of the display window at which `from` ends.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // The pixels from which values are taken. Where `from` ends inside the display window, it is empty.
+    // The range of pixels whose outermost values are repeated. On a side where `from` ends inside the display
+    // window, nothing is repeated.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),
@@ -35,7 +36,7 @@ void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, st
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take) {
     const ForeignPart& from = file.parts()[part];
-    // Offset that converts coordinates of part `from` to those of part `onto`.
+    // Offset from the coordinates of part `from` to those of part `onto`.
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int x_begin = std::max(from.data.x_min + right, onto.data.x_min),
               x_last = std::min(from.data.x_max + right, onto.data.x_max);

@@ -1,4 +1,4 @@
-// Reads channels of other parts and files at the pixels of the part with the colours.
+// Reads channels of other parts and other files at the pixels of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -12,41 +12,42 @@
 
 namespace postlens {
 
-/// Reads the rows of a flat part that are inside the data window of part `onto`. Coordinates of both parts
-/// are relative to the corners of their display windows. `take(pixel, count, from, values)` receives `count`
-/// pixels, the first of which has index `pixel` in `onto`. Their values begin at index `from` in the row of
-/// each channel.
+/// Reads the rows of a flat part that are inside the data window of part `onto`. The parts are aligned at the
+/// upper left corners of their display windows. `take(pixel, count, from, values)` receives `count` adjacent
+/// pixels. `pixel` is the index of the first one in `onto`. Its value is at index `from` in the row of each
+/// channel.
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns one value of the channel for each pixel of `onto`, row by row. Where the part stores no pixel, the
-/// value is `otherwise`, except beyond a border of the display window at which the part ends: there its
-/// outermost values continue. `converts`: whether the channel's values are integers, which are then converted
-/// to floats. Throws Error(out_of_memory).
+/// Returns one value of the channel for each pixel of `onto`, row by row. The value is `otherwise` where the
+/// part has no pixel. Where the part ends at a border of the display window, its outermost values are
+/// repeated beyond that border. `converts` must be true if the channel contains integers that are to be
+/// converted to floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
 
-/// How the values of a channel are read. The integers of ids are passed as their bits, because a float does
-/// not hold every id; all other integers are converted. Only an interpolated channel may be subsampled
-/// (ForeignFile::read_sampled).
+/// How the values of a channel are read. Ids that are integers are passed as their bits, because a float does
+/// not hold every id. All other integers are converted to floats. A channel may be subsampled only if it is
+/// `interpolated` (ForeignFile::read_sampled).
 enum class ChannelUse { number, interpolated, id };
 
-/// Channels of several parts, read row by row as if a single part contained them.
+/// Reads channels of several parts row by row, as if they were in a single part.
 class JoinedChannels {
   public:
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel and returns the index of its values in `read`; empty for an empty name. A channel that
-    /// is added again for the same use keeps its index. `otherwise` is the value where another part stores no
+    /// Adds a channel. Returns the index of its values in `read`, or empty for an empty name. A channel that
+    /// is added again for the same use keeps its index. `otherwise` is the value where another part has no
     /// pixel. Channels of other parts are read immediately.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, channel by channel.
+    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, with a pointer for
+    /// each channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:
@@ -54,9 +55,9 @@ class JoinedChannels {
         std::size_t part = 0;
         std::string name;
         ChannelUse use = ChannelUse::number;
-        std::vector<float> plane;  ///< empty for a channel of the part that is read
+        std::vector<float> plane;  ///< empty for a channel of the part that is read row by row
         std::size_t row = 0;       ///< index of the channel within the rows of that part
-        bool converted = false;    ///< whether these rows contain integers, to be converted to floats
+        bool converted = false;    ///< whether these rows contain integers to convert to floats
     };
     const ForeignFile& file_;
     std::size_t part_;

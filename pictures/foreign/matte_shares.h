@@ -1,4 +1,4 @@
-// Determines which surfaces the pixels of a flat image show, from its Cryptomatte.
+// Determines which surfaces each pixel of a flat image shows, using the Cryptomatte of the image.
 #pragma once
 
 #include <cstddef>
@@ -13,24 +13,24 @@
 
 namespace postlens {
 
-/// Reads the shares of a Cryptomatte's surfaces in each pixel. `take` and `finish` throw Error(invalid_input)
-/// and Error(out_of_memory).
+/// Reads the fraction of each pixel that each surface covers, from a Cryptomatte. `take` and `finish` throw
+/// Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto`: the part of the file with the colours, for whose pixels the shares are wanted.
+    /// `onto` is the part of the file with the colours. The fractions are determined for its pixels.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte)
         : file_(file), onto_(onto), matte_(matte) {}
 
-    /// Returns the channels of the Cryptomatte in `part`, the part with the colours. The caller must read
-    /// these channels together with the colours and pass them to `take`, row by row from top to bottom. This
-    /// saves a second decompression. Empty if the first rank is in another part, because the shares of a
-    /// pixel are needed in the order of ranks.
+    /// Returns the channels of the Cryptomatte that are in `part`, the part with the colours. The caller must
+    /// read these channels together with the colours and pass them to `take`, row by row from top to bottom.
+    /// The part is then decompressed only once. Returns nothing if the first rank is in another part, because
+    /// ranks must be read in order.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Takes the values of `count` pixels, the first of which has index `pixel`. `values` has a row for each
-    /// of the channels, which begins with the values of that pixel.
+    /// Takes the values of `count` adjacent pixels; `pixel` is the index of the first one. `values` has one
+    /// pointer per channel, to the value of the first pixel.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values);
-    /// Reads the parts that were not passed to `take`. Gives each sample of `picture` the id that covers most
-    /// of its pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
+    /// Reads the parts that were not passed to `take`. Gives each sample of `picture` the id of the surface
+    /// that covers most of its pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
     void finish(ForeignPicture& picture);
 
   private:

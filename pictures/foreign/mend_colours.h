@@ -1,4 +1,4 @@
-// Repairs colours of another program's image that are not finite.
+// Replaces colours of another program's image that are not finite.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Replaces colours that are not finite: in flat images by the mean of finite neighbours, in deep images by
-/// black. Means use only original colours, so the order of pixels does not matter. Returns the number of
-/// replaced samples.
+/// Replaces colours that are not finite. In flat images they become the mean of finite neighbours, and in
+/// deep images black. Only original colours enter the means, so the order of pixels does not matter. Returns
+/// the number of replaced samples.
 std::size_t mend_colours(ForeignPicture& picture);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Reads an OpenEXR image of another program, and repairs errors in its values.
+// Reads an OpenEXR image that another program wrote, and repairs faulty values.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -25,12 +25,12 @@
 namespace postlens {
 namespace {
 
-/// Target ratio of the far to the near depth of a volume's slice, and the largest number of slices per
-/// volume.
+/// Volumes are divided into slices. These are the intended ratio of far to near depth of a slice, and the
+/// largest number of slices per volume.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
 
-/// Converts the values of the file to stacks of samples, one stack per pixel.
+/// Converts the values of the file to one stack of samples per pixel.
 class Reader {
   public:
     Reader(const std::filesystem::path& path, const ForeignChoice& choice, const ForeignCameraChoice& camera)
@@ -44,7 +44,7 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // One raster must contain both the display window and the stored pixels, so its size is limited.
+        // The size is limited because one raster must contain both the display window and the stored pixels.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -99,8 +99,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // In the file, the camera describes the whole display window. So a film width given for the frame is
-        // converted to the width of the window.
+        // In the file, the camera describes the whole display window. A film width given for the frame is
+        // therefore converted to the width of the window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -127,14 +127,15 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // A black sample with alpha 0 has no effect. Samples with NaN stay, and are repaired later.
+        // A black sample with alpha 0 has no effect. Samples with NaN are kept and repaired later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         out_.samples.push_back(s);
     }
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Tolerance for an alpha outside 0 to 1, which may be a sum of rounded values.
+        // An alpha may be outside 0 to 1 by this much without a warning, because it may be a sum of rounded
+        // values.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -164,8 +165,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Memory that is reserved at once need not be copied when the lists grow. The reserved memory is
-        // limited, because a damaged file may claim more pixels than it has.
+        // Reserving the memory at once avoids copies when the lists grow. The reserved memory is limited,
+        // because a damaged file may claim more pixels than it has.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));
@@ -230,13 +231,13 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // If all depths are negative, volumes reach from -Z to -ZBack. If ZBack means that
-                    // nothing was hit, the volume has no known length and becomes a surface: with an infinite
-                    // length, its front would be transparent.
+                    // If all depths are negative, volumes extend from -Z to -ZBack. If ZBack means that
+                    // nothing was hit, the length of the volume is unknown. The volume then becomes a
+                    // surface, because the front of an infinitely long volume would be transparent.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A volume around the camera has a front at 0, which has no sign.
+                    // The front of a volume around the camera is at 0, which has no sign.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -256,8 +257,8 @@ class Reader {
         });
     }
 
-    /// Adds a volume from z to z_back, divided into slices. The density is constant, so slices of equal
-    /// length have equal transmittance.
+    /// Adds a volume from z to z_back, divided into slices of equal length. The density is constant, so all
+    /// slices have the same transmittance.
     void add_volume(const DeepSample& from) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};

@@ -1,4 +1,4 @@
-// picture_library() for programs that load OpenImageIO when they first need it.
+// Implements picture_library() for programs that load OpenImageIO when they first need it.
 #include <dlfcn.h>
 #include <filesystem>
 
@@ -11,9 +11,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Path of the file that contains this code: a program, or an extension of another program. For a program,
-// dladdr returns the name by which the program was called. If the shell searched for the program, this name
-// is not a path.
+// Returns the path of the file that contains this code: a program, or an extension of another program. dladdr
+// gives the name by which a program was called. That name is not a path if the shell searched PATH for the
+// program.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};
@@ -24,8 +24,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches for the module in the folders above the file that contains this code. So both the build folder and
-// the installation may be moved.
+// Searches for the module in the folders above the file that contains this code, so that both the build
+// folder and the installation can be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;
@@ -45,7 +45,7 @@ const PictureLibrary& load() {
              path, reason == nullptr ? "no reason given" : reason);
     };
     require_threads(picture_module_threads);
-    // The module is never closed, because its objects exist until the process ends.
+    // The module is never closed, because its objects live until the process ends.
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     if (module == nullptr) why_not();
     void* symbol = ::dlsym(module, picture_module_symbol);

@@ -9,7 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the result of `work`. If a decoder or encoder throws, returns an empty result and sets `problem`.
+/// Returns the result of `work`. If a decoder or an encoder throws, sets `problem` and returns an empty
+/// result.
 template <typename Work>
 auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     try {
@@ -22,8 +23,8 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// Returns an attribute as text. In sample files, some attributes are numbers. In TIFF and JPEG, each
-/// attribute is a line "NAME=TEXT" of the description.
+/// Returns an attribute as text. Some attributes of sample files are numbers. In TIFF and JPEG files, each
+/// attribute is a line "NAME=TEXT" of the image description.
 std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
     if (const OIIO::ParamValue* found = s.find_attribute(name)) return found->get_string();
     std::string begin("\n"), text("\n");
@@ -37,7 +38,7 @@ std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory` is the source of `in`; null for a file.
+    /// `memory` is the source from which `in` reads, or null if it reads a file.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -80,8 +81,8 @@ class OiioReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Encodes a file in memory. OpenImageIO 2.4 must not write to the disk itself: on a full disk, it reports
-/// success for PNG and TIFF, and ends the process for JPEG.
+/// Encodes a file in memory. OpenImageIO 2.4 cannot be trusted to write to the disk: if the disk is full, it
+/// reports success for PNG and TIFF, and ends the process for JPEG.
 std::vector<unsigned char> encode(const char* name, const OIIO::ImageSpec& spec, const void* values,
                                   std::string& problem) {
     return guarded(problem, [&]() -> std::vector<unsigned char> {
@@ -120,9 +121,9 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // No colour space is set: that would need an EXIF directory, which OpenImageIO 2.4 cannot write to
-        // memory. Readers assume sRGB for integer pixels anyway.
-        // The time of writing is removed, so that equal images give equal files.
+        // No colour space is set, because that needs an EXIF directory, which OpenImageIO 2.4 cannot write to
+        // memory. Readers assume sRGB for integer pixels anyway. The time of writing is removed, so that
+        // equal images give equal files.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

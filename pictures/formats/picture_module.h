@@ -3,8 +3,8 @@
 
 #include "pictures/formats/picture_library.h"
 
-/// The number in the name changes when PictureLibrary changes, so a module of another version is not
-/// accepted.
+/// The number in the function's name changes whenever PictureLibrary changes, so that a program never uses a
+/// module of another version.
 extern "C" const postlens::PictureLibrary* postlens_picture_library_1();
 
 namespace postlens {

@@ -34,7 +34,7 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The OpenEXR library addresses pixels by their coordinates in the file, which may not begin at 0.
+        // The OpenEXR library addresses pixels by their coordinates in the file, which need not begin at 0.
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {
@@ -60,11 +60,11 @@ class ExrReader : public PictureReader {
     PictureLayout layout_;
 };
 
-/// Returns the layout of a file with this header. Empty if open_plain_picture does not support the file.
+/// Returns the layout of a file with this header, or empty if open_plain_picture does not support the file.
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Images of other programs may use these attributes to name a colour space other than linear.
+    // Other programs may use these attributes to state that the values are not linear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }

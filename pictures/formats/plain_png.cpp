@@ -23,17 +23,17 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
 struct PlainPng {
     std::uint32_t width = 0, height = 0;
     bool grey = false;
-    std::string exposure;  ///< postlens.exposure_stops; empty: none
-    std::string made_by;   ///< postlens.made_by; empty: none
+    std::string exposure;  ///< postlens.exposure_stops; empty if there is none
+    std::string made_by;   ///< postlens.made_by; empty if there is none
 };
 
-/// If a tEXt chunk has this key, sets `value` to the chunk's text.
+/// Sets `value` to the text of a tEXt chunk if the chunk has this key.
 void take_text(std::string_view data, std::string_view key, std::string& value) {
     if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
         value = data.substr(key.size() + 1);
 }
 
-/// Reads the chunks in front of the pixels, without libpng. Empty if a chunk changes the meaning of the
+/// Reads the chunks before the pixels without libpng. Returns empty if a chunk changes the meaning of the
 /// pixels in a way that PngReader does not support.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
@@ -48,7 +48,7 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         if (bytes.size() - at < 12) return std::nullopt;
         const std::uint32_t size = big_endian(bytes, at);
         const std::string_view type = bytes.substr(at + 4, 4);
-        if (type == "IDAT"sv) break;  // even if it is cut off: libpng tells PngReader, and prints nothing
+        if (type == "IDAT"sv) break;  // also if it is truncated: libpng reports that to PngReader
         if (size > bytes.size() - at - 12) return std::nullopt;
         const std::string_view data = bytes.substr(at + 8, size);
         if (type == "IHDR"sv) {
@@ -63,7 +63,7 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (type == "gAMA"sv) {
             if (size != 4 || big_endian(data, 0) != gamma_of_srgb) return std::nullopt;
         } else if (type == "oFFs"sv) {
-            // OpenImageIO always writes this chunk, with an offset of zero, which has no effect.
+            // OpenImageIO always writes this chunk. An offset of zero has no effect.
             if (data != "\0\0\0\0\0\0\0\0\0"sv) return std::nullopt;
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;

@@ -14,11 +14,11 @@
 namespace postlens {
 namespace {
 
-/// Two inverse depths count as equal if they differ by at most this relative amount: the depths were stored
-/// as half floats.
+/// Two inverse depths count as equal if they differ by at most this relative amount. Depths stored as half
+/// floats differ by as much.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image that is nearer by more than this share of its distance is a different surface.
-/// Smaller differences are noise of the depths.
+/// A sample of the back image counts as a different, nearer surface if it is nearer by more than this
+/// fraction of its distance. Smaller differences are noise of the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -26,7 +26,7 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
         fail(ExitCode::invalid_input, "{}: cannot lie behind (got {}x{} px; expected {}x{} px, as in front)",
              name, back.width, back.height, front.width, front.height);
     }
-    // The field of view is determined by the ratio of film width to film distance.
+    // The ratio of film width to film distance determines the field of view.
     const double view = front.camera.film_width_mm / front.camera.film_distance_mm,
                  other = back.camera.film_width_mm / back.camera.film_distance_mm;
     constexpr double rounding = 1e-4;
@@ -43,7 +43,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Inverse depth, 1/m, of the farthest sample of an opaque stack; infinity if the stack transmits light.
+/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack. Returns infinity if the stack
+/// transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -54,8 +55,8 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
-/// Whether a stack has a sample of the same surface as `s`: at the same depth and, if both samples have ids,
-/// with the same id.
+/// Returns true if a stack has a sample of the same surface as `s`. Such a sample is at the same depth and,
+/// if both samples have ids, has the same id.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
     const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
     const auto first = std::partition_point(stack.begin(), stack.end(),
@@ -66,18 +67,20 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Begin of the result's pixels along an axis. If the front image ends at the border of the raster or beyond,
-/// its content farther out is unknown, and the back image alone would show through its objects there. If it
-/// ends inside the raster, nothing of it is farther out.
+/// Returns the first pixel of the result along an axis. If the front image ends at the border of the raster
+/// or beyond, the result ends there, too. The front image is unknown further out, and the back image would
+/// show through its objects. If the front image ends inside the raster, nothing in it is further out.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// End of the result's pixels along an axis on which the raster has `size` pixels (begin_of_both).
+/// Returns the pixel after the last one of the result, along an axis on which the raster has `size` pixels.
+/// See begin_of_both.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
 
-/// Joins the manifests of both images' Cryptomattes. If both contain a name, the id in `front` is kept.
+/// Joins the manifests (lists of object names) of the Cryptomattes of both images. If a name is in both
+/// manifests, its id in `front` is kept.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

@@ -16,7 +16,7 @@
 namespace postlens {
 namespace {
 
-/// Shares of a pixel below this limit are rounding errors.
+/// A smaller fraction of a pixel is treated as a rounding error.
 constexpr float least_share = 1e-4F;
 
 std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& choice) {
@@ -39,8 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Ids that the text of an option can mean: the id that the manifest states for that name, and the hash of
-/// the name; the number itself; and, for id channels of floats, the bits of that number as a float.
+/// Returns the ids that an object's name or number in an option can mean. They are the id that the manifest
+/// states for the name, the hash of the name, the number itself, and the bits of the number as a float.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -74,20 +74,20 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two of the same depth. The first is the `share` that belongs to the object.
+/// Divides a sample into two samples at the same depth. The first one is the fraction `share` of the sample
+/// that belongs to the object.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
     for (float* v : {&out[0].r, &out[0].g, &out[0].b, &out[0].alpha}) *v *= share;
     for (float* v : {&out[1].r, &out[1].g, &out[1].b, &out[1].alpha}) *v *= rest;
-    // An opaque sample must stay opaque despite rounding, because otherwise light would pass through it.
+    // An opaque sample must stay opaque despite rounding. Otherwise light would pass through it.
     if (s.alpha == 1) out[1].alpha = 1;
     return out;
 }
 
-/// Chooses samples at the nearest depth of a stack, until they cover a share of the pixel. If the last of
-/// them covers more than is left of the share, it is divided into two samples. Buffers are reused for all
-/// pixels.
+/// Chooses samples at the nearest depth of a stack (the samples of a pixel) until they cover a given fraction
+/// of the pixel. The last sample is divided in two if it covers too much. Buffers are reused for all pixels.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -103,17 +103,17 @@ class MaskedStack {
             take(1, is_same);
             return;
         }
-        // Different masks cover different objects. A mask therefore takes samples without a mask first, and
-        // samples of other masks only for the rest of its share.
+        // Different masks cover different objects. So a mask takes samples that no mask has taken, and takes
+        // samples of other masks only if these are not enough.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for which `wanted` returns true, until they cover `share` of the pixel. Returns what
-    /// is left of the share. Considers only samples at the depth of the nearest one, which are parts of one
-    /// surface.
+    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
+    /// Returns the fraction that is left to cover. Only samples at the depth of the nearest sample are
+    /// considered, because they are parts of one surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
@@ -164,7 +164,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // The mask ends at the border of the raster. An object that the border cuts continues beyond it.
+            // A mask ends at the border of the raster, but an object that the border cuts continues beyond
+            // it.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

@@ -13,19 +13,21 @@
 namespace postlens {
 namespace {
 
-/// Radius, px, within which unmixed pixels of the same surface are searched. The larger radius is for depths
-/// that are means of two depths: the filter that made these means also mixed more pixels.
+/// Radius, px, within which unmixed pixels of the same surface are searched. The larger radius is used if
+/// depths are means of two depths, because the filter that averaged the depths mixed more pixels.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// Largest relative difference of depths that count as the same surface at one position.
+/// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float. One surface's part of a very bright pixel may exceed that range.
+/// Clamps a value to the range of float. The part of a very bright pixel that shows one surface may exceed
+/// it.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// The part of a pixel that shows one surface, with the premultiplied colour and alpha of this part alone.
+/// The part of a pixel that shows one surface. Its premultiplied colour and alpha are those of this part
+/// alone.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -33,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Whether the surface is empty space: the pixels around show it without colour and alpha, so it gets
-    /// neither in this pixel.
+    /// Returns true if the surface is empty space. The pixels around show it without colour and alpha, so it
+    /// has neither in this pixel.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -47,7 +49,7 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// Returns the samples that replace a mixed pixel. Empty if the pixel stays unchanged.
+    /// Returns the samples that replace a mixed pixel, or an empty list if the pixel stays unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -78,7 +80,7 @@ class Unmixer {
         return {static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.alpha)};
     }
-    /// Id of a pixel; 0 also if the pixel is empty.
+    /// Returns the id of a pixel, or 0 if the pixel is empty.
     [[nodiscard]] std::uint32_t id_of(std::size_t pixel) const {
         return is_empty(pixel) ? 0 : p_.samples[p_.offsets[pixel]].id;
     }
@@ -87,7 +89,7 @@ class Unmixer {
     }
 
     /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Raster pixels that the image
-    /// does not store count as empty, and are visited with the index `unstored`.
+    /// does not store count as empty. They are visited with the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -131,7 +133,7 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If mixed pixels count, they include the pixel itself, at distance 0. The addition of 0.5 to the
+            // If mixed pixels count, the pixel itself is one of them, at distance 0. Adding 0.5 to the
             // squared distance avoids a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
@@ -150,8 +152,8 @@ class Unmixer {
         }
     }
 
-    /// Changes the colours of the surfaces in a mixed pixel, so that their sum, weighted by the surfaces'
-    /// shares, equals the pixel's colour.
+    /// Changes the colours of the surfaces in a mixed pixel so that they add up to the colour of the pixel.
+    /// Each colour is weighted by the fraction of the pixel that the surface covers.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -175,8 +177,8 @@ class Unmixer {
         }
     }
 
-    /// Limits channel `c` of each surface in a mixed pixel to at least 0, and alpha to at most 1. The sum
-    /// over the surfaces, weighted by their shares, stays the same.
+    /// Limits channel `c` of each surface in a mixed pixel to at least 0, and alpha to at most 1. The
+    /// weighted sum over the surfaces does not change.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -195,7 +197,7 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces that are side by side in a pixel to samples that lie behind each other.
+    /// Converts surfaces that lie side by side in a pixel to samples that lie behind each other.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
@@ -216,7 +218,7 @@ class Unmixer {
             left -= portion.share * portion.rgba[3];
             if (s.alpha > 0 || s.r != 0 || s.g != 0 || s.b != 0) out.push_back(s);
         }
-        // An opaque pixel must stay opaque although the shares are rounded.
+        // An opaque pixel must stay opaque, although the fractions are rounded.
         if (!out.empty() && whole_alpha == 1) out.back().alpha = 1;
         return out;
     }

@@ -1,20 +1,21 @@
-// Splits edge pixels that show several surfaces into one sample per surface, using each surface's share of
-// the pixel.
+// Splits an edge pixel that shows several surfaces into one sample per surface.
 #pragma once
 
 #include "pictures/foreign/foreign_picture.h"
 
 namespace postlens {
 
-/// Replaces every mixed pixel (ForeignPicture::mixed) by a stack with one sample per surface, nearest first.
-/// The stack composites to the same colour and alpha as the pixel. Farther surfaces continue behind nearer
-/// ones.
+/// Replaces every mixed pixel, which shows several surfaces (ForeignPicture::mixed), by a stack with one
+/// sample per surface, nearest first. The stack composites to the colour and alpha of the pixel. Farther
+/// surfaces continue behind nearer ones.
 ///
-/// A surface's depth and colour come from the nearest unmixed pixels of the same surface, within two pixels
-/// (five if depths are means). Colours are then changed by the smallest amount that makes their sum equal the
-/// pixel's colour; they become negative only where the pixel is. A surface without unmixed pixels nearby gets
-/// the remaining colour, and the depth of the nearest pixels in which it has the largest share. Without such
-/// pixels, its share is given to the other surfaces. A surface that has an id but no depth is infinitely far.
+/// The depth and colour of a surface come from the nearest unmixed pixels of the same surface, within two
+/// pixels (five if depths are means). The colours are then changed by the smallest amount that makes their
+/// sum equal to the pixel's colour. They become negative only where the pixel is negative.
+///
+/// A surface without unmixed pixels nearby gets the remaining colour. Its depth is that of the nearest pixels
+/// of which it covers the largest fraction. If there are no such pixels, its fraction is given to the other
+/// surfaces. A surface that has an id but no depth is infinitely far.
 ///
 /// Returns the number of split pixels. Afterwards, the image has no mixed pixels. Throws
 /// Error(out_of_memory).

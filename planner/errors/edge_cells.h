@@ -1,4 +1,4 @@
-// The error that arises because edges are known only from the corners of quadtree cells.
+// The error caused by knowing edges only from the corners of quadtree cells.
 #pragma once
 
 #include <array>
@@ -10,12 +10,12 @@
 
 namespace postlens {
 
-/// Mean squared error of an estimated area. A straight edge divides a square; the share of the square's
-/// corners on one side of the edge estimates the share of its area on that side. The mean is over 200,000
-/// random edges that separate corners.
+/// Mean squared error of an estimated area. A straight edge divides a square of area 1. The share of the
+/// square's corners on one side of the edge is the estimate of the area on that side. The mean is over
+/// 200,000 random edges that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
-/// Mean squared error of the estimate of an area by the corners of a square, for an edge that is parallel to
-/// a side of the square and has a uniformly distributed position.
+/// The same error as edge_cell_variance, for an edge that is parallel to a side of the square. The position
+/// of the edge is distributed uniformly.
 inline constexpr double aligned_cell_variance = 1.0 / 12;
 
 /// Colour (sRGB and linear), id and depth at a corner of a cell.
@@ -27,15 +27,16 @@ struct CellCorner {
 [[nodiscard]] CellCorner cell_corner(const RecordBand& band, const PointSample& sample);
 
 struct CellStep {
-    /// Which corners of the cell are separated by the edge. none: there is no edge, and the cell is nearly
-    /// uniform. upright, level: two adjacent corners from the other two, so the edge may be parallel to a
-    /// side. slanted: one corner from three, or two opposite corners from the other two.
+    /// How the edge divides the corners of the cell. `none` means that there is no edge, and the cell is
+    /// nearly uniform. `upright` and `level` mean that the edge separates two adjacent corners from the other
+    /// two, so it may be parallel to a side. `slanted` means that it separates one corner from three, or two
+    /// opposite corners from the other two.
     enum class Split { none, upright, level, slanted };
     Split split = Split::none;
     double square = 0;  ///< squared height of the step, mean over channels
     bool same_id = true;
-    double curvature_square = 0;  ///< square of the corners' mixed second difference, mean over channels
-    /// Largest and smallest scene-linear value of the channel that has the brightest corner.
+    double curvature_square = 0;  ///< square of the corners' mixed second difference, as a mean over channels
+    /// Largest and smallest scene-linear value of the corners, in the channel that has the brightest corner.
     double high = 0, low = 0;
 };
 
@@ -46,8 +47,9 @@ class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Squared error, of sRGB values and summed over pixels. It arises because the edges in the cells are
-    /// known only from the cells' corners. The variance of the radiance is multiplied by `variance_share`.
+    /// Returns the squared error of sRGB values, summed over pixels. The cause of this error is that edges in
+    /// the cells are known only from the corners of the cells. The variance of the radiance is multiplied by
+    /// `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:
@@ -58,13 +60,13 @@ class SpreadLight {
     double coc_px_ = 0;    ///< CoC diameter of the brightest corner
     double brightest_ = 1;
 };
-/// Returns how the colour differs between the four corners of a cell. The order of the corners is up-left,
-/// up-right, down-left, down-right.
+/// Returns how the colour differs between the four corners of a cell. The order of the corners is upper left,
+/// upper right, lower left, lower right.
 [[nodiscard]] CellStep cell_step(const std::array<const CellCorner*, 4>& corners);
 
-/// Expected squared error of a pixel, from the differences between the corners of its cells. For an edge that
-/// is parallel to the cells' sides, all cells have the same error, and the errors add up. For a slanted edge,
-/// the errors of the cells are nearly independent.
+/// Expected squared error of a pixel, computed from the differences between the corners of its cells. If an
+/// edge is parallel to the sides of the cells, all cells have the same error, and the errors add up. If it is
+/// slanted, the errors of the cells are nearly independent.
 class PixelEdges {
   public:
     void add(const CellStep& step, double size_px);

@@ -12,8 +12,8 @@ namespace {
 constexpr int finest_levels = 6;
 constexpr int deepest_trees = NodePath::max_bounces + 1;
 
-/// The settings with which the file was traced. Settings that its header does not contain have their
-/// defaults.
+/// Returns the settings with which the file was traced. Settings that the file's header does not contain have
+/// their default values.
 TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     TraceSettings s;
     s.camera = camera.camera;
@@ -34,10 +34,11 @@ TraceSettings settings_of(const SampleHeader& h, const RenderSettings& camera) {
     return s;
 }
 
-/// Sets the image's lens and shutter in the settings of the trace, so that the trace records what they need.
+/// Adds the lens and shutter of the image to the settings of the trace, so that the trace records what they
+/// need.
 void know_the_view(const HybridSettings& view, const SampleHeader& h, TraceSettings& s) {
     if (view.focus.lens.f_number < std::numeric_limits<double>::infinity()) {
-        // The f-number of a trace is relative to the film distance instead of the focal length. The
+        // In a trace, the f-number is relative to the film distance instead of the focal length. The
         // conversion preserves the diameter of the aperture.
         s.for_f_number = view.focus.lens.f_number * h.film_distance_mm / view.focus.lens.focal_length_mm;
         s.for_focus_m = view.focus.focus_distance_m;

@@ -1,5 +1,5 @@
-// Images from new traces of the scene. Each trace removes one limit of the recorded data, for example that
-// hidden surfaces are missing.
+// Images made from new traces of the scene. Each trace removes one limit of the recorded data, for example
+// the limit that hidden surfaces are not recorded.
 #pragma once
 
 #include <vector>
@@ -12,18 +12,20 @@ namespace postlens {
 
 struct ErrorTrial {
     ErrorCause cause;  ///< cause of error that the trial removes
-    Image image;       ///< light field of the new records, with the same pixels as the file
-    /// If this trial corrects a pixel, later trials are not used for this pixel. They remove further limits
-    /// of the records in addition to this one, so they cannot tell which limit was the cause.
+    Image image;       ///< light field of the new records, of the same size as the file's image
+    /// If this trial corrects a pixel, later trials are not used for this pixel. Later trials remove further
+    /// limits in addition to this one, so they cannot tell which limit was the cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };
 
-/// Traces the file's scene again, in several trials. Each trial removes the limit that is one cause of error:
-/// - frame_edge: enough overscan for lens and shutter.
-/// - hidden_surface: all hidden surfaces and, with a shutter, as many instants as the motion needs.
-/// - record_density: one more level of subdivision (3 to 6 levels in total), full shading trees, and a search
-///   for narrow objects.
+/// Traces the file's scene again, in several trials. Each trial removes one limit of the records, which is
+/// the cause of error of this name:
+/// - frame_edge: the overscan is large enough for the lens and the shutter.
+/// - hidden_surface: all hidden surfaces are recorded. With a shutter, as many instants are recorded as the
+///   motion needs.
+/// - record_density: there is one more level of subdivision (3 to 6 levels in all). Shading trees are
+///   complete, and narrow objects are searched for.
 ///
 /// The file must have been traced from `scene`. Throws the errors of tracing and of field_focus.
 [[nodiscard]] std::vector<ErrorTrial> error_trials(const SampleHeader& header, const Scene& scene,

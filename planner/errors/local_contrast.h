@@ -1,4 +1,4 @@
-// The error of a pixel whose colour is estimated from its surroundings.
+// Estimates the error of a pixel whose colour is taken from its surroundings.
 #pragma once
 
 #include <vector>
@@ -7,18 +7,18 @@
 
 namespace postlens {
 
-/// For each pixel, the variance of the image (sRGB values, mean over channels) within a square of 65 px. The
-/// result is bit-identical for any number of threads.
+/// Returns, for each pixel, the variance of the sRGB values within a square of 65 px, as a mean over
+/// channels. The result is bit-identical for any number of threads.
 [[nodiscard]] std::vector<float> local_contrast(const Image& image);
 
-/// Expected squared error (sRGB values) of a pixel if a share of its light is replaced by light of its
-/// surroundings. `variance` is the variance of the surroundings' values.
+/// Returns the expected squared error of a pixel, in sRGB values, if light from its surroundings replaces a
+/// share of its light. `variance` is the variance of the surroundings' values.
 [[nodiscard]] inline double filled_in_error(double unknown_share, double variance) {
     return unknown_share * unknown_share * variance;
 }
-/// Expected squared error of a pixel if a part of its radiance, `light` (sRGB values), is reprojected to a
-/// wrong position. On average half of this part still reaches the right pixel, so the error is a quarter of
-/// the square of `light`.
+/// Returns the expected squared error of a pixel if part of its light is reprojected to a wrong position.
+/// `light` is the radiance of this part as an sRGB value. On average, half of this part still reaches the
+/// right pixel, so the error is a quarter of the square of `light`.
 [[nodiscard]] inline double misplaced_error(double light) {
     return light * light / 4;
 }

@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// Derivative of the sRGB transfer curve; 0 where values are clamped to [0, 1].
+/// Returns the derivative of the sRGB transfer curve. It is 0 where values are clamped to [0, 1].
 double slope(double linear) {
     if (!(linear >= 0) || linear >= 1) return 0;
     return srgb_slope(linear);
@@ -21,8 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Squared noise (measured_error) of the mean of the images `a` and `b`, and the product of the two
-/// differences `other` - `a` and `other` - `b`. Both are sums over pixels and means over channels.
+/// Two sums over pixels, each of means over channels. `noise` is the squared noise (see measured_error) of
+/// the mean of the images `a` and `b`. `products` is the product of the differences `other` - `a` and `other`
+/// - `b`.
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -37,18 +38,18 @@ struct Differences {
     }
 };
 
-/// Residuals of the two halves in a pixel, as encoded values per channel.
+/// Residuals (ray minus record) of the two halves in a pixel, as sRGB values per channel.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Product of the residuals of two independent halves: an estimate of the squared error, as a mean over
-/// channels.
+/// Returns the product of the residuals of two independent halves, as a mean over channels. It is an estimate
+/// of the squared error.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Mean residuals (ray minus record) of the views' samples. They have much noise, so they are multiplied by
-/// the slope of the sRGB curve instead of being encoded with the curve itself.
+/// Returns the mean residuals (ray minus record) of the view samples. They have much noise, so they are
+/// multiplied by the slope of the sRGB curve instead of being encoded with the curve itself.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -61,8 +62,8 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Residuals of the highlights. They have little noise and may exceed the range of the sRGB curve, so they
-/// are differences between encoded values.
+/// Returns the residuals of the highlights. They have little noise and may exceed the range of the sRGB
+/// curve, so they are computed as differences between encoded values.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -97,8 +98,8 @@ struct Mean {
     }
 };
 
-/// Sum over all pixels, estimated from pixels that are chosen with known probability. The variance includes
-/// the square of each value, because the values have noise in addition to the random choice of pixels.
+/// A sum over all pixels, estimated from pixels that are chosen with known probability. The variance includes
+/// the square of each value, because not only the choice of pixels is random: the values have noise as well.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -111,14 +112,16 @@ struct ChosenSum {
     }
 };
 
-/// Errors in a piece of a tile, as parts of the tile's means over `pixels` pixels, and their variances.
+/// Returns the errors in a piece of a tile, as parts of the tile's means over `pixels` pixels, and the
+/// variances of these errors.
 ///
-/// d: half the difference of the halves. v: noise of their mean. e: difference of the other image from the
-/// expectation of the views. d and v are independent and have the same variance n. N = d^2 estimates the
-/// squared noise, and S = (e - v)^2 - d^2 estimates e^2. With the other image's weight w, the error is
-/// estimated as (1 - w)^2 N + w^2 S, and it is ((1 - w) v + w e)^2. The estimate exceeds the error by (1 - 2
-/// w) (d^2 - v^2) - 2 w e v, which has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. 4 n^2 is estimated by
-/// 4/3 N^2, because E(N^2) = 3 n^2, and e^2 n by S N + 2/3 N^2, because E(S N) = e^2 n - 2 n^2.
+/// Let d be half the difference of the halves, and v the noise of their mean. d and v are independent and
+/// have the same variance n. Let e be the difference between the other image and the expectation of the
+/// views. N = d^2 estimates the squared noise, and S = (e - v)^2 - d^2 estimates e^2.
+///
+/// If the other image has the weight w, the error is estimated as (1 - w)^2 N + w^2 S. This estimate differs
+/// from the true error with the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. In this formula, 4 n^2 is estimated
+/// by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
 TileError part_of_tile(const Differences& of_piece, double pixels) {
     const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
     return {.noise_mse = noise,
@@ -265,7 +268,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
                                      const std::vector<int>& views) {
     std::vector<double> out(grid.count(), 0);
     if (a.light_square.empty()) return out;
-    // Variance of the highlights' light along single rays, in the brightest channel.
+    // Returns the variance of the highlights' light along single rays, in the brightest channel.
     const auto variance = [](const FieldFocus& half, std::size_t k) {
         const float mean = *std::ranges::max_element(half.checks[k].highlights);
         return half.light_square[k] - mean * mean;
@@ -276,8 +279,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The positions and lens points of each half are stratified in four dimensions. For the outline
-            // of a light, the mean of n rays then has n^(-1 - 1/4) of the variance [mitchell1996].
+            // The positions and lens points of each half are stratified in four dimensions. At the outline of
+            // a light, the mean of n rays therefore has n^(-1 - 1/4) of the variance of a single ray
+            // [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

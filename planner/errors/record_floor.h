@@ -1,5 +1,5 @@
-// The record floor: the error of an image that arises because records are point samples. Point samples
-// determine the position of an edge only to within a quadtree cell.
+// The record floor: the error of an image caused by records being point samples. Point samples determine the
+// position of an edge only to within a quadtree cell.
 #pragma once
 
 #include <span>
@@ -12,19 +12,20 @@
 
 namespace postlens {
 
-/// Factor by which a circle of confusion reduces the squared error of an edge. The circle averages the errors
-/// of the quadtree cells within it. If these errors are independent, the factor is the number of cells. If
-/// the edge is `aligned` with the cells, the errors along it are equal, and the factor is the number of cells
-/// across the edge.
+/// Returns the factor by which a circle of confusion reduces the squared error of an edge. The circle
+/// averages the errors of the quadtree cells within it. If these errors are independent, the factor is the
+/// number of cells. If the edge is `aligned` with the cells, the errors along the edge are equal. The factor
+/// is then the number of cells across the edge.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor that accounts for edges that pass between the corners of a cell without being seen: the error of
-/// all quadtree cells divided by the error of the cells whose corners show an edge. The value is a fit
+/// Factor that accounts for edges that pass between the corners of a cell without being seen. It is the error
+/// of all quadtree cells divided by the error of the cells whose corners show an edge. The value is a fit
 /// (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;
 
-/// For each pixel, the expected squared error (sRGB values, mean over channels) that results from the size of
-/// the quadtree cells (edge_cells.h), reduced by the circle of confusion (averaged_by).
+/// For each pixel, the expected squared error caused by the size of the quadtree cells (edge_cells.h) and
+/// reduced by the circle of confusion (averaged_by). The error is computed from sRGB values, as a mean over
+/// channels.
 class RecordFloor {
   public:
     RecordFloor(const SampleHeader& header, const FocusGeometry& geometry);
@@ -48,7 +49,7 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// The record floor of each pixel of a file. Reads all records once.
+/// Returns the record floor of each pixel of a file. Reads all records once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -13,12 +13,12 @@
 namespace postlens {
 namespace {
 
-/// Number of views that are drawn to measure, for each pixel, the share of samples that the records do not
-/// determine. With 16 views this share is accurate to a few hundredths.
+/// Number of views that are drawn to measure which share of the samples the records do not determine in each
+/// pixel. With 16 views, this share is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// For each square of 8 x 8 px of an image, the smallest and largest value of each channel within `radius_px`
-/// around the square.
+/// The smallest and largest value of each channel near each square of 8 x 8 px of an image. Pixels within
+/// `radius_px` around the square count.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)
@@ -36,7 +36,7 @@ class Ranges {
         widen(columns_, rows_, 1, columns_);
         widen(rows_, columns_, columns_, 1);
     }
-    /// Difference between the largest and the smallest value of a channel around a pixel.
+    /// Returns the difference between the largest and the smallest value of a channel around a pixel.
     [[nodiscard]] float span(int x, int y, std::size_t channel) const {
         const Bounds& b = ranges_[at(x / square, y / square)][channel];
         return b.high - b.low;

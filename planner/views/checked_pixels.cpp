@@ -14,8 +14,8 @@ std::uint64_t hash_of(std::uint64_t x, std::uint64_t y, std::uint64_t purpose) {
 }  // namespace
 
 CheckedPixels::CheckedPixels(int width, int height, bool random_rays) : random_rays_(random_rays) {
-    // Products of residuals (ray minus record) have a wide distribution. With 8000 of them, their mean is
-    // known well enough.
+    // Products of residuals (ray minus record) have a wide distribution. The mean of 8000 of them is accurate
+    // enough.
     constexpr int enough_pixels = 8000;
     const bool is_small = std::int64_t{width} * height < enough_pixels * 16;
     edge_ = (is_small ? 2 : 4) + (random_rays ? 1 : 0);
@@ -34,7 +34,7 @@ CheckedPixels::Use CheckedPixels::use(int x, int y) const {
 }
 
 double CheckedPixels::aimed(int x, int y, int views) const {
-    // If a half has this many views or more, rays are aimed at the highlights of all pixels.
+    // If a half has at least this many views, rays are aimed at the highlights of all pixels.
     constexpr int all_from_views = 128;
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
@@ -52,7 +52,7 @@ void CheckedPixels::views(int x, int y, int set, int first, int count,
         hash_of(static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y),
                 2 + static_cast<std::uint64_t>(set) + 2 * static_cast<std::uint64_t>(first));
     const int checked = random_rays_ ? std::max(8, count / 4) : 2;
-    // Consecutive points are well distributed over the lens.
+    // Consecutive lens points are well distributed over the lens.
     for (int i = 0; i < std::min(count, checked); ++i) {
         out.push_back(static_cast<std::uint32_t>((h + static_cast<std::uint64_t>(i)) %
                                                  static_cast<std::uint64_t>(count)));

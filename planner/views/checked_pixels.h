@@ -1,4 +1,4 @@
-// Selects the samples of views that are compared with rays.
+// Selects the view samples that are compared with rays.
 #pragma once
 
 #include <cstdint>
@@ -6,37 +6,38 @@
 
 namespace postlens {
 
-/// Selects the samples of views that are compared with rays. In each block of pixels, one random pixel is
-/// checked to state the image's error. Another random pixel is checked to decide in which tiles rays replace
-/// all samples.
+/// Selects the view samples that are compared with rays. In each block of pixels, one random pixel is checked
+/// to state the error of the image. Another random pixel is checked to decide in which tiles rays replace all
+/// view samples.
 ///
-/// The radiances of rays are random if a light has an extent or a material has a lobe. In this case, a
-/// quarter of the views of each half, but at least eight, are compared in one pixel of each 5 x 5 px (3 x 3
-/// px in small images). Otherwise two views are compared in one pixel of each 4 x 4 px (2 x 2 px). Twice as
-/// many views divide the variance of the product of two noisy means by four. Twice as many pixels would
-/// divide it only by two, but would find errors that are rare and large. The noise of an image's views
-/// decreases with their number, so the error of the records must be known better the more views there are.
+/// A block has 4 x 4 px, and two views of each half are compared in a checked pixel. If the radiances of rays
+/// are random, a block has 5 x 5 px, and a quarter of the views are compared, but at least eight. Radiances
+/// are random if a light has an extent or a material has a lobe. In small images, blocks have 2 x 2 px or 3 x
+/// 3 px.
+///
+/// Checking twice as many views divides the variance of the product of two noisy means by four. Checking
+/// twice as many pixels would divide it only by two, but would find errors that are rare and large.
 ///
 /// Rays are aimed at the highlights of the pixel that states the error. The more views the image has, the
-/// more other pixels of the block are treated in the same way. Errors of highlights are rare and large, and
-/// their rays cost little compared with many views.
+/// more of the block's other pixels are also used for this.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };
-    /// `width`, `height`: size of the image, px. `random_rays`: whether the radiances of rays are random.
+    /// `width` and `height` are the size of the image, in px. `random_rays` states whether the radiances of
+    /// rays are random.
     CheckedPixels(int width, int height, bool random_rays);
     [[nodiscard]] Use use(int x, int y) const;
-    /// Appends the indices of the checked views among views [first, first + count) of a set. The indices are
-    /// relative to `first`: 0 to count - 1.
+    /// Appends the indices of the checked views among the views [first, first + count) of a set. The indices
+    /// are relative to `first`, from 0 to count - 1.
     void views(int x, int y, int set, int first, int count, std::vector<std::uint32_t>& out) const;
-    /// PatchViews::aimed, for a half that has `views` views.
+    /// Implements PatchViews::aimed for a half that has `views` views.
     [[nodiscard]] double aimed(int x, int y, int views) const;
 
   private:
     struct Place {
         std::uint64_t hash;  ///< hash of the block
         std::uint64_t place,
-            stating;  ///< indices in the block: of this pixel, and of the one that states the error
+            stating;  ///< indices in the block of this pixel and of the pixel that states the error
     };
     [[nodiscard]] Place place_of(int x, int y) const;
     /// Number of pixels of a block.

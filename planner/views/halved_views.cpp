@@ -15,12 +15,12 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of scrambled sets of lens points, and step of the set's index from one row of pieces to the next.
-/// The square pieces of the image use the sets in turn. Both numbers are prime, so a set repeats along a row,
-/// a column or a diagonal only after as many pieces as there are sets.
+/// Number of scrambled sets of lens points, and the step of the set's index from one row of pieces to the
+/// next. The square pieces of the image use the sets in turn. Both numbers are prime. Along a row, a column
+/// or a diagonal, a set is therefore used again only after as many pieces as there are sets.
 constexpr int scrambles = 61, scrambles_down = 23;
 
-/// Interpolates a pixel's values linearly from `to` towards `from`, by the fraction `share`.
+/// Interpolates the values of a pixel linearly from `to` to `from`, by the fraction `share`.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;
@@ -65,7 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Ranges [first, end) of the views that this half lacks, each with the scrambles of its pieces.
+        // Ranges [first, end) of the views that this half lacks. Each range has the scrambled sets of the
+        // pieces that need it.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

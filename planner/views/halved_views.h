@@ -1,4 +1,4 @@
-// An image as the mean of two independent halves of its views. The difference of the halves measures the
+// An image as the mean of two independent halves of its views. The difference between the halves measures the
 // noise.
 #pragma once
 
@@ -17,22 +17,22 @@
 
 namespace postlens {
 
-/// Draws views of an image in steps, with a number of views for each tile. If a scene is given, rays replace
-/// the view samples that the records do not determine.
+/// Draws the views of an image in several steps, with a number of views for each tile. If a scene is given,
+/// rays replace the view samples that the records do not determine.
 class HalvedViews {
   public:
     /// `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set of lens
-    /// points. Images whose values of `first_set` differ by at least 128 share no set. Throws the errors of
-    /// hybrid_picture.
+    /// points. Two images share no set if their values of `first_set` differ by at least 128. Throws the
+    /// errors of hybrid_picture.
     HalvedViews(FocusFrame& frame, const HybridSettings& settings, int first_set = 0);
 
-    /// Draws further views until each tile of `grid()` has `views[tile]` views. They are divided into two
-    /// halves, whose difference measures the noise. If the number of views is odd, half 0 has one more view
-    /// than half 1. The result is bit-identical for any number of threads.
+    /// Draws further views until each tile of `grid()` has `views[tile]` views. The views are divided into
+    /// two halves, whose difference measures the noise. If the number of views is odd, half 0 has one more
+    /// view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Redraws the tiles whose entry in `tiles` is not 0, unless as much is left to rays there already. In
-    /// these tiles, rays replace all samples, or these and the highlights, also in views drawn later. Returns
-    /// whether a tile was redrawn.
+    /// Lets rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states whether
+    /// rays also replace the highlights. These tiles are redrawn, unless rays already replace as much there.
+    /// Views drawn later are treated in the same way. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -40,11 +40,11 @@ class HalvedViews {
     [[nodiscard]] bool has_rays() const { return rays_ != nullptr; }
     [[nodiscard]] const std::vector<int>& views() const { return views_; }               ///< per tile
     [[nodiscard]] const std::vector<LeftToRays>& left_to_rays() const { return left_; }  ///< per tile
-    /// Half 0 or 1, as drawn so far.
+    /// Returns half 0 or 1, as drawn so far.
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean of all views drawn so far. Its `checks` are the sums of both halves.
+    /// Returns the mean of all views drawn so far. Its `checks` are the sums over both halves.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:
@@ -66,8 +66,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the image as the mean of all views, with its statistics: shares of pixels within `crop`, and
-/// numbers of rays. `stated` stays empty.
+/// Returns the mean of all views as an image with its statistics. These are shares of the pixels within
+/// `crop` and numbers of rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -15,12 +15,13 @@ namespace postlens {
 /// if the file was traced from another scene, or if the scene has no such camera.
 [[nodiscard]] std::string checked_camera(const SampleHeader& header, const Scene& scene);
 
-/// Throws Error(wrong_arguments) if the file is orthographic, if the framing differs from that of the trace,
-/// if the impulse response has no lens points, if the crop exceeds the image, or if the scene's exposure
-/// differs from the file's. The message contains the name `method`, or `--scene`.
+/// Throws Error(wrong_arguments) if a light field cannot make the image. There are five such cases: the file
+/// is orthographic, the framing differs from that of the trace, the impulse response has no lens points, the
+/// crop exceeds the image, or the scene's exposure differs from the file's. The error's message names
+/// `method` or `--scene`.
 void check_request(const SampleFileReader& file, const HybridSettings& settings, const std::string& method);
 
-/// Settings of the light field: lens, shutter and crop, without rays.
+/// Returns the settings of the light field: lens, shutter and crop, without rays.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
 /// Returns settings with which `render` makes the same image. Throws the errors of checked_camera.

@@ -1,4 +1,4 @@
-// The tiles of an image, each with its own number of views, and the size of the smaller squares (pieces) in
+// The tiles of an image, each with its own number of views, and the size of the pieces (smaller squares) in
 // them.
 #pragma once
 
@@ -18,7 +18,7 @@ struct TileGrid {
     [[nodiscard]] std::size_t count() const {
         return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
     }
-    /// Number of the tile that contains the pixel (x, y).
+    /// Returns the number of the tile that contains the pixel (x, y).
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y / edge) * static_cast<std::size_t>(columns()) +
                static_cast<std::size_t>(x / edge);
@@ -28,7 +28,7 @@ struct TileGrid {
                   y = static_cast<int>(tile) / columns() * edge;
         return std::min(edge, width - x) * std::min(edge, height - y);
     }
-    /// Mean of `values` in each tile. `values` has one value per pixel, row by row.
+    /// Returns the mean of `values` in each tile. `values` contains one value per pixel, row by row.
     [[nodiscard]] std::vector<double> means(std::span<const float> values) const {
         std::vector<double> out(count(), 0);
         auto value = values.begin();
@@ -40,10 +40,10 @@ struct TileGrid {
     }
 };
 
-/// Edge of a piece, px. A piece is a square with its own scrambled lens points. Its edge is a power of two
-/// and at most the edge of a tile. The noise of the image is estimated as a mean over pieces with independent
-/// errors, so there should be at least 2000 pieces. Pieces smaller than 4 px are not used, even if there are
-/// fewer.
+/// Returns the edge of a piece, in px. A piece is a square with its own scrambled lens points. Its edge is a
+/// power of two and at most the edge of a tile. The noise of the image is estimated as a mean over pieces
+/// with independent errors, so there should be at least 2000 pieces. A piece is at least 4 px wide, even if
+/// there are then fewer pieces.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

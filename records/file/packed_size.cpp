@@ -11,8 +11,10 @@ namespace postlens {
 
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
-    // Bytes of a row besides the compressed data: the headers of its record chunk (32) and of its row in part
-    // `scanlines` (12), that row itself, and an 8-byte entry in the offset table of each of these two parts.
+    // The bytes that a row takes in the file besides its compressed records:
+    // - 32 for the header of its record chunk;
+    // - 12 for the header of its chunk in the part `scanlines`, and the bytes of that chunk;
+    // - 8 for its entry in the offset table of each of the two parts.
     constexpr std::uint64_t around_row = 32 + 12 + layout::ScanlineRow::byte_count + 2 * 8;
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     ScanlineBytes bytes(band.width(), channels);

@@ -16,7 +16,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables that convert k / 1024 to the bits of a half float and back. All other half floats convert to NaN.
+/// Tables that convert k / 1024, for k from 0 to 1023, to the bits of a half float and back. The bits of
+/// every other half float convert to NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};
@@ -82,7 +83,7 @@ float float_of_half(std::uint16_t bits) {
     return h;
 }
 
-/// Converts a half float to a mark. Any value except an integer from 0 to 255 becomes 255, which is never a
+/// Converts a half float to a mark. A value that is not an integer from 0 to 255 becomes 255, which is not a
 /// valid mark.
 std::uint8_t mark_of_half(std::uint16_t bits) {
     const float value = float_of_half(bits);

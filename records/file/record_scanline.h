@@ -1,4 +1,5 @@
-// One scanline of records as bytes: the contents of a deep OpenEXR chunk, and the input of its checksum.
+// Converts one scanline of records to bytes and back. The bytes are stored in a chunk of the deep OpenEXR
+// file, and the scanline's checksum is computed from them.
 #pragma once
 
 #include <cstdint>
@@ -10,35 +11,37 @@
 
 namespace postlens {
 
-/// Bytes per record before compression: 28, plus 16 for W, 2 for W.bend, 2 for the mark and 4 for the layer,
-/// if the file has these channels.
+/// Returns the number of bytes per record before compression. A record takes 28 bytes. If the file has the
+/// channels, W adds 16 bytes, W.bend 2, the mark 2 and the layer 4.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
-/// A scanline before compression, little-endian. First y as int32; then per pixel, as uint32, the number of
-/// records up to and including this pixel; then the channels in the order of their names (B G R W.bend W.xx
-/// W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y). A channel has the values of all records,
-/// pixel by pixel.
+/// The bytes of a scanline before compression, in little-endian order:
+/// - y as int32;
+/// - for each pixel, the number of records up to and including that pixel, as uint32;
+/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, sorted by
+///   name. Each has one value per record, pixel by pixel.
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
 
     /// Reserves memory for `records` records of scanline y.
     void prepare(int y, std::uint32_t records);
-    /// Packs the records of scanline y. Pixel x_begin + i has the records [offsets[i], offsets[i + 1]) of
-    /// `records`; their positions must lie in this pixel.
+    /// Packs the records of scanline y. The records of pixel x_begin + i have the indices offsets[i] to
+    /// offsets[i + 1] - 1 in `records`. Their positions must lie in this pixel.
     void pack(int y, int x_begin, std::span<const std::uint32_t> offsets, std::span<const Record> records);
 
-    /// Computes the index of each pixel's first record from the table of counts. `offsets` has width + 1
-    /// entries, the first of which becomes 0. Returns false if the counts decrease, or if the last is not the
-    /// number of records given to `prepare`.
+    /// Computes the index of the first record of each pixel from the stored record counts. `offsets` must
+    /// have width + 1 entries. Its first entry becomes 0. Returns false if the counts decrease, or if the
+    /// last count differs from the number of records given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
-    /// Unpacks the records in file order, using the offsets from `unpack_offsets`. W and layer get default
-    /// values if the file has no such channel. Returns false if a position is not a multiple of 1/1024 px in
-    /// [0, 1).
+    /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. If the file
+    /// has no channel for W, then W is the identity divided by z'. The layer, w_bend and the mark are 0 if
+    /// their channels are absent. Returns false if a position within the pixel is not a multiple of 1/1024 px
+    /// from 0 to 1023/1024.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 
-    /// XXH3 (64 bit, seed 0) of all bytes.
+    /// Returns the checksum (XXH3, 64 bits, seed 0) of all bytes.
     [[nodiscard]] std::uint64_t checksum() const;
 
     [[nodiscard]] std::span<std::uint8_t> counts() {

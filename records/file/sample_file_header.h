@@ -10,23 +10,25 @@
 
 namespace postlens {
 
-/// Largest width and height of a raster, px, including overscan and corners. Floats of this size have steps
-/// of 1/64 px.
+/// Largest width and height of a raster in px, including overscan and corners. A float of this size has a
+/// resolution of 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
-/// Throws Error(invalid_input), which names `file` and the field, if a value is out of range. Does not check
-/// the motion; motion_of_text() checks it on reading.
+/// Throws Error(invalid_input) if a value is out of range. The message names `file` and the field. The motion
+/// is not checked here, because motion_of_text() checks it when the file is read.
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
-/// Checksum of all header fields, as sixteen hexadecimal digits. docs/sample_file.md lists the bytes.
+/// Returns the checksum of all header fields as sixteen hexadecimal digits. docs/sample_file.md lists the
+/// bytes from which it is computed.
 [[nodiscard]] std::string header_checksum(const SampleHeader& header);
 
-/// OpenEXR headers of all parts, in the order of the file.
+/// Returns the OpenEXR headers of all parts, in the order of the file.
 [[nodiscard]] std::vector<Imf::Header> exr_headers_of(const SampleHeader& header, ChunkCompression records,
                                                       ChunkCompression picture);
 
-/// Reads the sample file's header from the attributes of the parts. Throws Error(invalid_input) if the
-/// attributes contradict each other or the checksum, or if the file is not a sample file of this version.
+/// Reads the header of a sample file from the attributes of its parts. Throws Error(invalid_input) if the
+/// file is not a sample file of this version, if the attributes contradict each other, or if the checksum
+/// does not match.
 [[nodiscard]] SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file);
 
 }  // namespace postlens

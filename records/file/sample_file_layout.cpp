@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of part `scanlines`, in file order: Z.far, Z.near, checksum.hi, checksum.lo,
-/// picture.hi, picture.lo, records, row.check.
+/// The fields of a row of the part `scanlines`, in file order. Their channels are named Z.far, Z.near,
+/// checksum.hi, checksum.lo, picture.hi, picture.lo, records and row.check.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -85,7 +85,7 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Records are at pixel corners, so they have one column and one row more than the pixels.
+    // Records lie at pixel corners, so there is one more column and one more row of records than of pixels.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

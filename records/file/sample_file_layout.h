@@ -1,5 +1,5 @@
-// The parts of a sample file: their names, channels and windows. Also the rows of the parts `scanlines`,
-// which summarise the rows of records.
+// The parts of a sample file: their names, channels and windows. The parts named `scanlines` hold a summary
+// of each row of records.
 #pragma once
 
 #include <array>
@@ -12,12 +12,13 @@
 
 namespace postlens::layout {
 
-/// Kind of a part. For the parts of the frame's own instant, the value is the part's index in the file.
+/// Kind of a part. The parts of the frame's own instant come first in the file. For these parts, the value is
+/// also the index.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Index in the file of a part of `instant`. The picture comes first; records and scanlines of each instant
-/// follow.
+/// Returns the index of a part in the file. The picture comes first, followed by the records and the
+/// scanlines of each instant.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }
@@ -33,15 +34,15 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Name of a part: "picture", "records" or "scanlines"; for key i, counted from 1, "records.k<i>" or
-/// "scanlines.k<i>".
+/// Returns the name of a part: "picture", "records" or "scanlines". The parts of the i-th key (further
+/// recorded instant), where i starts at 1, are named "records.k<i>" and "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
-/// Largest size of a chunk that OpenEXR can store, bytes.
+/// Largest size in bytes of a chunk that OpenEXR can store.
 inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
 
-/// Channels of a part in file order, which is the byte order of their names.
+/// Returns the channels of a part in file order. OpenEXR sorts channels by the bytes of their names.
 [[nodiscard]] std::vector<ExrChannel> channels_of(Part part, RecordChannels channels);
 
 [[nodiscard]] Window display_window(const SampleHeader& header);
@@ -57,20 +58,21 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of part `scanlines`. The row summarises one scanline of records and contains the checksum of the
-/// pinhole image's row (0 outside the raster). Its own bytes end with a checksum over y and all other fields.
+/// A row of the part `scanlines`. It summarises one scanline of records. It also holds a checksum of the same
+/// row of the pinhole image, which is 0 for rows outside the image. The row ends with a checksum of y and of
+/// its own fields.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Reads the bytes of row y. Empty if their checksum does not match.
+    /// Reads row y from its bytes. Returns an empty value if the checksum of the row does not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 
-/// XXH3 (64 bit, seed 0) of a row of part `picture` before compression: all B, then all G, then all R, as
-/// floats.
+/// Returns the checksum (XXH3, 64 bits, seed 0) of a row of the pinhole image before compression. `planes`
+/// holds the floats of the row: first all B, then all G, then all R.
 [[nodiscard]] std::uint64_t picture_row_checksum(ByteView planes);
 
 }  // namespace postlens::layout

@@ -15,12 +15,13 @@
 namespace postlens {
 namespace layout {
 
-/// Position in the file, and sizes in bytes, of the packed counts and data of a scanline of records.
+/// Location of the two packed blocks of a scanline of records: its record counts, followed by its data.
+/// Positions and sizes are in bytes.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
 
-/// One instant: the positions of its chunks in the file, and the summaries of its scanlines.
+/// One recorded instant: the positions of its chunks in the file, and the summaries of its scanlines.
 struct Instant {
     double time_s = 0;
     std::size_t number =
@@ -66,7 +67,7 @@ struct SampleFileReader::Impl {
     std::uint64_t record_count = 0;
     std::vector<LostRows> lost_runs;
     std::vector<double> lost_instants_s;
-    /// Kept between reads, so that reading small bands does not allocate.
+    /// These objects are kept between reads, so that reading a small band allocates nothing.
     mutable std::optional<tbb::enumerable_thread_specific<Workplace>> workplaces;
 
     [[noreturn]] void fail_damaged(int y, const char* what) const {
@@ -83,13 +84,13 @@ struct SampleFileReader::Impl {
     void check_record_count() const;
     /// Reads one row into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
-    /// Computes the records that replace a lost row, and writes them to `work.stand_ins`.
+    /// Computes the records that replace a lost row, and stores them in `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the replacement records of row y into the band, starting at record index `base`.
+    /// Copies the records that replace row y into the band. The first of them gets the index `base`.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
-    /// Position and size, bytes, of the data of the flat chunk at `at`. The chunk must be that of row y of
-    /// `part` and contain at most `most_bytes`.
+    /// Returns the position and the size in bytes of the data in the flat chunk at the position `at`. The
+    /// chunk must hold row y of `part` and at most `most_bytes` of data.
     [[nodiscard]] std::pair<std::uint64_t, std::uint64_t> flat_chunk(int part, std::uint64_t at, int y,
                                                                      std::uint64_t most_bytes) const;
     [[nodiscard]] DeepChunk deep_chunk(std::size_t instant, int y) const;

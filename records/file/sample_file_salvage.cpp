@@ -9,7 +9,8 @@ namespace postlens {
 
 using namespace layout;
 
-/// Marks the rows that cannot be read, and sets their summaries to those of an empty row.
+/// Finds the rows that cannot be read. Each of them is marked as lost, and its summary becomes that of an
+/// empty row.
 void SampleFileReader::Impl::find_lost_rows() {
     for (std::size_t i = 0; i < instants.size(); ++i) {
         Instant& of = instants[i];
@@ -34,8 +35,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes instants without readable rows. In the other instants, a lost row gets the record count of its
-/// replacement.
+/// Removes each instant that has no readable row. In the other instants, sets the record count of each lost
+/// row to that of the row that replaces it.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -82,8 +83,8 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // Computing the replacement reads the row above again. If the file changed since it was opened, the count
-    // may differ.
+    // The replacement is computed from the row above, which has just been read again. If the file has changed
+    // since it was opened, the number of records may be different.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

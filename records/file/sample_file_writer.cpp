@@ -19,8 +19,8 @@ namespace {
 
 using namespace layout;
 
-/// Number of rows that are packed before they are written. The number limits memory, but gives all threads
-/// work.
+/// Number of rows that are packed in parallel before they are written. The number is small enough to limit
+/// memory, and large enough to keep all threads busy.
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
@@ -175,8 +175,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. Every summary is written one row late,
-/// because its checksum of the image row needs the next row of records.
+/// Completes an instant by writing the summary of its last row. A summary is always written one row late. It
+/// contains the checksum of the image row, which can only be computed after the next row of records is known.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -202,13 +202,14 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Row y - 1 of the image needs the records of rows y - 1 and y. The band contains both, except at its
-    // first row.
+    // Row y - 1 of the image is computed from the records of rows y - 1 and y. For the first row of the band,
+    // this was done above with `last_row`.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // The order of chunks in the file must not depend on the height of the bands.
+    // Image blocks are written as soon as their rows are complete, so that the order of chunks in the file
+    // does not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {
         const int y = y_begin + static_cast<int>(i);

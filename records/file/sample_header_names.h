@@ -1,5 +1,5 @@
-// Names of the attributes in a sample file's header, shared by writer and reader. docs/sample_file.md
-// explains each attribute.
+// Names of the attributes in the header of a sample file, used by the writer and the reader.
+// docs/sample_file.md explains each attribute.
 #pragma once
 
 namespace postlens::attribute {

@@ -22,8 +22,8 @@ std::map<std::uint32_t, std::string> names_of_manifest(const ExrPart& part, cons
     std::map<std::uint32_t, std::string> names;
     const auto bytes = part.raw("idManifest", "idmanifest");
     if (!bytes) return names;
-    // The attribute consists of the expanded size as uint64 and a zlib stream. The stream is expanded here,
-    // because the OpenEXR library does not check that size.
+    // The attribute holds the expanded size as a uint64, followed by a zlib stream. The stream is expanded
+    // here and not by the OpenEXR library, because the library does not check that size.
     std::uint64_t size = largest_manifest_bytes + 1;
     if (bytes->size() >= sizeof size) std::memcpy(&size, bytes->data(), sizeof size);
     if (size > largest_manifest_bytes) {
@@ -63,7 +63,7 @@ std::vector<std::uint32_t> ids_of_text(const std::string& text, const std::strin
     return ids;
 }
 
-/// Checks that the parts of the file, with their optional channels, are those that this header requires.
+/// Checks that the file has exactly the parts and channels that the header describes.
 void check_parts(const ExrHeaders& headers, const SampleHeader& header, const std::string& file) {
     const RecordChannels channels{header.has_w, header.has_layers, header.has_bend, header.has_marks};
     for (std::size_t i = 0; i < headers.parts.size(); ++i) {
@@ -118,7 +118,7 @@ SampleHeader sample_header_of(const ExrHeaders& headers, const std::string& file
         fail(ExitCode::invalid_input, "{}: unexpected number of parts (got {}; expected 3, and 2 for a key)",
              file, headers.parts.size());
     }
-    // Width, height and overscan are limited before sizes are computed from them.
+    // Width, height and overscan are checked first, because other sizes are computed from them.
     const Window display = need(part.get_window("displayWindow"), "displayWindow");
     const auto extent = [](int low, int high) {
         return low == 0 && high >= 0 && high < largest_extent_px ? high + 1 : -1;

@@ -33,8 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// Converts a matrix. OpenEXR multiplies row vectors and glm column vectors, so both store the same sixteen
-/// numbers in the same order.
+/// Converts a matrix. The sixteen numbers stay in the same order, because OpenEXR multiplies row vectors with
+/// matrices stored by rows, and glm multiplies column vectors with matrices stored by columns.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {
@@ -43,8 +43,8 @@ Imath::M44d imath_of(const glm::dmat4& m) {
     return out;
 }
 
-/// Adds attributes for other programs, in single precision. The reader of sample files ignores them and uses
-/// the double-precision attributes of postlens.
+/// Adds standard OpenEXR attributes, in single precision, for other programs. The reader of sample files
+/// ignores them and uses postlens's own attributes, which are in double precision.
 void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     const auto add_float = [&](const char* name, double value) {
         out.insert(name, Imf::FloatAttribute(static_cast<float>(value)));

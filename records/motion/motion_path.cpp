@@ -42,8 +42,8 @@ MotionPath::MotionPath(const std::vector<TransformKey>& keys) {
         v.scale = a.scale;
         v.scale_step = b.scale - a.scale;
         v.from = a.rotation;
-        // As in glm::slerp, the rotation is in the shorter direction. If the angle is too small to divide by
-        // its sine, interpolation is linear.
+        // Like glm::slerp, this turns in the direction of the smaller angle. Angles too small to divide by
+        // their sine are interpolated linearly.
         double cosine = glm::dot(a.rotation, b.rotation);
         v.to = cosine < 0 ? -b.rotation : b.rotation;
         cosine = std::abs(cosine);
@@ -61,7 +61,7 @@ MotionPath::Pose MotionPath::at(double time_s) const {
     if (times_s_.empty()) return {};
     if (!(time_s > times_s_.front())) return first_;
     if (time_s >= times_s_.back()) return last_;
-    // Most motion has only two keys, which need no search.
+    // Most motion has only two keys, and therefore only one interval.
     std::size_t i = 0;
     if (intervals_.size() > 1)
         i = static_cast<std::size_t>(std::upper_bound(times_s_.begin(), times_s_.end(), time_s) -

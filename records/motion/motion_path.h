@@ -1,4 +1,4 @@
-// Keyframed motion, prepared so that the pose at the instant of each ray is fast to compute.
+// Keyframed motion, prepared so that the pose at the instant of a ray is fast to compute.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,14 +9,15 @@
 
 namespace postlens {
 
-/// Interpolates keys as transform_at does: rotations by slerp, translations and scales linearly. Angles and
-/// inverse sines between keys are precomputed.
+/// Interpolates keys as transform_at does: rotations by slerp, translations and scales linearly. The angles
+/// between keys, and the inverses of their sines, are computed in advance.
 class MotionPath {
   public:
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position and orientation at one instant: world = translation + rotation * (scale * p).
+    /// Position and orientation at one instant. A point p has the world position
+    /// translation + rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
         glm::dmat3 rotation{1};
@@ -38,7 +39,8 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns, in order, the opening, the instants of all keys between opening and closing, and the closing.
+    /// Returns the instants that divide the exposure into intervals: open_s, the keys between open_s and
+    /// close_s, and close_s. They are in ascending order.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:

@@ -26,7 +26,7 @@ json json_of(const std::vector<TransformKey>& keys) {
     return out;
 }
 
-/// Reads JSON values. All errors have the same form of message.
+/// Reads values from JSON, and reports all errors in the same form.
 class Reader {
   public:
     explicit Reader(const std::string& source) : source_(source) {}

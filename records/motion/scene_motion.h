@@ -1,5 +1,5 @@
-// Motion of objects, camera and lights: the part of a sample file's header that gives their poses at any
-// instant.
+// Motion of objects, camera and lights. It is stored in the header of a sample file and gives their poses at
+// any instant.
 #pragma once
 
 #include <cstdint>
@@ -11,39 +11,40 @@
 
 namespace postlens {
 
-/// The rigid motion of the object with one id: world(t) = key(t) * p, where the point p does not depend on t.
+/// The rigid motion of all shapes with the same id. At the instant t, the point p of the object is at the
+/// world position key(t) * p, where key(t) is interpolated between `keys`.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
-    glm::dvec3 centre_m{0};          ///< of a sphere that encloses the object, in the space of p
+    glm::dvec3 centre_m{0};          ///< centre, in the object's space, of a sphere that encloses the object
     double radius_m = 0;
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that shines on something that moves. `place` is its position or direction before
-/// `keys` move it.
+/// A light that moves, or that shines on something that moves. `place` is the position or direction of the
+/// light before it is transformed by `keys`.
 struct LightMotion {
-    bool directional = false;  ///< true: `place` is the direction in which the light travels
-    glm::dvec3 place{0};       ///< position, m, or direction
+    bool directional = false;  ///< if true, `place` is the direction in which the light travels
+    glm::dvec3 place{0};       ///< position in m, or direction
     bool casts_shadows = true;
-    std::vector<TransformKey> keys;  ///< empty: does not move
+    std::vector<TransformKey> keys;  ///< empty if the light does not move
     [[nodiscard]] bool operator==(const LightMotion&) const = default;
 };
 
 struct SceneMotion {
     std::map<std::uint32_t, ObjectMotion> objects;  ///< only objects with keys
-    std::vector<TransformKey> camera;               ///< empty: does not move
-    std::vector<LightMotion> lights;                ///< all lights if objects move; else only moving lights
+    std::vector<TransformKey> camera;               ///< empty if the camera does not move
+    std::vector<LightMotion> lights;                ///< all lights if objects move, else only moving lights
     [[nodiscard]] bool empty() const { return objects.empty() && camera.empty() && lights.empty(); }
     [[nodiscard]] bool operator==(const SceneMotion&) const = default;
 };
 
-/// Converts the motion to JSON text from which motion_of_text restores equal values; empty for an empty
-/// motion. docs/sample_file.md lists the keys.
+/// Converts the motion to JSON text. motion_of_text() restores exactly equal values from the text. The text
+/// is empty if nothing moves. docs/sample_file.md lists the keys of the JSON.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads the text that motion_text writes. Throws Error(invalid_input), with a message that begins with
-/// `source`, for other JSON, numbers that are not finite, times that do not increase, scales of 0, rotations
-/// that are not unit quaternions, and id 0.
+/// Reads text that motion_text() has written. Throws Error(invalid_input) if the JSON has another structure
+/// or an id of 0. The same error is thrown for a number that is not finite, times that do not increase, a
+/// scale of 0, or a rotation that is not a unit quaternion. The message begins with `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

@@ -27,7 +27,7 @@ glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s) {
     if (after == keys.end()) return matrix(keys.back());
     const TransformKey& a = *(after - 1);
     const TransformKey& b = *after;
-    if (time_s == a.time_s) return matrix(a);  // exactly the key, without rounding errors of slerp
+    if (time_s == a.time_s) return matrix(a);  // return the key itself, without the rounding errors of slerp
     const double share = (time_s - a.time_s) / (b.time_s - a.time_s);
     return matrix(glm::mix(a.translation, b.translation, share), glm::slerp(a.rotation, b.rotation, share),
                   glm::mix(a.scale, b.scale, share));

@@ -1,4 +1,4 @@
-// Keys of keyframed motion in scenes, sample files and paths.
+// Keys of the keyframed motion in scenes, sample files and files of motion paths.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -8,7 +8,7 @@
 namespace postlens {
 
 /// Position and orientation at one instant. Between keys, translation and scale are interpolated linearly,
-/// and the rotation by slerp.
+/// and rotation is interpolated by slerp.
 struct TransformKey {
     double time_s = 0;
     glm::dvec3 translation{0};
@@ -17,7 +17,8 @@ struct TransformKey {
     [[nodiscard]] bool operator==(const TransformKey&) const = default;
 };
 
-/// The transform at an instant, interpolated between keys; constant before the first and after the last key.
+/// Returns the transform at an instant, interpolated between keys. Before the first key and after the last
+/// one, the transform is that of the nearest key.
 [[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens

@@ -12,9 +12,9 @@
 namespace postlens {
 namespace {
 
-// Largest number of values that all accessors of a document may contain in total: 1 GiB of floats.
+// Largest number of values in all accessors of a document together: 1 GiB of floats.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
-// Largest number of elements of an accessor without a buffer. Such elements are zero.
+// Largest number of elements of an accessor without a buffer. All its elements are zero.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;
 
 enum Component : unsigned {
@@ -49,7 +49,8 @@ T raw(const char* at) {
     return value;
 }
 
-// Converts a normalised integer c to c / max, and to at least -1 if it is signed [gltf2, section 3.11].
+// Converts a normalised integer c to c / max. If the integer is signed, the result is at least -1 [gltf2,
+// section 3.11].
 template <typename T>
 float scaled(const char* at, bool normalised) {
     const auto value = static_cast<float>(raw<T>(at));
@@ -94,7 +95,7 @@ struct GltfAccessors::Layout {
     std::size_t count = 0, components = 1, stride = 0;
     unsigned component = float32;
     bool normalised = false;
-    std::optional<std::string_view> bytes;  // begins at the first element; if absent, all elements are zero
+    std::optional<std::string_view> bytes;  // from the first element on; if absent, all elements are zero
 };
 
 namespace {
@@ -106,8 +107,8 @@ unsigned component_type(const JsonPlace& place) {
     return type;
 }
 
-// Returns the bytes of `count` elements in a buffer view. Each element has `size` bytes, and they are
-// `stride` bytes apart.
+// Returns the bytes of `count` elements in a buffer view. Each element has `size` bytes. Successive elements
+// begin `stride` bytes apart.
 std::string_view elements(const GltfDocument& d, const JsonPlace& place, std::size_t view, std::size_t count,
                           std::size_t size, std::size_t stride) {
     const std::size_t offset = place.whole("byteOffset", 0, largest_gltf_bytes).value_or(0);

@@ -11,24 +11,24 @@ namespace postlens {
 
 struct GltfValues {
     std::size_t count = 0;
-    std::size_t components = 1;  ///< number per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// one element after the other; finite; normalised integers are in [-1, 1] or [0, 1]
+    std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
+    /// all values, element by element; finite; normalised integers become [-1, 1] or [0, 1]
     std::vector<float> values;
 };
 
-/// Reads accessors and limits their total size. The limit is needed because many accessors may refer to the
-/// same small buffer.
+/// Reads accessors (typed arrays of a glTF document) and limits their total size. Without this limit, many
+/// accessors that refer to one small buffer could fill the memory.
 class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// Returns the elements of an accessor, whose index must be in range. Sparse elements are filled in.
-    /// `place` is the JSON object that refers to the accessor, for error messages. Throws
-    /// Error(invalid_input) if the number of components is not one of `components`, if elements lie outside
-    /// the buffer view, or if a number is not finite.
+    /// Returns the elements of an accessor, including sparse ones. `index` must be in range. `place` is the
+    /// JSON object that refers to the accessor, for error messages. Throws Error(invalid_input) if the number
+    /// of components is not one of `components`, if elements lie outside the buffer view, or if a number is
+    /// not finite.
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
-    /// Returns the unsigned integers of a SCALAR accessor. Each must be less than `limit`.
+    /// Returns the unsigned integers of a SCALAR accessor. Throws if one of them is not less than `limit`.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t index, std::size_t limit,
                                                      const JsonPlace& place);
 

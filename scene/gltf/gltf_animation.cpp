@@ -21,7 +21,7 @@ std::array<double, 4> parts_of(const glm::dquat& q) {
     return {q.x, q.y, q.z, q.w};
 }
 
-// A quaternion of length 0 stands for the identity.
+// Normalises a quaternion. A quaternion of length 0 becomes the identity.
 std::array<double, 4> unit(const std::array<double, 4>& v) {
     const glm::dquat q = quaternion(v);
     return glm::length(q) > 1e-12 ? parts_of(glm::normalize(q)) : std::array<double, 4>{0, 0, 0, 1};
@@ -124,8 +124,8 @@ class AnimationReader {
 std::array<double, 4> GltfCurve::at(double time_s) const {
     const auto after = std::upper_bound(times_s.begin(), times_s.end(), time_s);
     const bool cubic = kind == Kind::cubic_spline;
-    // Returns one part of key k. The parts of a cubic spline are 0 (incoming tangent), 1 (value) and 2
-    // (outgoing tangent). Other curves have only the value.
+    // Returns one part of key k. A key of a cubic spline has three parts: incoming tangent (0), value (1) and
+    // outgoing tangent (2). A key of any other curve has only the value.
     const auto value = [&](std::size_t k, std::size_t part) {
         std::array<double, 4> v{};
         const std::size_t from = (cubic ? 3 * k + part : k) * components;
@@ -146,7 +146,7 @@ std::array<double, 4> GltfCurve::at(double time_s) const {
         for (std::size_t i = 0; i < components; ++i) v[i] = (1 - t) * a[i] + t * b[i];
         return v;
     }
-    // Cubic Hermite interpolation. The tangents are slopes per second [gltf2, appendix C.4].
+    // Cubic Hermite interpolation. Tangents are slopes per second [gltf2, appendix C.4].
     const auto leaving = value(k, 2), arriving = value(k + 1, 0);
     const double t2 = t * t, t3 = t2 * t;
     for (std::size_t i = 0; i < components; ++i) {

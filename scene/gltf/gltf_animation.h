@@ -1,4 +1,4 @@
-// The animations of a glTF document: curves of the nodes' translations, rotations and scales.
+// The animations of a glTF document. They are curves for the translation, rotation and scale of nodes.
 #pragma once
 
 #include <array>
@@ -12,33 +12,35 @@
 
 namespace postlens {
 
-/// One animation curve [gltf2, appendix C]. Its value is constant before the first key and after the last.
+/// An animation curve [gltf2, appendix C]. Its value is constant before the first keyframe and after the
+/// last.
 struct GltfCurve {
     enum class Kind { step, linear, cubic_spline };
     Kind kind = Kind::linear;
     std::vector<double> times_s;  ///< ascending
-    std::size_t components = 3;   ///< 4: a rotation, as quaternion x, y, z, w
-    std::vector<double> values;   ///< per key; for a cubic_spline: incoming tangent, value, outgoing tangent
+    std::size_t components = 3;   ///< 4 for a rotation, which is a quaternion x, y, z, w
+    std::vector<double> values;   ///< per keyframe; cubic_spline: incoming tangent, value, outgoing tangent
 
-    /// Returns the value at an instant. Rotations have unit length. Linear rotations are interpolated by
-    /// slerp along the shorter arc; cubic ones are normalised.
+    /// Returns the value at a time. Rotations have unit length. If the curve is linear, rotations are
+    /// interpolated by slerp along the shorter arc. If it is cubic, the interpolated quaternion is
+    /// normalised.
     [[nodiscard]] std::array<double, 4> at(double time_s) const;
 };
 
 /// The curves of one node.
 struct GltfNodeCurves {
     std::optional<GltfCurve> translation, rotation, scale;
-    /// Returns the placement of the node at an instant. Components without a curve are taken from `own`.
+    /// Returns the placement of the node at a time. A component without a curve is taken from `own`.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
-    /// Returns the instants of all keys, ascending. A step curve jumps at each key but the first, so it has
-    /// another instant shortest_key_gap_s before each of these keys.
+    /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
+    /// It therefore has an additional time shortest_key_gap_s before each jump.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 
-/// Reads the curves of all animated nodes, by index of the node. All animations of the document play at the
-/// same time. If two of them animate the same property of a node, the first is used and a note is made.
-/// Animations of morph weights and KHR_animation_pointer are ignored, with a note to the user. Translations
-/// are multiplied by `metres_per_unit`. Throws Error(invalid_input).
+/// Reads the curves of all animated nodes. The result maps the index of a node to its curves. All animations
+/// of the document play at the same time. If two animations affect the same property of a node, the first one
+/// is used, with a note to the user. Animations of morph weights and KHR_animation_pointer are ignored, also
+/// with a note. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input).
 [[nodiscard]] std::map<std::size_t, GltfNodeCurves> read_gltf_animations(const GltfDocument& document,
                                                                          GltfAccessors& accessors,
                                                                          double metres_per_unit,

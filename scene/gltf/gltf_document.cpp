@@ -15,8 +15,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view glb_magic = "glTF";
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 
-// Reads a little-endian word. No conversion is needed, because all supported machines are little-endian as
-// well.
+// Reads a little-endian word. All supported machines are little-endian, so no conversion is needed.
 std::uint32_t word(std::string_view bytes, std::size_t at) {
     std::uint32_t value = 0;
     std::memcpy(&value, bytes.data() + at, sizeof value);
@@ -93,7 +92,7 @@ int hex_digit(char c) {
     return -1;
 }
 
-// Decodes the percent-encoding of a URI, such as %20.
+// Decodes the percent-encoded characters of a URI, such as %20.
 std::string without_percents(const std::string& uri) {
     std::string out;
     for (std::size_t i = 0; i < uri.size(); ++i) {
@@ -123,8 +122,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // Required extensions of materials change the appearance but not the geometry. Unknown extensions of
-    // materials therefore cause a note instead of an error.
+    // A material extension changes the appearance, but not the geometry. So an unknown material extension
+    // causes a note instead of an error, even if the document requires it.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {
@@ -160,7 +159,7 @@ void read_buffers(GltfDocument& d, const std::optional<std::string_view>& binary
     }
 }
 
-// Checks that every buffer view lies within its buffer.
+// Throws an error unless every buffer view lies within its buffer.
 void check_views(const GltfDocument& d) {
     for (const JsonPlace& v : d.root().objects("bufferViews")) {
         const std::size_t buffer = v.required(v.index("buffer", d.buffers.size()), "buffer");

@@ -1,4 +1,5 @@
-// A glTF 2.0 document [gltf2] with its binary data: a .gltf with files or data URIs, or a .glb.
+// A glTF 2.0 document [gltf2] and its binary data. The document is a .gltf with files or data URIs, or a
+// .glb.
 #pragma once
 
 #include <deque>
@@ -17,7 +18,7 @@ struct GltfDocument {
     std::filesystem::path path;
     std::string file;  ///< the path, for error messages
     nlohmann::json json;
-    std::deque<std::string> bytes;  ///< the file itself, then the files and data URIs to which it refers
+    std::deque<std::string> bytes;  ///< the file, followed by the files and data URIs to which it refers
     std::vector<std::string_view> buffers;  ///< each has the length that the document states
     std::vector<ReferredFile> files;        ///< for the scene's SHA-256
 
@@ -31,25 +32,24 @@ struct GltfDocument {
     [[nodiscard]] JsonPlace root() const { return {file, json, ""}; }
     /// Returns the bytes of a buffer view. `index` must be in range.
     [[nodiscard]] std::string_view view(std::size_t index) const;
-    /// Returns the number of elements in an array of the document; 0 if there is no such array.
+    /// Returns the number of elements in an array of the document, or 0 if there is no such array.
     [[nodiscard]] std::size_t count(const char* array) const;
     /// Returns element `index` of an array of the document. The element must exist.
     [[nodiscard]] JsonPlace item(const char* array, std::size_t index) const;
 
-    /// Returns the bytes of a data URI, or of a file. A file must lie in the scene's folder or below, and is
+    /// Returns the bytes of a data URI or of a file. A file must be in the scene's folder or below, and is
     /// added to `files`. `place` is the JSON object that contains the URI, for error messages. Throws
-    /// Error(invalid_input) for any other URI, for a path that leads out of the folder, and for a file that
-    /// cannot be read.
+    /// Error(invalid_input) for other kinds of URI, for a path that leads out of the folder, and for a file
+    /// that cannot be read.
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 
-/// Largest size, bytes, of a file, and of all buffers of a document in total.
+/// Largest accepted size, in bytes, of a file and of all buffers of a document together.
 inline constexpr std::uintmax_t largest_gltf_bytes = std::uintmax_t{1} << 31;
 
-/// Reads `path` into `out`, which must be empty. The first bytes determine whether the file is a .glb or
-/// JSON. Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, or a buffer that is missing or
-/// shorter than stated. Also throws it for a version other than 2, and for a required extension that is not
-/// supported.
+/// Reads `path` into `out`, which must be empty. The first bytes show whether the file is a .glb or JSON.
+/// Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, for a buffer that is missing or shorter
+/// than stated, for a version other than 2, and for a required extension that is not supported.
 void read_gltf_document(const std::filesystem::path& path, GltfDocument& out);
 
 }  // namespace postlens

@@ -17,7 +17,7 @@ using glm::dvec3;
 
 constexpr std::size_t clamp_to_edge = 33071, mirrored_repeat = 33648, nearest_filter = 9728;
 
-// Extensions that are read. Others cause a note.
+// Extensions that are read. Any other extension causes a note to the user.
 constexpr std::array<std::string_view, 7> known_extensions{
     "KHR_materials_transmission", "KHR_materials_volume",
     "KHR_materials_ior",          "KHR_materials_emissive_strength",
@@ -80,7 +80,7 @@ class MaterialReader {
             }
         }
         if (s.unlit) {
-            // An unlit material emits its base colour, and nothing of its own.
+            // An unlit material emits its base colour and ignores the emissive factor.
             out.emission_has_colour = true;
         } else if (const auto t = m.object("emissiveTexture")) {
             read_emissive_picture(*t, has_uv, out, uv);
@@ -88,13 +88,13 @@ class MaterialReader {
         return out;
     }
 
-    // `has_uv`: whether the colour's picture already determines `uv`.
+    // `has_uv` states whether the texture of the base colour already determines `uv`.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // Most of an emissive picture is usually black. If the picture cannot be read, the surface
-            // therefore does not emit.
+            // If the emissive texture cannot be read, the surface does not emit. Most of such a texture is
+            // usually black.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {
@@ -120,8 +120,8 @@ class MaterialReader {
     void read_extensions(const JsonPlace& m, MetallicRoughness& s) {
         if (const auto e = m.extension("KHR_materials_ior")) {
             s.ior = e->number("ior", 0, 100).value_or(1.5);
-            // In KHR_materials_ior, an index of refraction of 0 describes a mirror at all angles. postlens
-            // does not support that.
+            // In KHR_materials_ior, an index of refraction of 0 means a mirror at all angles, which postlens
+            // does not support.
             if (s.ior < 1) {
                 notes_.add("an index of refraction below 1 is taken as 1.5");
                 s.ior = 1.5;
@@ -164,8 +164,8 @@ class MaterialReader {
         if (m.has("occlusionTexture")) notes_.add("an occlusionTexture is left out");
     }
 
-    // Returns the decoded image of a texture. If the texture has no image of a known kind, makes a note and
-    // returns null.
+    // Returns the decoded image of a texture. If the texture has no image of a supported kind, adds a note
+    // and returns null.
     const RawImage* image_of(const JsonPlace& info) {
         const std::size_t texture = info.required(info.index("index", d_.count("textures")), "index");
         const JsonPlace t = d_.item("textures", texture);

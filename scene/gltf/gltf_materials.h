@@ -1,4 +1,4 @@
-// The materials and textures of a glTF document.
+// Reads the materials and textures of a glTF document.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@ namespace postlens {
 
 struct GltfMaterials {
     std::vector<Material> materials;  ///< one per material of the document
-    std::vector<UvSource> uvs;        ///< for each material, the texture coordinates that its textures use
+    std::vector<UvSource> uvs;        ///< for each material, the texture coordinates of its textures
 };
 
 /// Reads all materials and converts them to Whitted's model (scene/metallic_roughness.h). Textures of colour
-/// and emission are read. Textures of metallic, roughness and transmission are replaced by their means.
-/// Everything that is ignored causes a note to the user. Throws Error(invalid_input).
+/// and emission are read. A texture of metallic, roughness or transmission is replaced by its mean. There is
+/// a note to the user for everything that is ignored. Throws Error(invalid_input).
 [[nodiscard]] GltfMaterials read_gltf_materials(GltfDocument& document, SceneNotes& notes);
 
 }  // namespace postlens

@@ -12,7 +12,7 @@ using glm::dvec3;
 
 enum Mode : std::size_t { triangles = 4, strip = 5, fan = 6 };
 
-// Returns the triangles of a list, a strip or a fan of corners. All have the winding of the first triangle.
+// Returns the triangles of a list, a strip or a fan. All triangles have the winding of the first one.
 std::vector<glm::uvec3> assemble(std::size_t mode, const std::vector<std::uint32_t>& corners) {
     std::vector<glm::uvec3> out;
     if (mode == triangles) {
@@ -97,7 +97,7 @@ class PrimitiveReader {
             });
         const auto dropped = mesh_.triangles.end() - kept;
         mesh_.triangles.erase(kept, mesh_.triangles.end());
-        // Strips contain triangles without area to join their parts, so these triangles cause no note.
+        // Strips use triangles without area to join their parts. These triangles cause no note.
         if (mode != strip) {
             for (auto i = dropped; i > 0; --i) notes_.add("a triangle without area is left out");
         }
@@ -121,8 +121,8 @@ class PrimitiveReader {
         mesh_.uvs.reserve(t->count);
         for (std::size_t i = 0; i < t->count; ++i) {
             const double u = source.scale.x * t->values[2 * i], v = source.scale.y * t->values[2 * i + 1];
-            // KHR_texture_transform applies a scale, then a rotation (clockwise, because v runs downwards),
-            // then an offset. In the mesh, v runs upwards.
+            // KHR_texture_transform applies a scale, then a rotation (clockwise, because v points down), then
+            // an offset. In the mesh, v points up.
             mesh_.uvs.emplace_back(c * u + s * v + source.offset.x, 1 - (-s * u + c * v + source.offset.y));
         }
     }

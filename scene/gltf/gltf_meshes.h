@@ -1,4 +1,4 @@
-// The triangles of a glTF document.
+// Reads the triangles of a glTF document.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The set of texture coordinates that a material uses, and their transform by KHR_texture_transform, in
-/// which v runs downwards.
+/// The texture coordinates that a material uses: their set, and a transform by KHR_texture_transform, in
+/// which v points down.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};
@@ -23,12 +23,12 @@ struct UvSource {
 /// One primitive of a mesh.
 struct GltfPart {
     std::shared_ptr<const Mesh> mesh;
-    std::optional<std::size_t> material;  ///< index in the document; empty: the default material
+    std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
 /// Returns the primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without
-/// area and morph targets are ignored, with a note to the user. `uvs`: for each material of the document, the
-/// texture coordinates that its textures use. Throws Error(invalid_input).
+/// area and morph targets are ignored, with a note to the user. `uvs` states, for each material of the
+/// document, which texture coordinates its textures use. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

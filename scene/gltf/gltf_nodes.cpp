@@ -54,7 +54,7 @@ Local local_of(const JsonPlace& node, double unit) {
     return out;
 }
 
-// Returns the parent of each node; empty for roots. Throws an error if a node has two parents.
+// Returns the parent of each node, or empty for a root. Throws an error if a node has two parents.
 std::vector<std::optional<std::size_t>> parents_of(const GltfDocument& d) {
     std::vector<std::optional<std::size_t>> parents(d.count("nodes"));
     const auto nodes = d.root().objects("nodes");
@@ -81,8 +81,8 @@ GltfNodes::GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNod
     if (scenes > 1) notes_.add(fmt::format("of {} scenes number {} is shown", scenes, shown));
     const auto parents = parents_of(d_);
     const JsonPlace scene = d_.item("scenes", shown);
-    // Every node has at most one parent, and roots have none. The nodes that are reached from the roots
-    // therefore form no cycle.
+    // Each node has at most one parent, and roots have none. So the nodes that can be reached from the roots
+    // form no cycle.
     std::vector<std::pair<std::size_t, std::optional<std::size_t>>>
         open;  // node, index of its parent in nodes_
     std::vector<bool> seen(parents.size(), false);

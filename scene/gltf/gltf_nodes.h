@@ -1,4 +1,4 @@
-// The nodes of a glTF document as a tree, with the position and the motion of each node.
+// The nodes of a glTF document as a tree, with the placement and the motion of each node.
 #pragma once
 
 #include <map>
@@ -11,42 +11,42 @@
 
 namespace postlens {
 
-/// A node that belongs to the displayed scene. `frame` is the nearest animated node: the node itself or an
-/// ancestor. The node does not move relative to `frame`.
+/// A node of the displayed scene. `frame` is the nearest animated node: the node itself or an ancestor. The
+/// node does not move relative to `frame`.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations
-    std::optional<std::size_t> frame;  ///< index in the document; empty: the node does not move
-    glm::dmat4 frame_from_node{1};     ///< constant over time; the identity without a frame
+    std::optional<std::size_t> frame;  ///< index in the document; empty if the node does not move
+    glm::dmat4 frame_from_node{1};     ///< constant over time; the identity if there is no `frame`
 };
 
 class GltfNodes {
   public:
     /// Reads the nodes of the default scene, or of the first scene if there is no default. Parents precede
     /// their children. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input) if there
-    /// is no scene, if the nodes do not form trees, or if a chain of ancestors has more than 256 animated
-    /// nodes.
+    /// is no scene, if the nodes do not form trees, or if a chain of ancestors contains more than 256
+    /// animated nodes.
     GltfNodes(const GltfDocument& document, std::map<std::size_t, GltfNodeCurves> curves,
               double metres_per_unit, SceneNotes& notes);
 
     [[nodiscard]] const std::vector<GltfNode>& nodes() const { return nodes_; }
-    /// Returns the placement of the animated node `frame` in the world at an instant.
+    /// Returns the placement of the animated node `frame` in the world at a time.
     [[nodiscard]] Placement frame_at(std::size_t frame, double time_s) const;
-    /// Returns the instants of the keys of the animated node `frame` and of its animated ancestors,
+    /// Returns the times of the keyframes of the animated node `frame` and of its animated ancestors,
     /// ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// Returns the greatest error of the placement of the animated node `frame` at the instants of its keys,
-    /// relative to the size of the placement. The error is due to shear, which a placement (translation,
-    /// rotation, scale) cannot represent.
+    /// Returns the greatest error of the placement of the animated node `frame` at its keyframes, relative to
+    /// the size of the placement. The error is caused by shear, which a placement (translation, rotation,
+    /// scale) cannot represent.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:
     struct Frame {
         std::optional<std::size_t> above;  // the nearest animated ancestor
         Placement above_from_parent;       // constant transform from this node's parent to `above`
-        double shear = 0;  // error due to shear in above_from_parent and in the node's own transform
+        double shear = 0;  // error caused by shear in above_from_parent and in the node itself
         Placement own;     // the node's placement relative to its parent, at rest
-        int depth = 0;     // number of animated nodes from the root to this one
+        int depth = 0;     // number of animated nodes from the root to this node
     };
     void add(std::size_t index, const GltfNode* parent, double unit);
     [[nodiscard]] Decomposed placed(std::size_t frame, double time_s) const;

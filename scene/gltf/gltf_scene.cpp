@@ -20,7 +20,7 @@ namespace {
 using glm::dmat4;
 using glm::dvec3;
 
-// Largest error of a sampled motion, as a fraction of the size of the moving objects.
+// Largest error of a motion approximated by keyframes, as a fraction of the size of the moving objects.
 constexpr double motion_tolerance = 1e-4;
 
 class GltfReader {
@@ -41,8 +41,8 @@ class GltfReader {
         add_views(nodes);
         notes_.append_to(scene_.notes, d_.path);
         name_sources(d_.bytes.front(), d_.files, scene_);
-        // The lights of a file determine its illumination, so no ambient light is added to them. A file
-        // without lights has the default ambient light.
+        // If the file has lights, they alone light the scene. Only a file without lights gets the default
+        // ambient light.
         if (!scene_.lights.empty()) scene_.ambient_light = dvec3(0);
         complete_scene(scene_, d_.path, answers_to_lights(scene_), 1, open_side(scene_));
         return std::move(scene_);
@@ -59,8 +59,8 @@ class GltfReader {
         if (part.material) return *part.material;
         if (!default_material_) {
             default_material_ = scene_.materials.size();
-            // The default material is white and diffuse. The default of glTF, a rough white metal, is rarely
-            // what an author intends.
+            // The default material is white and diffuse. glTF's default is a rough white metal, which authors
+            // rarely intend.
             scene_.materials.emplace_back().name = "default";
         }
         return *default_material_;
@@ -107,7 +107,7 @@ class GltfReader {
 
     void move_objects(const GltfNodes& nodes) {
         for (const auto& [moving_frame, objects] : moving_) {
-            const auto frame = moving_frame;  // in clang 14, a lambda cannot capture a structured binding
+            const auto frame = moving_frame;  // clang 14 cannot capture a structured binding in a lambda
             Bounds box;
             for (const std::size_t i : objects) {
                 box.add(shape_bounds(scene_.objects[i].shape, scene_.objects[i].motion_base));
@@ -180,7 +180,7 @@ class GltfReader {
                     keys.clear();
                 }
             }
-            if (!keys.empty()) world = dmat4(1);  // the keys hold the whole placement
+            if (!keys.empty()) world = dmat4(1);  // the keyframes contain the whole placement
             if (camera) add_camera(*camera, world, keys);
             if (light) add_light(*light, world, keys);
         }
@@ -204,7 +204,7 @@ class GltfReader {
         scene_.lights.push_back(std::move(light));
     }
 
-    // Names must be unique, because --camera selects a camera by its name.
+    // Names of cameras must be unique, because --camera selects a camera by its name.
     [[nodiscard]] std::string unused_name(const std::string& name) const {
         std::string out = name;
         for (int n = 2; std::any_of(scene_.cameras.begin(), scene_.cameras.end(),

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Height of the raster, because glTF contains none. The width follows from the aspect ratio of the camera.
+// Height of the raster, which glTF does not state. The aspect ratio of the camera gives the width.
 constexpr int height_px = 540;
 constexpr double least_aspect = 0.01, most_aspect = 100;
 
@@ -42,8 +42,8 @@ std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace&
         camera.width = width_px(p.number("aspectRatio", 1e-6, 1e6).value_or(16.0 / 9));
     } else if (type == "orthographic") {
         const JsonPlace o = c.required(c.object("orthographic"), "orthographic");
-        // Published files contain negative magnifications. Their sign has no meaning, so the absolute value
-        // is used.
+        // Some published files contain negative magnifications. The sign has no meaning, so the absolute
+        // value is used.
         const double x = std::abs(o.required(o.number("xmag", -largest_length_m, largest_length_m), "xmag"));
         const double y = std::abs(o.required(o.number("ymag", -largest_length_m, largest_length_m), "ymag"));
         if (!(x * unit >= smallest_extent_m && y * unit >= smallest_extent_m)) {
@@ -81,7 +81,7 @@ std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& n
         l.fail_here("is of an unknown type (got {}; expected directional, point or spot)", excerpt(type));
     }
     light.kind = type == "point" ? Light::Kind::point : Light::Kind::spot;
-    // The light decreases with the square of the distance in units of the file. The image therefore does not
+    // The light decreases with the square of the distance in the file's unit, so that the image does not
     // depend on the unit.
     light.attenuation = dvec3(0, 0, 1 / (unit * unit));
     if (l.has("range")) notes.add("the range of a light is left out: it shines on beyond it");

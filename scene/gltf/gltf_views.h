@@ -9,13 +9,13 @@
 
 namespace postlens {
 
-/// Returns the camera of a node; empty if it has none. Throws Error(invalid_input).
+/// Returns the camera of a node, or empty if the node has none. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Camera> gltf_camera(const GltfDocument& document, const JsonPlace& node,
                                                 double metres_per_unit);
 
-/// Returns the light of a node (KHR_lights_punctual); empty if it has none. The intensity in the file, in lux
-/// or candela, is divided by (pi lumens_per_watt). The result is the radiance of a white diffuse surface in
-/// this light. Throws Error(invalid_input).
+/// Returns the light of a node (KHR_lights_punctual), or empty if the node has none. The intensity in the
+/// file, in lux or candela, is divided by (pi lumens_per_watt). The result is the radiance of a white diffuse
+/// surface in this light. Throws Error(invalid_input).
 [[nodiscard]] std::optional<Light> gltf_light(const GltfDocument& document, const JsonPlace& node,
                                               const SceneReadOptions& options, SceneNotes& notes);
 

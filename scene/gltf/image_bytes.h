@@ -10,25 +10,25 @@
 namespace postlens {
 
 /// The values stored in an image file, four per pixel (red, green, blue, alpha), top row first. Integers are
-/// scaled to 0 to 1. The transfer curve is not inverted. A missing alpha is 1; grey is copied to all three
-/// colours.
+/// scaled to 0..1. The transfer curve is not inverted. If the file has no alpha, alpha is 1. Grey is copied
+/// to all three colours.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;
     bool has_alpha = false;
 };
 
-/// Largest image that is decoded, pixels. Its RawImage needs 1 GiB.
+/// Largest image that is decoded, in pixels. Such an image needs 1 GiB as a RawImage.
 inline constexpr double most_image_pixels = 1 << 26;
 
-/// Decodes a PNG, JPEG or OpenEXR file. `name` is for error messages. Throws Error(invalid_input), also if
-/// the image has more than most_image_pixels or if a value is not finite.
+/// Decodes a PNG, JPEG or OpenEXR file. Error messages call the file `name`. Throws Error(invalid_input) if
+/// the file cannot be decoded, has more than most_image_pixels, or contains a value that is not finite.
 [[nodiscard]] RawImage decode_image(std::string_view bytes, const std::string& name);
 
-/// Returns a texture with scene-linear colours. The stored values are interpreted as sRGB.
+/// Converts stored sRGB values to a texture with scene-linear colours.
 [[nodiscard]] ImageTexture colour_image(const RawImage& raw);
 
-/// Returns the mean of the scene-linear colours. The stored values are interpreted as sRGB.
+/// Converts stored sRGB values to scene-linear colours and returns their mean.
 [[nodiscard]] glm::dvec3 mean_colour(const RawImage& raw);
 
 /// Returns the mean of the stored values of one channel (0 to 3).

@@ -12,14 +12,14 @@ using nlohmann::json;
 constexpr int deepest = 128;
 constexpr std::size_t most_values = 4'000'000;
 
-// A short description of a value for error messages.
+// Returns a short description of a value for error messages.
 std::string shown(const json& value) {
     if (value.is_string()) return excerpt(value.get_ref<const std::string&>());
     if (value.is_number() || value.is_boolean()) return value.dump();
     return std::string("an ") + (value.is_array() ? "array" : value.is_object() ? "object" : "empty value");
 }
 
-// Returns the message of the parser without its error number, as printable ASCII of at most 200 characters.
+// Returns the message of the parser without its error number, in at most 200 characters of printable ASCII.
 std::string one_line(const json::exception& error) {
     std::string text = error.what();
     const auto end = text.find("] ");
@@ -31,8 +31,9 @@ std::string one_line(const json::exception& error) {
     return text.substr(0, 200);
 }
 
-// Limits nesting depth and number of values before parsing, by counting brackets, commas and colons outside
-// strings. A callback of the parser is not used, because it would scan the whole array for each element.
+// Checks the nesting depth and the number of values before parsing. Counts brackets, commas and colons
+// outside strings. A callback of the parser would be slow, because it would scan the whole array for each
+// element.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
     std::size_t values = 0;
@@ -63,7 +64,8 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // The parser throws not only parse_error: a number beyond the range of double throws out_of_range.
+        // The parser does not only throw parse_error. For example, a number beyond the range of double throws
+        // out_of_range.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

@@ -1,4 +1,4 @@
-// Reads JSON from untrusted files. Every access is checked, and error messages contain the position in the
+// Reads JSON from untrusted files. Every access is checked. Error messages contain the position in the
 // document.
 #pragma once
 
@@ -14,14 +14,14 @@
 
 namespace postlens {
 
-/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested deeper than 128
-/// levels or has more than 4 million values. (A value needs about 100 bytes of memory.)
+/// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested more than 128
+/// levels deep, or has more than 4 million values. A value needs about 100 bytes of memory.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// A JSON value and its position in the document, such as "materials[2].emissiveFactor". Keeps references to
-/// the document and to the name of the file. Each accessor takes a key of this JSON object and returns an
-/// empty value if the key is missing. It throws Error(invalid_input) "FILE: PLACE what (got X; expected Y)"
-/// if the value of the key has a wrong type or is out of range.
+/// the document and to the name of the file. The accessors take a key of this JSON object and return an empty
+/// value if the key is missing. They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the
+/// value has the wrong type or is out of range.
 class JsonPlace {
   public:
     JsonPlace(const std::string& file, const nlohmann::json& value, std::string where)
@@ -31,17 +31,17 @@ class JsonPlace {
     [[nodiscard]] const std::string& where() const { return where_; }
     [[nodiscard]] bool has(const char* key) const { return value_->contains(key); }
 
-    /// Returns the object, or array of objects, under a key of this object.
+    /// Returns the object (or the array of objects) that this object has under a key.
     [[nodiscard]] std::optional<JsonPlace> object(const char* key) const;
-    [[nodiscard]] std::vector<JsonPlace> objects(const char* key) const;  ///< none where the key is missing
+    [[nodiscard]] std::vector<JsonPlace> objects(const char* key) const;  ///< empty if the key is missing
     /// extensions.NAME
     [[nodiscard]] std::optional<JsonPlace> extension(const char* name) const;
 
     [[nodiscard]] std::optional<double> number(const char* key, double least, double most) const;
-    /// A whole number.
+    /// Returns a whole number.
     [[nodiscard]] std::optional<std::size_t> whole(const char* key, std::size_t least,
                                                    std::size_t most) const;
-    /// An index into an array of `count` elements.
+    /// Returns an index into an array of `count` elements.
     [[nodiscard]] std::optional<std::size_t> index(const char* key, std::size_t count) const;
     [[nodiscard]] std::vector<std::size_t> indices(const char* key, std::size_t count) const;
     [[nodiscard]] std::optional<std::vector<double>> numbers(const char* key, std::size_t count, double least,

@@ -25,7 +25,7 @@ class MemoryStream : public Assimp::IOStream {
     }
     aiReturn Seek(std::size_t offset, aiOrigin origin) override {
         const std::size_t base = origin == aiOrigin_SET ? 0 : origin == aiOrigin_CUR ? at_ : bytes_.size();
-        // For aiOrigin_END, assimp measures the offset backwards from the end of the file.
+        // For aiOrigin_END, assimp counts the offset backwards from the end of the file.
         const std::size_t to = origin == aiOrigin_END ? base - std::min(base, offset) : base + offset;
         if (to > bytes_.size()) return aiReturn_FAILURE;
         at_ = to;
@@ -65,7 +65,7 @@ std::string as_utf8(std::string text) {
         const auto high = static_cast<unsigned char>(text[big ? i : i + 1]);
         const auto low = static_cast<unsigned char>(text[big ? i + 1 : i]);
         const std::uint32_t c = static_cast<std::uint32_t>(high) << 8 | low;
-        // Surrogate pairs occur only in names, where a replacement does no harm.
+        // Surrogate pairs occur only in names, where replacing them does no harm.
         if (c >= 0xD800 && c < 0xE000) {
             out.push_back('?');
         } else {

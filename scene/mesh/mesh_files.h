@@ -1,4 +1,4 @@
-// The files that assimp may read: the scene file, and the files in its folder to which it refers.
+// The files that assimp may read: the scene file, and the files in the same folder to which it refers.
 #pragma once
 
 #include <assimp/IOStream.hpp>
@@ -14,12 +14,12 @@
 
 namespace postlens {
 
-/// Provides assimp with whole files from memory, as UTF-8. MTL files are rewritten (obj_text.h). UTF-16 is
-/// recognised by its byte order mark. Files outside the scene's folder are not opened, and nothing is
-/// written. Requested files that are missing or outside the folder are added to lists.
+/// Gives assimp the contents of files as UTF-8 from memory. Rewrites MTL files (obj_text.h). Recognises
+/// UTF-16 by its byte order mark. Does not open files outside the scene's folder, and writes nothing. Keeps
+/// lists of requested files that are missing or outside the folder.
 class MeshFiles : public Assimp::IOSystem {
   public:
-    /// `text`: content of the scene file, as `rewritten_obj` returns it.
+    /// `text` is the content of the scene file, as returned by `rewritten_obj`.
     MeshFiles(std::filesystem::path scene_path, std::string text, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), text_(std::move(text)), notes_(notes) {}
 
@@ -29,8 +29,8 @@ class MeshFiles : public Assimp::IOSystem {
     void Close(Assimp::IOStream* stream) override;
 
     [[nodiscard]] const std::vector<ReferredFile>& opened() const { return opened_; }
-    /// The options of the texture images in the MTL files (such as -s and -o of map_Kd), by the name of the
-    /// material.
+    /// Returns the options of the texture images in the MTL files (such as -s and -o of map_Kd), by name of
+    /// the material.
     [[nodiscard]] const std::map<std::string, MaterialPictures>& pictures() const { return pictures_; }
     [[nodiscard]] const std::vector<std::string>& missing() const { return missing_; }
     [[nodiscard]] const std::vector<std::string>& outside() const { return outside_; }
@@ -46,10 +46,10 @@ class MeshFiles : public Assimp::IOSystem {
     SceneNotes& notes_;
 };
 
-/// Largest file that assimp may read, bytes. Assimp needs about ten times this size in memory.
+/// Largest file that assimp may read, in bytes. Assimp needs about ten times as much memory.
 inline constexpr std::uintmax_t largest_mesh_file_bytes = std::uintmax_t{1} << 30;
 
-/// Converts UTF-16 text with a byte order mark to UTF-8, and replaces surrogates by '?'. Removes the byte
+/// Converts UTF-16 text with a byte order mark to UTF-8, with '?' in place of surrogates. Removes the byte
 /// order mark from UTF-8 text. Returns any other text unchanged.
 [[nodiscard]] std::string as_utf8(std::string text);
 

@@ -16,7 +16,7 @@ namespace {
 
 using glm::dvec3;
 
-// Clamps to [0, most]. Values that are not finite become 0.
+// Clamps a value to [0, most]. A value that is not finite becomes 0.
 double sane(double value, double most) {
     return std::isfinite(value) ? std::clamp(value, 0.0, most) : 0.0;
 }
@@ -54,7 +54,7 @@ Material MeshMaterials::read(const aiMaterial& from, const MaterialPictures& pic
     const auto roughness = number(from, AI_MATKEY_ROUGHNESS_FACTOR),
                metallic = number(from, AI_MATKEY_METALLIC_FACTOR);
     int illum = 2;
-    // The key under which assimp's MTL reader stores `illum`. No assimp header defines a name for this key.
+    // The key under which assimp's MTL reader stores `illum`. assimp has no named constant for it.
     (void)from.Get("$mat.illum", 0, 0, illum);
 
     if (roughness || metallic) {
@@ -87,7 +87,7 @@ Material MeshMaterials::read(const aiMaterial& from, const MaterialPictures& pic
     for (const aiTextureType type : {aiTextureType_AMBIENT, aiTextureType_SPECULAR, aiTextureType_OPACITY,
                                      aiTextureType_SHININESS, aiTextureType_HEIGHT, aiTextureType_NORMALS,
                                      aiTextureType_DISPLACEMENT, aiTextureType_REFLECTION}) {
-        // Many exporters use the texture of Kd also for Ka, so a texture of Ka causes no note.
+        // Many exporters write the texture of Kd also for Ka, so a texture of Ka causes no note.
         if (from.GetTextureCount(type) > 0 && type != aiTextureType_AMBIENT) {
             notes_.add("pictures for anything but Kd and Ke are left out");
         }

@@ -1,4 +1,4 @@
-// Converts materials that assimp has read from MTL, and textures of OBJ and PLY files, to Whitted's model.
+// Converts materials from MTL files (read by assimp), and textures of OBJ and PLY files, to Whitted's model.
 #pragma once
 
 #include <assimp/material.h>
@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files; it is multiplied by Ka. It is low, because exporters write
+/// Ambient light of scenes from OBJ and PLY files. Ka is multiplied by it. It is low, because exporters write
 /// a Ka of 1 for every material.
 inline constexpr double mesh_ambient_light = 0.1;
 
@@ -25,13 +25,13 @@ class MeshMaterials {
     MeshMaterials(std::filesystem::path scene_path, std::vector<ReferredFile>& files, SceneNotes& notes)
         : scene_path_(std::move(scene_path)), files_(files), notes_(notes) {}
 
-    /// Converts a material. `pictures`: the options of the material's pictures. Throws Error(invalid_input)
-    /// if the path of a texture leads out of the scene's folder.
+    /// Converts a material. `pictures` contains the options of the material's texture images. Throws
+    /// Error(invalid_input) if the path of a texture leads out of the scene's folder.
     [[nodiscard]] Material read(const aiMaterial& from, const MaterialPictures& pictures);
-    /// The default material: white and diffuse.
+    /// Returns the default material, which is white and diffuse.
     [[nodiscard]] static Material plain();
-    /// Reads a texture. If the file cannot be read, makes a note and returns null. Throws
-    /// Error(invalid_input) if the path leads out of the scene's folder.
+    /// Reads a texture. Adds a note and returns null if the file cannot be read. Throws Error(invalid_input)
+    /// if the path leads out of the scene's folder.
     [[nodiscard]] std::shared_ptr<const Texture> picture(std::string file, bool clamp = false);
 
   private:

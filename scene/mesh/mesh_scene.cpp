@@ -100,7 +100,8 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // If texture coordinates belong to the corners of faces, every corner becomes a separate position.
+        // If each corner of a face has its own texture coordinates, each corner also becomes a separate
+        // position.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;
@@ -155,8 +156,8 @@ class MeshReader {
         return colour;
     }
 
-    // Colours of PLY files are interpreted as sRGB, because scanners write sRGB. Colours of OBJ files are
-    // linear, like Kd.
+    // Converts a vertex colour from sRGB to linear. Colours in PLY files are treated as sRGB, because
+    // scanners write sRGB. Colours in OBJ files are linear already, like Kd.
     static glm::vec3 screen_colour(const glm::vec3& colour) {
         glm::vec3 out = bounded_colour(colour);
         for (int k = 0; k < 3; ++k) out[k] = linear_from_srgb(out[k]);
@@ -171,13 +172,13 @@ class MeshReader {
             why = importer.GetErrorString();
         } catch (const std::bad_alloc&) {
             throw;
-        } catch (const std::exception& e) {  // assimp catches most of its own exceptions, but not all of them
+        } catch (const std::exception& e) {  // assimp catches most, but not all, of its own exceptions
             why = e.what();
         }
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path_.string(), one_line(why));
     }
 
-    // The depth of the recursion is limited, because node trees of OBJ files have only two levels.
+    // The recursion is not deep, because node trees of OBJ files have only two levels.
     void add_node(const aiScene& from, const aiNode& node, MeshMaterials& materials) {
         if (node.mNumMeshes > 0) {
             const std::string name = node.mName.C_Str();
@@ -208,7 +209,7 @@ class MeshReader {
         return found == pictures_.end() ? MaterialPictures{} : found->second;
     }
 
-    // The options that determine how the texture images of a material are mapped to its surfaces.
+    // Returns the options that map the texture images of a material to its surfaces.
     PictureOptions uv_options(const aiMaterial& material) const {
         const MaterialPictures pictures = pictures_of(material);
         return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;

@@ -13,7 +13,7 @@
 namespace postlens {
 namespace {
 
-// Files have millions of lines. These loops take a third of the time of `find_first_of`.
+// A loop over this function takes a third of the time of `find_first_of`. Files have millions of lines.
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
@@ -37,7 +37,8 @@ std::string_view first_word(std::string_view text) {
     return {text.begin(), std::find_if(text.begin(), text.end(), is_blank)};
 }
 
-// Removes the comment behind numbers. Some programs write numbers that are not finite as "1.#INF".
+// Removes a comment after numbers, but keeps "1.#INF", by which some programs write numbers that are not
+// finite.
 std::string_view without_comment(std::string_view line) {
     std::size_t at = line.find('#');
     while (at != std::string_view::npos && at > 0 && !is_blank(line[at - 1])) at = line.find('#', at + 1);
@@ -48,8 +49,8 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
     return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-// Takes a line with its continuations from the front of `text`, without the line end. A line that ends with a
-// backslash is continued on the next line if `may_go_on` is true.
+// Takes a line from the front of `text`, without the line end. If `may_go_on` is true, a line that ends with
+// a backslash includes the next line.
 std::string_view take_line(std::string_view& text, bool may_go_on) {
     std::size_t end = line_end(text, 0);
     while (may_go_on && end > 0 && end < text.size() && text[end - 1] == '\\') {
@@ -65,7 +66,7 @@ void move_line_ends(std::string_view& text, std::string& out) {
     for (; !text.empty() && is_line_end(text.front()); text.remove_prefix(1)) out += text.front();
 }
 
-// Appends numbers, with a 0 before each decimal point that begins a number.
+// Appends numbers. Adds a 0 before each decimal point that begins a number.
 void append_numbers(std::string_view line, std::string& out) {
     std::size_t copied = 0;
     for (std::size_t at = line.find('.'); at != std::string_view::npos; at = line.find('.', at + 1)) {
@@ -80,8 +81,8 @@ void append_numbers(std::string_view line, std::string& out) {
     out += line.substr(copied);
 }
 
-// Appends an `mtllib` line for each name, up to a comment. Names may contain blanks, so a name ends only
-// behind ".mtl".
+// Appends one `mtllib` line per file name, up to a comment. File names may contain blanks, so a name ends
+// only after ".mtl".
 void append_libraries(std::string_view names, std::string& out) {
     for (bool first = true; !names.empty() && names[0] != '#'; first = false) {
         std::size_t end = 0;
@@ -94,12 +95,12 @@ void append_libraries(std::string_view names, std::string& out) {
     }
 }
 
-// Reads the options of a picture.
+// Reads the options of a texture image.
 class OptionReader {
   public:
     OptionReader(std::string_view words, SceneNotes& notes) : rest_(words), notes_(notes) {}
 
-    // Returns the file name behind the options.
+    // Reads the options into `out`. Returns the file name that follows them.
     std::string_view read(PictureOptions& out) {
         while (rest_.starts_with('-')) {
             const std::string option = lower_case(std::string(take_word()));
@@ -140,7 +141,7 @@ class OptionReader {
         return out;
     }
 
-    // Reads one to three numbers. The third is for textures in three dimensions.
+    // Reads one to three numbers. The third one is for three-dimensional textures and is not used.
     void read_pair(glm::dvec2& to) {
         constexpr double most = 1e9;
         const std::vector<double> v = take_numbers(3);
@@ -168,7 +169,7 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // A backslash before blanks at the end of a line must not become one that continues the line.
+        // A backslash that is followed only by blanks must not become one that continues the line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

@@ -17,7 +17,8 @@
 namespace postlens {
 namespace {
 
-// Returns the index of the property of an element that has one of the given names. Empty if there is none.
+// Returns the index of the property that has one of the given names. Empty if the element has no such
+// property.
 std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<std::string_view> names,
                                     bool is_list) {
     for (const std::string_view name : names) {
@@ -29,7 +30,7 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Returns the indices of several properties, each with its alternative names. Empty if a property is missing.
+// Returns the indices of several properties. Each has alternative names. Empty if a property is missing.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -42,8 +43,8 @@ std::optional<std::array<std::size_t, count>> places_of(
     return out;
 }
 
-// Returns the stored value that represents a colour of 1. A 32-bit integer is treated as a byte that was
-// stored in a wider type.
+// Returns the stored value that means a colour of 1. A 32-bit integer is treated as a byte stored in a wider
+// type.
 double white(PlyType type) {
     if (type == PlyType::float32 || type == PlyType::float64) return 1;
     return type == PlyType::int16 || type == PlyType::uint16 ? 65535 : 255;
@@ -130,14 +131,14 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // Corners of earlier faces, which have no texture coordinates, are set to (0, 0).
+        // Earlier faces had no texture coordinates. Their corners get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
     // Adds the triangles of strips. Every second triangle of a strip has the opposite winding. An index of -1
-    // ends a strip. Triangles with repeated corners only join parts of a strip, and are omitted.
+    // ends a strip. Triangles with repeated corners are omitted, because they only join parts of a strip.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -162,8 +163,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element: its scalars, by index of their property, and the lists that are
-    // needed.
+    // Reads one instance of an element. Stores its scalars, by index of the property, and the lists that are
+    // used.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -249,7 +250,7 @@ class PlyReader {
         return static_cast<T>(out);
     }
 
-    // Returns the next word of ASCII data. Skips lines that begin with the word "comment".
+    // Returns the next word of an ASCII file. Skips lines that begin with the word "comment".
     std::string_view word(const PlyElement& e) {
         for (;;) {
             const std::size_t from = rest_.find_first_not_of(" \t\r\n");
@@ -273,8 +274,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The two lists of a face that are needed, corners and texture coordinates: the index of the property of
-    // each list, and its entries.
+    // The two lists of a face that are used are its corners and its texture coordinates. For each of them,
+    // `kept_lists_` is the index of the property, and `lists_` contains the entries.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

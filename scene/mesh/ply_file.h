@@ -18,16 +18,16 @@ struct PlyFile {
     std::vector<glm::dvec2> uvs;      ///< per position, or empty
     /// one per position, or empty; integers are scaled so that full intensity is 1
     std::vector<glm::dvec3> colours;
-    /// of all faces, one face after the other; an index may exceed the number of positions
+    /// corners of all faces, face by face; an index may exceed the number of positions
     std::vector<std::uint32_t> corners;
     std::vector<std::uint32_t> corner_counts;  ///< per face
-    std::vector<glm::dvec2> corner_uvs;  ///< one per entry of `corners`, used instead of `uvs`; or empty
-    std::string texture_file;            ///< may be empty
+    std::vector<glm::dvec2> corner_uvs;        ///< one per entry of `corners`, replaces `uvs`; or empty
+    std::string texture_file;                  ///< may be empty
 };
 
-/// Reads ASCII and binary files. Elements and properties may have any order, and list counts any type. Reads
-/// faces and triangle strips; other elements are skipped with a note. Needs at most a few times the memory of
-/// `bytes`. Throws Error(invalid_input) "FILE: ...".
+/// Reads an ASCII or binary PLY file. Elements and properties may be in any order, and list counts may have
+/// any type. Reads faces and triangle strips, and skips other elements with a note. Needs at most a few times
+/// the memory of `bytes`. Throws Error(invalid_input) "FILE: ...".
 [[nodiscard]] PlyFile read_ply_file(std::string_view bytes, const std::string& file, SceneNotes& notes);
 
 }  // namespace postlens

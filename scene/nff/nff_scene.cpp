@@ -20,8 +20,8 @@ namespace {
 
 using glm::dvec3;
 
-// The numbers of an `f` line: R G B Kd Ks Shine T ior. The defaults replace numbers that a line lacks. They
-// also apply to objects before the first `f` line.
+// The numbers of an `f` line: R G B Kd Ks Shine T ior. The defaults replace missing numbers. They also apply
+// to objects before the first `f` line.
 using Fill = std::array<double, 8>;
 constexpr Fill default_fill{1, 1, 1, 0.8, 0, 32, 0, 1};
 
@@ -97,7 +97,7 @@ class NffReader {
                 camera.width = read_resolution();
                 camera.height = read_resolution();
             }
-            // 'hither' is the distance of the near clipping plane, which a ray tracer does not need.
+            // 'hither' is the distance of the near clipping plane. A ray tracer does not need it.
             if (*field == "hither") std::ignore = tokens_.number("'hither'", largest_);
         }
         for (std::size_t i = 0; i + 1 < fields.size(); ++i) {
@@ -122,8 +122,8 @@ class NffReader {
 
     int read_resolution() {
         const double pixels = tokens_.number("'resolution'", largest_length_m);
-        // 'angle' is measured between the centres of the first and the last row, so the raster must have at
-        // least two rows.
+        // 'angle' is measured between the centres of the first and the last row of pixels, so there must be
+        // at least two rows.
         if (!(pixels >= 2 && pixels <= largest_raster_px) || pixels != std::floor(pixels)) {
             tokens_.fail_here("'resolution' is out of range (got {}; expected a whole number of 2 to {} px)",
                               pixels, largest_raster_px);
@@ -181,7 +181,7 @@ class NffReader {
         fill[4] = std::min(fill[4], 1.0);
         fill[6] = std::min(fill[6], 1.0);
         if (fill[6] == 0)
-            fill[7] = 1;  // an opaque material does not use the index, which is 0 or 1 in published files
+            fill[7] = 1;  // an opaque material does not use the index, which may be 0 in published files
         if (!(fill[7] > 0))
             tokens_.fail_here("index of refraction is out of range (got {}; expected above 0)", fill[7]);
         material_ = material_of(fill);
@@ -311,8 +311,8 @@ class NffReader {
                 n.count == 1 ? fmt::format("{}:{}: {}", path_.string(), n.line, n.text)
                              : fmt::format("{}:{}: {} ({} times)", path_.string(), n.line, n.text, n.count));
         }
-        // Relative intensity of each light, as proposed in the documentation of the Standard Procedural
-        // Databases.
+        // Relative intensity of each light, as the documentation of the Standard Procedural Databases
+        // proposes.
         const double lights = static_cast<double>(std::max<std::size_t>(scene_.lights.size(), 1));
         const double intensity = std::sqrt(lights) / (2 * lights);
         for (Light& light : scene_.lights) light.intensity *= intensity;

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-// Greatest length of a line, characters. A longer line is an error. Lines of published NFF files have at most
-// 60 characters.
+// Greatest length of a line, in characters. A longer line is an error. Lines of published NFF files have at
+// most 60.
 constexpr std::size_t longest_line = std::size_t{1} << 16;
 constexpr std::size_t chunk_bytes = std::size_t{1} << 16;
 constexpr std::string_view blanks = " \t\r\v\f";
@@ -77,7 +77,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // `peek` may already have read a line after that of the last word, so the line numbers are compared.
+    // `peek` may already have read a line after the one with the last word. The line numbers show whether it
+    // has.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

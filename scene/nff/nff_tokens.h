@@ -1,4 +1,4 @@
-// Splits an NFF file into words. The memory is bounded for any contents of the file.
+// Splits an NFF file into words. Memory use is limited, whatever the file contains.
 #pragma once
 
 #include <filesystem>
@@ -14,32 +14,32 @@
 
 namespace postlens {
 
-/// The words of a file, without comments. Computes the SHA-256 of the file while reading it.
+/// The words of a file, without comments. The SHA-256 of the file is computed while the file is read.
 class NffTokens {
   public:
     /// Throws Error(invalid_input) if the path is not a readable file.
     explicit NffTokens(const std::filesystem::path& path);
 
-    /// Returns and removes the next word, on this line or a later one. Empty at the end of the file. The word
-    /// is valid until the next line is read.
+    /// Returns the next word and moves past it. The word may be on a later line. Empty at the end of the
+    /// file. The word is valid until the next line is read.
     [[nodiscard]] std::optional<std::string_view> next();
-    /// Returns the word that `next` would return, but does not remove it.
+    /// Returns the word that `next` would return, without moving past it.
     [[nodiscard]] std::optional<std::string_view> peek();
     /// Returns the remaining words on the line of the last word.
     [[nodiscard]] std::vector<std::string> rest_of_line();
 
-    /// Returns the next word as a finite number of magnitude `largest` or less. `what` describes the number
-    /// in error messages.
+    /// Returns the next word as a finite number. The absolute value must not exceed `largest`. `what`
+    /// describes the number in error messages.
     [[nodiscard]] double number(std::string_view what, double largest);
-    /// Converts a word that `next` has returned.
+    /// Converts a word that `next` has returned to a number.
     [[nodiscard]] double number(std::string_view word, std::string_view what, double largest) const;
 
-    /// Line number of the last word that was returned, from 1.
+    /// Returns the line number of the last word that was returned. The first line is 1.
     [[nodiscard]] int line() const { return taken_line_; }
-    /// SHA-256 of the whole file. It may be called only once, at the end of the file.
+    /// Returns the SHA-256 of the whole file. Call it only once, at the end of the file.
     [[nodiscard]] std::string sha256() { return digest_.hex(); }
 
-    /// Throws Error(invalid_input) "FILE:LINE: ..." with the line of the last word.
+    /// Throws Error(invalid_input) "FILE:LINE: ..." with the line number of the last word.
     template <typename... Args>
     [[noreturn]] void fail_here(fmt::format_string<Args...> format, Args&&... args) const {
         fail(ExitCode::invalid_input, "{}:{}: {}", path_.string(), taken_line_,

@@ -9,15 +9,16 @@
 
 namespace postlens {
 
-/// Collects polygons that have the same material. The polygons do not share corners.
+/// Collects polygons of one material into a mesh. The polygons do not share corners.
 class PolygonRun {
   public:
     [[nodiscard]] bool empty() const { return mesh_.triangles.empty(); }
-    /// Adds a polygon with at least 3 corners, unless it has a fault. `normals` has one vector of any length
-    /// per corner, or is empty for a flat polygon. A normal of length 0 is replaced by the normal of the
+    /// Adds a polygon with at least 3 corners, unless it has a fault. `normals` has one vector per corner, of
+    /// any length, or is empty for a flat polygon. A normal of length 0 is replaced by the normal of the
     /// polygon.
     PolygonFault add(std::span<const glm::dvec3> corners, std::span<const glm::dvec3> normals);
-    /// Returns the collected mesh and removes it. The mesh has normals if any of its polygons has.
+    /// Returns the collected mesh and starts a new one. The mesh has normals if any of its polygons has
+    /// normals.
     [[nodiscard]] Mesh take();
 
   private:

@@ -19,7 +19,7 @@ using Name = std::string_view;
 constexpr std::array<Name, 7> common_keys{"name",          "shape", "material", "hidden",
                                           "casts_shadows", "keys",  "repeat"};
 
-// A shape of an object that instances can copy.
+// A shape of an object, which instances of the object copy.
 struct Part {
     Shape shape;
     std::size_t material = 0;
@@ -27,7 +27,7 @@ struct Part {
     dmat4 placement{1};  // world_from_object at rest
 };
 
-// The content of a named object, for instances of it.
+// The content of a named object. Instances of the object copy it.
 struct Template {
     std::vector<Part> parts;
     bool moves = false;
@@ -76,8 +76,8 @@ class ObjectReader {
     }
 
   private:
-    // For a table without a valid shape. Accepts the keys of all shapes, so that the error message is about
-    // the missing or misspelt "shape" and not about another key.
+    // Checks the keys of a table without a valid shape. Accepts the keys of all shapes, so that the error
+    // message is about the missing or misspelt "shape" and not about another key.
     static void refuse_unknown_of_any_shape(const TomlTable& t) {
         std::vector<Name> all;
         for (std::size_t kind = 0; kind < shape_kinds.size(); ++kind) {

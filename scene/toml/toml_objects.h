@@ -1,4 +1,4 @@
-// Reads the [[object]] tables of a .toml scene: shapes, instances, repetitions, motion.
+// Reads the [[object]] tables of a .toml scene, with shapes, instances, repetitions and motion.
 #pragma once
 
 #include "core/toml_reader.h"
@@ -6,12 +6,12 @@
 
 namespace postlens {
 
-/// Greatest number of shapes in a scene. Without a limit, the number could grow exponentially with instances
-/// of repeated instances.
+/// Greatest number of shapes in a scene. Without this limit, instances of repeated instances could make the
+/// number grow exponentially.
 inline constexpr std::size_t largest_shape_count = 1'000'000;
 
-/// Appends the objects of the file to scene.objects. scene.materials and scene.time_s must already be set.
-/// For objects without a material, a default material is appended to scene.materials.
+/// Appends the objects of the file to scene.objects. scene.materials and scene.time_s must already be set. A
+/// default material is appended to scene.materials if an object has no material.
 void read_objects(const TomlTable& root, double metres_per_unit, Scene& scene);
 
 }  // namespace postlens

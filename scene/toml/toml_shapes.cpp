@@ -115,7 +115,7 @@ struct Reader {
     [[nodiscard]] Shape mesh() const;
 };
 
-// Checks and converts one vertex index of a face.
+// Checks one vertex index of a face and converts it to an integer.
 std::uint32_t corner(const TomlTable& t, double index, std::size_t face, std::size_t positions) {
     if (!(index >= 0 && index < static_cast<double>(positions)) || index != std::floor(index)) {
         t.fail_at("faces", "face {} has an index out of range (got {}; expected a whole number of 0 to {})",

@@ -14,8 +14,8 @@ namespace {
 using glm::dvec3;
 using Name = std::string_view;
 
-// Range of film sizes and focal lengths, mm. It is far wider than that of real cameras, but narrow enough
-// that quotients are finite.
+// Range of film sizes and focal lengths, in mm. It is far wider than that of real cameras, but narrow enough
+// to keep quotients finite.
 constexpr NumberRange film_range{.min = 1e-6, .max = 1e6};
 
 void read_projection(const TomlTable& t, double unit, Camera& camera) {
@@ -157,7 +157,7 @@ Light read_light(const TomlTable& t, double unit) {
     return light;
 }
 
-// Reads all tables of a kind. Tables without a name are numbered. A repeated name is an error.
+// Reads all tables of one kind. Tables without a name are numbered. It is an error if a name is repeated.
 template <typename Read>
 auto read_named(const TomlTable& root, const std::string& key, const Read& read) {
     std::vector<decltype(read(root))> out;

@@ -1,4 +1,4 @@
-// The [[camera]] and [[light]] tables of a .toml scene.
+// Reads the [[camera]] and [[light]] tables of a .toml scene.
 #pragma once
 
 #include <vector>

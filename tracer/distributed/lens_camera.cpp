@@ -49,8 +49,8 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Computes everything in float. The rounding error of a tangent is then 2^-24 of the raster's half width, at
-// most 1e-4 px.
+// Computes everything in single precision. The rounding error of a tangent is then 2^-24 of the raster's half
+// width, or at most 1e-4 px.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -59,8 +59,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float radius = first ? a : b, other = first ? b : a;
         const float safe = radius == 0 ? 1.0F : radius;
         const float angle = quarter * (other / safe), square = angle * angle;
-        // Taylor series of sine and cosine. For angles of up to 45 degrees, the omitted terms are below 4e-7
-        // (sine) and 3e-8 (cosine).
+        // Taylor series of sine and cosine. For angles of up to 45 degrees, the errors are below 4e-7 (sine)
+        // and 3e-8 (cosine).
         const float sine =
             angle * (1 + square * (-1.0F / 6 + square * (1.0F / 120 + square * (-1.0F / 5040))));
         const float cosine =
@@ -69,8 +69,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
         const float qx = optics.aperture_radius_m * (first ? along : across);
         const float qy = optics.aperture_radius_m * (first ? across : along);
         const float px = s.x[i] - optics.half_width, py = s.y[i] - optics.half_height;
-        // The ray goes from the lens point towards the point of the plane in focus that the pinhole sees at
-        // this raster position.
+        // The ray goes from the lens point to the point of the plane in focus that the pinhole sees at this
+        // raster position.
         out.tx[i] = px * optics.tangent_per_px - qx * optics.inverse_focus_per_m;
         out.ty[i] = py * optics.tangent_per_px - qy * optics.inverse_focus_per_m;
         out.qx[i] = qx + px * optics.metres_per_px;
@@ -78,8 +78,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the field position as Aperture defines it: the tangent of the direction from the pinhole, divided
-// by the tangent of the direction to the image's corner.
+// Returns the field position as Aperture defines it. This is the tangent of the direction from the pinhole,
+// divided by the tangent of the direction to the image's corner.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }
@@ -263,8 +263,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // For a point in the plane of the lens, the scale would be infinite. Such a point lies far outside the
-    // image, so the depth is simply clamped.
+    // The scale would be infinite for a point in the plane of the lens. Such a point lies far outside the
+    // image, so the depth may be clamped.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

@@ -17,7 +17,7 @@
 
 namespace postlens {
 
-/// Sixteen samples: raster positions, px, and random numbers for lens and time in [0, 1).
+/// Sixteen samples. x and y are raster positions, px. The other values are random numbers in [0, 1).
 struct LensSamples {
     alignas(64) std::array<float, 16> x, y, lens_u, lens_v, time;
 };
@@ -32,28 +32,28 @@ class LensCamera {
         /// a traced lens prescription that has the geometry `lens`
         std::shared_ptr<const LensView> view = nullptr;
     };
-    /// `model` provides raster, projection and the pose at rest; `camera` provides the motion. An
+    /// `model` provides the raster, the projection and the pose at rest. `camera` provides the motion. An
     /// orthographic camera must be a pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for a lens
+    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for use with a lens
     /// prescription.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through given lens points. Except for rounding, they equal the rays of the other add_rays.
+    /// Adds rays through given lens points. The rays equal those of the other add_rays, except for rounding.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays with unit directions to the batch. The rays have times if the batch has
+    /// Adds one group of 16 rays with unit directions to the batch. The rays get times only if the batch has
     /// times. If `loses_rays()` is true, the transmittance of the lens for each ray is appended to `weights`.
-    /// Rays of transmittance 0 are set to hit nothing.
+    /// Rays with a transmittance of 0 are set to hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
     /// True if the transmittance of the lens may be below 1 for some rays. If false, `weights` stays empty.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// One ray, computed in double: the simple reference for tests. `Ray::time` is a fraction of the time
+    /// A ray computed in double precision, as the reference for tests. `Ray::time` is a fraction of the time
     /// span.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
@@ -62,26 +62,27 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray goes from the
-    /// lens point `unit` (lens radii) to the point of the plane in focus that the pinhole sees at (x, y). The
-    /// point is at the distance `t` m from the lens. Not for a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray starts at the
+    /// lens point `unit` (lens radii) and goes to the point of the plane in focus that the pinhole sees at
+    /// (x, y). `t` is the distance from the lens to the point on the ray, m. Not for a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// 1/z' of a world point, 1/m, and its gradient over the raster, 1/m per px, in the plane through the
-    /// point with the given normal. 0 if the plane contains the middle of the lens, or if the camera is
-    /// orthographic. Not for a camera that moves.
+    /// Returns the inverse depth 1/z' of a world point, 1/m, and its gradient over the raster, 1/m per px.
+    /// The gradient is that of the plane through the point with the given normal. All three values are 0 if
+    /// this plane contains the middle of the lens, or if the camera is orthographic. Not for a camera that
+    /// moves.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
-    /// Scale of the image at a world point, px per metre perpendicular to the optical axis. 0 behind the
-    /// camera.
+    /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for
+    /// points behind the camera.
     [[nodiscard]] double px_per_m(const glm::dvec3& world, double time_s) const;
     [[nodiscard]] bool moves() const { return moves_; }
     [[nodiscard]] int width() const { return width_; }
     [[nodiscard]] int height() const { return height_; }
 
   private:
-    // Sixteen rays in the frame of the camera: lens points, m, and tangents of directions, along the raster's
-    // axes.
+    // Sixteen rays in the frame of the camera. The lens points (m) and the tangents of the directions are
+    // measured along the raster's axes.
     struct Local {
         alignas(64) std::array<float, 16> qx, qy, tx, ty;
     };
@@ -113,7 +114,7 @@ class LensCamera {
     TimeSpan span_;
     ShutterCurve curve_;
     bool even_time_;
-    Frame rest_, still_;  // frames of the camera: without its motion; at the opening of the shutter
+    Frame rest_, still_;  // camera frames without motion and at the opening of the shutter
     MotionPath path_;
 };
 

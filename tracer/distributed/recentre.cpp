@@ -14,7 +14,8 @@ Scene recentred(Scene scene, const glm::dvec3& origin) {
         o.world_from_object[3] -= glm::dvec4(origin, 0);
         move_keys(o.keys, origin);
     }
-    // The keyframes of a moving light or camera contain its whole position, so only they are translated.
+    // The keyframes of a moving light or camera contain its whole position. In that case, only the keyframes
+    // are translated.
     for (Light& l : scene.lights) {
         if (l.keys.empty()) l.position -= origin;
         move_keys(l.keys, origin);

@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Placeholder f-number of a lens prescription whose own f-number is not yet known. Any value but that of a
-/// pinhole would do.
+/// Placeholder for the f-number of a lens prescription while its own f-number is not yet known. Any finite
+/// value would do.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

@@ -1,5 +1,5 @@
-// The part of a render that its settings determine: recentred scene, lens, shutter, and ray tracing
-// structures.
+// The part of a render that is fixed by its settings. It consists of the recentred scene, the lens, the
+// shutter, and the structures for ray tracing.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ class RenderSetup {
     [[nodiscard]] const TimeSpan& span() const { return span_; }
     [[nodiscard]] const ThinLens& lens() const { return lens_; }
     [[nodiscard]] double focus_m() const { return focus_m_; }
-    /// Returns all inputs on which the image depends, as one line of JSON.
+    /// Returns one line of JSON with all inputs on which the image depends.
     [[nodiscard]] std::string fingerprint(const RenderSettings& settings) const;
 
   private:

@@ -27,13 +27,13 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes a part of a render: the number of halves, the range of blocks,
-/// and whether a block is unfinished.
+/// Name of the file attribute that describes the layout of a part of a render. It contains the number of
+/// halves, the range of blocks, and whether a block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words per pixel; each word is a channel of the file. There are three floats of
-// colour. For each half, there are also a sample count, and three doubles (two words each) for every block
-// and for an unfinished block, if there is one (`with_open`).
+// Returns the number of 32-bit words per pixel. Each word is a channel of the file. Three words are the
+// colour, as floats. Each half adds a sample count, and three doubles (two words each) for every block. With
+// `with_open`, each half also has three doubles for an unfinished block.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,7 +43,8 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file. Each points to its first word in `words`, which may be null.
+/// Returns the channels of the file. Each channel points to its first word in `words`. If `words` is null, so
+/// are the pointers.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -144,8 +145,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory holds the sums and counts of the samples, the 32-bit words as which they are written to a file,
-    // and two images.
+    // Memory holds the sums and counts of the samples, a copy of both as 32-bit words for the file, and two
+    // images.
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +
@@ -212,7 +213,7 @@ void write_state(const std::filesystem::path& path, const RenderState& state, co
     exr.channels = channels(state, words.data());
     exr.pixel_bytes = sizeof(std::uint32_t) * words_per_pixel(state);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(state.width);
-    // no compression, because the low bits of the sums do not compress
+    // No compression is used, because the low bits of the sums do not compress.
     exr.compression = ChunkCompression::none;
     exr.texts = {{settings_attribute, settings}, {checksum_attribute, checksum(words)}};
     if (!part_mark.empty()) {
@@ -268,7 +269,8 @@ void read_pixels(Imf::InputFile& in, const Bad& bad, RenderState& state) {
     unpack(words, state);
 }
 
-// Returns the first setting in which two fingerprints (RenderSetup::fingerprint) differ, with both values.
+// Returns the name of the first setting in which two fingerprints (RenderSetup::fingerprint) differ, and both
+// values.
 std::string first_difference(const std::string& found, const std::string& expected) {
     const nlohmann::json got = nlohmann::json::parse(found, nullptr, false);
     const nlohmann::ordered_json wanted = nlohmann::ordered_json::parse(expected);

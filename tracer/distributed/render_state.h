@@ -12,23 +12,23 @@
 
 namespace postlens {
 
-/// Largest number of blocks into which the samples of a pixel are divided. A render that is divided by
-/// samples has at most this number of parts.
+/// Largest number of blocks into which the samples of a pixel are divided. A render can be divided by samples
+/// into at most this number of parts.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance, with exposure, per pixel (3 doubles each, row-major), and the numbers of samples, for
-/// one or two halves.
+/// Sums of radiance and numbers of samples per pixel, for one or two halves. A sum consists of 3 doubles per
+/// pixel, row-major, and includes the exposure.
 ///
 /// The samples of a pixel are divided into blocks. The sum of a pixel is the sum of its block sums, added in
-/// their order. Blocks that are rendered separately therefore add up to a bit-identical sum. A state contains
+/// order. Blocks that are rendered separately therefore add up to a bit-identical sum. A state contains
 /// either the sum over all blocks (`blocks` 1), or a separate sum for each of several blocks.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
-    /// If `blocks` is 1: the sum of the unfinished block of samples. Empty if each block is finished in a
-    /// single round.
+    /// The sum of the unfinished block of samples, used only if `blocks` is 1. Empty if each block is
+    /// finished in a single round.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -36,17 +36,17 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the blocks of samples of another part of the render. Its samples must follow those of all parts
-    /// that were added before.
+    /// Adds the samples of another part of the render. They must follow those of all parts that were added
+    /// before.
     void add(const RenderState& part);
     /// Returns the mean over all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file. R, G, B contain the radiance so far; further channels contain the exact bits of
+/// Writes an OpenEXR file. R, G, B contain the radiance so far. Further channels contain the exact bits of
 /// all sums and counts. `settings` identifies the render. If `part_mark` is not empty, it is stored in the
-/// file and identifies it as a part of a render. Throws Error(cannot_write).
+/// file to mark it as a part of a render. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
@@ -57,14 +57,14 @@ struct RenderPart {
 };
 
 /// Reads a part of a render (--share) that write_state has written. Empty if the file is not such a part. If
-/// `facts_only` is set, the state has its size but neither sums nor counts. Throws Error(invalid_input) for a
-/// damaged part.
+/// `facts_only` is set, the state contains its size but no sums or counts. Throws Error(invalid_input) if the
+/// part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads into `state` a file that was written with the same settings. The caller must have set the size and
-/// the number of halves of `state`. Throws Error(invalid_input) if the file was not written by write_state,
-/// is damaged or has other settings.
+/// Reads a file into `state`. The file must have been written with the same settings. The caller must have
+/// set the size and the number of halves of `state`. Throws Error(invalid_input) if the file was not written
+/// by write_state, is damaged or has other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

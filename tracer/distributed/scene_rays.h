@@ -12,7 +12,7 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines`: greatest number of lines per pixel. SightLine::view must be below this number. Keeps a
+    /// `lines` is the greatest number of lines per pixel. SightLine::view must be below this number. Keeps a
     /// reference to `setup`, which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
@@ -23,17 +23,16 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Of the values 4, 32 and 100, which were tried on six scenes, 32 took about the least time on each. The
-    /// value 4 took a tenth longer on still_life, and 100 a fifth longer on the balls of the Standard
-    /// Procedural Databases.
+    /// The values 4, 32 and 100 were tried on six scenes. With 32, images took about the least time on each
+    /// scene.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
-    /// Number of rays traced so far.
+    /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;
 
   private:
-    /// Makes the rays of the lines.
+    /// Makes the rays of the sight lines.
     void aim(std::span<const SightLine> lines, EyeRays& eye) const;
-    /// Traces the lines; the results are the members of `eye`.
+    /// Traces the sight lines. The results are the members of `eye`.
     void trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const;
 
     const RenderSetup& setup_;

@@ -18,7 +18,7 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Removes the crossing nearest to t = 0. If a ray starts on the shape, that crossing is its origin.
+// Removes the crossing nearest to t = 0. This crossing is the origin of a ray that starts on the shape.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;
@@ -77,8 +77,8 @@ void occlude_item(const RTCOccludedFunctionNArguments* args, std::uint32_t objec
     }
 }
 
-// All inputs are copied to local arrays before any result is stored. Otherwise the pointers into Embree's
-// packet might alias, and the compiler could not vectorise the loop.
+// All inputs are copied to local arrays before any result is stored. Without the copies, the compiler would
+// assume that pointers into Embree's packet alias, and would not vectorise the loop.
 template <unsigned N>
 [[gnu::always_inline]] inline void take_nearest_of(const RTCIntersectFunctionNArguments* args,
                                                    const Rays& rays, const Hits& hits, const Pairs& pairs) {
@@ -119,7 +119,7 @@ POSTLENS_MULTIVERSION void take_nearest(const RTCIntersectFunctionNArguments* ar
 }
 
 // Handles packets of 8 or 16 rays, which Embree uses on processors with AVX or later extensions. Returns
-// false for other sizes.
+// false for other packet sizes.
 bool intersect_packet(const RTCIntersectFunctionNArguments* args, const AnalyticSet::Item& item) {
     const Rays rays(RTCRayHitN_RayN(args->rayhit, args->N), args->N);
     Pairs pairs;  // NOLINT(cppcoreguidelines-pro-type-member-init): filled below
@@ -180,8 +180,8 @@ void occlude_moving(const RTCOccludedFunctionNArguments* args) {
                  [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
-// Embree rejects bounds beyond about 1.8e18. The padding makes a flat box thicker than float rounding, so
-// that rays do not miss it.
+// Embree rejects bounds beyond about 1.8e18, so they are clamped. The padding makes a flat box thicker than
+// float rounding, so that rays do not miss it.
 RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);

@@ -16,9 +16,9 @@ dmat4 frame(const dvec3& x, const dvec3& y, const dvec3& z, const dvec3& origin)
     return {glm::dvec4(x, 0), glm::dvec4(y, 0), glm::dvec4(z, 0), glm::dvec4(origin, 1)};
 }
 
-// Returns a right-handed frame whose z is the given unit axis. Its x is the object's +X made perpendicular to
-// this axis, or +Y if the axis is close to X. The direction of x determines where the texture coordinate u is
-// 0 (docs/scene_format.md).
+// Returns a right-handed frame whose z axis is the unit vector `axis`. The x axis is the object's +X, made
+// perpendicular to `axis`. If `axis` is close to X, +Y is used instead. The direction of x determines where
+// the texture coordinate u is 0 (docs/scene_format.md).
 dmat4 frame_about(const dvec3& axis, const dvec3& origin) {
     const dvec3 hint = std::abs(axis.x) < 0.9 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
     const dvec3 x = glm::normalize(hint - axis * glm::dot(hint, axis));
@@ -38,8 +38,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // The ray's t is measured from the point of the ray nearest to the centre of the sphere. Thus no large
-    // terms cancel, whatever the distance of the ray's origin.
+    // Here t is measured from the point of the ray nearest to the centre of the sphere. No large terms cancel
+    // then, whatever the distance of the ray's origin.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;
@@ -232,8 +232,8 @@ LocalGeometry local_geometry(const AnalyticShape& shape, int part, const dvec3& 
             const double norm = std::sqrt(1 + k * k);
             const dvec2 e(p.x / rho, p.y / rho);
             out.normal = dvec3(e.x, e.y, -k) / norm;
-            // The normal of a cone changes only by rotation about the axis. For the unit vector e = (x, y) /
-            // rho that points away from the axis, d(e) = (I - e e^T) d(x, y) / rho.
+            // The normal of a cone changes only by rotation about the axis. Let e = (x, y) / rho be the unit
+            // vector that points away from the axis. Then d(e) = (I - e e^T) d(x, y) / rho.
             const double s = 1 / (rho * norm);
             out.shape_operator =
                 dmat3(dvec3(e.y * e.y, -e.x * e.y, 0) * s, dvec3(-e.x * e.y, e.x * e.x, 0) * s, dvec3(0));

@@ -1,5 +1,5 @@
-// Shapes with an analytic formula. Each shape is defined in a canonical frame, and an affine map places it in
-// object space.
+// Shapes that are defined by a formula. Each shape has a canonical frame, and an affine map places this frame
+// in object space.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,9 +9,13 @@
 
 namespace postlens {
 
-/// A shape in its canonical ("local") frame. sphere: unit sphere. box: [0, 1]^3. disc: unit disc in z = 0
-/// without the disc of radius `inner`. rectangle: [0, 1]^2 in z = 0. plane: z = 0. cone: around the z axis
-/// from 0 to `height`, with a radius from `radius0` to `radius1`.
+/// A shape in its canonical ("local") frame:
+/// - sphere: the unit sphere
+/// - box: [0, 1]^3
+/// - disc: the unit disc in z = 0, with a hole of radius `inner`
+/// - rectangle: [0, 1]^2 in z = 0
+/// - plane: z = 0
+/// - cone: around the z axis, from z = 0 to `height`, with a radius from `radius0` to `radius1`
 struct AnalyticShape {
     enum class Kind { sphere, box, disc, rectangle, plane, cone };
     Kind kind = Kind::sphere;
@@ -24,7 +28,7 @@ struct AnalyticShape {
     }
 };
 
-/// A shape in its canonical frame, and the affine map from that frame to object space. `place_shape` returns
+/// A shape in its canonical frame, and the affine map from this frame to object space. `place_shape` returns
 /// an empty value for a mesh.
 struct PlacedShape {
     AnalyticShape shape;
@@ -32,8 +36,8 @@ struct PlacedShape {
 };
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// All values of t at which a line o + t d crosses the shape, unsorted. `part` is the face or cap that is
-/// crossed.
+/// All values of t at which a line o + t d crosses the shape, unsorted. `part` is the face or cap that the
+/// line crosses.
 template <typename T>
 struct Crossings {
     int count = 0;
@@ -44,7 +48,8 @@ struct Crossings {
         part[count++] = on;
     }
 };
-/// Parts of a cone. The parts of a box are 0 to 5: 2 * axis, plus 1 for the upper face.
+/// Numbers of the parts of a cone. The parts of a box have the numbers 0 to 5, which is 2 * axis for the
+/// lower face and one more for the upper face.
 inline constexpr int part_lateral = 0, part_base = 1, part_apex = 2;
 
 template <typename T>

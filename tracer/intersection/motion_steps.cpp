@@ -27,8 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest distance, px, between the images of a point of the box under two affine maps. The
-// difference of the maps is affine and its length is convex, so the distance is greatest at a corner.
+// Returns the largest distance, px, between the images of a point of the box under two affine maps. This
+// distance is convex over the box, so it is greatest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -68,7 +68,8 @@ MotionSteps motion_steps(const MotionPath& path, const dmat4& base, const Bounds
 
 std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, const dmat4& base,
                                   double begin_s, double end_s, int steps) {
-    // Embree rejects bounds beyond about 1.8e18, and differences of bounds must be finite.
+    // Bounds are clamped, because Embree rejects bounds beyond about 1.8e18 and differences of bounds must be
+    // finite.
     constexpr double farthest = 1e18;
     const auto at = [&](double time_s) {
         Bounds b = shape_bounds(shape, path.at(time_s).matrix() * base);
@@ -79,11 +80,10 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
     // `excess` is the distance by which the true box exceeds the interpolated box. It is sampled at positions
-    // h apart. Within a step, the excess is smooth except at keyframes, where the motion may have a kink. The
-    // excess has further kinks where another corner becomes the extreme one, but these kinks do not raise it
-    // between samples. Between two samples, the excess is therefore higher than both by at most h^2/8 times
-    // its second derivative. The derivative is estimated by second differences, and doubled because it
-    // varies.
+    // h apart, from one keyframe to the next, because the motion may have a kink at a keyframe. Between two
+    // samples, the excess is higher than both by at most h^2/8 times its second derivative. The derivative is
+    // estimated by second differences, and doubled because it varies. The kink where another corner becomes
+    // the extreme one does not raise the excess between samples.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

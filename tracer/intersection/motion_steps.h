@@ -1,5 +1,5 @@
-// Approximates a motion by linear steps for Embree, which interpolates linearly between steps. Computes how
-// many steps are needed.
+// Approximates a motion by linear steps, because Embree interpolates motion linearly. Computes how many steps
+// are needed.
 #pragma once
 
 #include <functional>
@@ -11,9 +11,10 @@
 
 namespace postlens {
 
-/// Converts errors of positions to errors on the raster, and stores their tolerance.
+/// Converts an error of a position to an error on the raster. Also contains the tolerance of this error.
 struct MotionAccuracy {
-    /// Scale of the image at a world point and an instant, px per metre; 0 behind the camera.
+    /// Returns the scale of the image at a world point and an instant, px per metre. 0 for points behind the
+    /// camera.
     std::function<double(const glm::dvec3& world, double time_s)> px_per_m;
     double tolerance_px = 0.05;
 };
@@ -21,21 +22,21 @@ struct MotionAccuracy {
 /// Greatest number of steps. Embree allows at most 129 time steps (instants) per geometry.
 inline constexpr int most_motion_steps = 128;
 
-/// Transforms from object to world space at two or more evenly spaced instants from begin to end. Embree
-/// interpolates each entry of the matrices linearly between the instants.
+/// Transforms from object to world space at two or more evenly spaced instants from begin to end. Between the
+/// instants, Embree interpolates each entry of the matrices linearly.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    /// greatest distance, px, of a corner of the box from its true position; may exceed the tolerance
+    /// Greatest distance, px, of a corner of the box from its true position. It may exceed the tolerance.
     double error_px = 0;
 };
-/// Returns as few steps as keep the corners of `box` (in object space, before `base` is applied) within the
-/// tolerance. The number of steps is a power of two, up to most_motion_steps. No keyframe of the path may lie
-/// between begin and end.
+/// Returns the smallest number of steps that keeps the corners of `box` within the tolerance. The number is a
+/// power of two, up to most_motion_steps. `box` is in object space, before `base` is applied. No keyframe of
+/// the path may lie between begin and end.
 [[nodiscard]] MotionSteps motion_steps(const MotionPath& path, const glm::dmat4& base, const Bounds& box,
                                        double begin_s, double end_s, const MotionAccuracy& accuracy);
 
-/// Returns boxes at `steps` + 1 evenly spaced instants. Boxes interpolated linearly between these contain the
-/// moving shape at every instant.
+/// Returns boxes at `steps` + 1 evenly spaced instants. At any instant, the box interpolated linearly between
+/// two of these boxes contains the moving shape.
 [[nodiscard]] std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape,
                                                 const glm::dmat4& base, double begin_s, double end_s,
                                                 int steps);

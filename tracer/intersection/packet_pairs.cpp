@@ -66,7 +66,7 @@ template <int N>
     }
 }
 
-// A cone or cylinder with caps is convex, so only the first and the last crossing are needed. Without caps
+// A cone or cylinder with caps is convex, so only the first and the last crossing are needed. Without caps,
 // there are at most two crossings.
 template <int N>
 [[gnu::always_inline]] inline void cone_lanes(const AnalyticSet::Item& item, const Rays& rays, Pairs& out) {
@@ -155,7 +155,8 @@ bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n, c
     if (context.sources == nullptr) return true;
     for (unsigned i = 0; i < n; ++i) {
         if (valid[i] == 0 || !leaves(context, rays.id[i], geometry, primitive)) continue;
-        // The ray starts on this shape. The crossing nearest to t = 0 is its origin and is removed.
+        // The ray starts on this shape. The crossing nearest to t = 0 is the origin of the ray and is
+        // removed.
         float& start = std::abs(out.far[i]) < std::abs(out.near[i]) ? out.far[i] : out.near[i];
         start = std::numeric_limits<float>::infinity();
     }

@@ -5,15 +5,15 @@
 
 namespace postlens {
 
-/// Crossings of each ray with a shape, sorted by distance; infinite if there is none. The operations have the
-/// same order as in the scalar code, so the results are bit-identical.
+/// The first and last distance at which each ray crosses a shape. Infinite if there is no crossing. The
+/// operations have the same order as in the scalar code, so the results are bit-identical.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Computes the crossings of n = 8 or 16 rays with `item`. The crossing at which a ray starts is omitted;
-/// `geometry` and `primitive` serve to recognise it. Returns false for other n, and for shapes without a
-/// packet version.
+/// Computes the crossings of n = 8 or 16 rays with `item`. A crossing at the point where a ray starts is
+/// omitted. It is recognised by `geometry` and `primitive`. Returns false for any other n, and for shapes
+/// without a packet version.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

@@ -12,8 +12,8 @@ inline const RayContext& context_of(const RTCIntersectContext* context) {
     return *reinterpret_cast<const RayContext*>(context);
 }
 
-// Access to the fields of Embree's ray and hit packets. The fields have the order of RTCRay and RTCHit, with
-// N values each.
+// Access to the fields of Embree's ray and hit packets. The fields have the same order as in RTCRay and
+// RTCHit, with N values each.
 struct Rays {
     float *ox, *oy, *oz, *tnear, *dx, *dy, *dz, *time, *tfar;
     unsigned* id;
@@ -32,8 +32,8 @@ struct Hits {
     }
 };
 
-/// True if a new hit replaces an old one at the same distance. The order in which Embree finds the two
-/// depends on the processor; this rule makes the result independent of it.
+/// True if a new hit replaces an old one at the same distance. Embree finds the two hits in an order that
+/// depends on the processor. This rule makes the result independent of the order.
 inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, unsigned old_instance,
                      unsigned old_geometry, unsigned old_primitive) {
     const bool in_geometry =
@@ -42,7 +42,7 @@ inline bool precedes(unsigned instance, unsigned geometry, unsigned primitive, u
            ((instance < old_instance) | ((instance == old_instance) & in_geometry));
 }
 
-/// Whether the ray starts on this primitive.
+/// Returns whether the ray starts on this primitive.
 inline bool leaves(const RayContext& context, unsigned ray_id, unsigned geometry, unsigned primitive) {
     if (context.sources == nullptr) return false;
     const HitKey& from = context.sources[ray_id];

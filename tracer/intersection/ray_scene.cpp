@@ -48,15 +48,15 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. That suffices for Embree's
-    // test of a neighbouring triangle.
+    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. This is enough for Embree's
+    // intersection test with a neighbouring triangle.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
 
 namespace {
 
-// Copies 16 rays into Embree's packet. Lanes after the end of the batch are disabled.
+// Copies 16 rays into Embree's packet. Entries after the end of the batch are disabled.
 template <typename Packet>
 void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     constexpr std::size_t n = RayBatch::group;
@@ -79,7 +79,7 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
         p.mask[i] = 0xFFFFFFFFU;
         p.flags[i] = 0;
         p.id[i] = static_cast<unsigned>(first + i);
-        // Embree aborts the program if a ray is not finite. Such rays are disabled and hit nothing.
+        // Embree aborts the program if a ray is not finite. Such rays are disabled here and hit nothing.
         const float most = std::max({std::abs(p.org_x[i]), std::abs(p.org_y[i]), std::abs(p.org_z[i]),
                                      std::abs(p.dir_x[i]), std::abs(p.dir_y[i]), std::abs(p.dir_z[i])});
         const float sum = p.org_x[i] + p.org_y[i] + p.org_z[i] + p.dir_x[i] + p.dir_y[i] + p.dir_z[i];
@@ -87,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the ray's time. Such hits occur because the hierarchy of
-// Embree 3.13 is divided in time: if one ray of an occlusion packet is in an interval of time, all rays of
-// the packet are tested there. For the same reason, a ray may meet a surface once per time interval. This
-// matters if every crossing filters light; `one_by_one` avoids it.
+// Rejects hits on instances that do not exist at the ray's time. Embree 3.13 divides its hierarchy in time.
+// If one ray of an occlusion packet is in an interval of time, Embree tests all rays of the packet there.
+// This leads to such hits, and a ray may hit a surface once per interval of time. If every crossing filters
+// light, `one_by_one` avoids repeated hits.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -103,8 +103,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one at a time. The time of a single ray selects the nodes of the hierarchy, so the ray meets
-// every surface only once.
+// Tests the rays one at a time. Embree then selects the nodes of the hierarchy by the time of this ray alone,
+// so the ray meets every surface only once.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;
@@ -145,8 +145,8 @@ void RayScene::intersect(RayBatch& rays, bool coherent) const {
 
 void RayScene::occlude(RayBatch& rays) const {
     RayContext context;
-    // Occlusion rays are always declared incoherent. The coherent occlusion test of Embree 3.13 does not
-    // terminate for packets whose directions differ in sign.
+    // Occlusion rays are always declared incoherent, because the coherent occlusion test of Embree 3.13 does
+    // not terminate for packets whose directions differ in sign.
     rtcInitIntersectContext(&context.base);
     context.shadows = impl_->shadows.data();
     context.object_of_geometry = impl_->object_of_geometry.data();

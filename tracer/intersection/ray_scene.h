@@ -1,4 +1,4 @@
-// A scene that is prepared for ray tracing, at one instant or for a shutter interval. Embree finds the
+// A scene that is prepared for ray tracing, either at one instant or for a shutter interval. Embree finds the
 // primitive that a ray hits, in single precision. The hit point is then computed in double precision, so that
 // normals, reflections and ray differentials are accurate at any scale.
 #pragma once
@@ -14,7 +14,8 @@
 
 namespace postlens {
 
-/// Shutter interval, s. The `time` of a ray is 0 at the beginning of the interval and 1 at its end.
+/// A shutter interval, in seconds. The `time` of a ray is 0 at the beginning of the interval and 1 at its
+/// end.
 struct TimeSpan {
     double open_s = 0, close_s = 0;
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
@@ -29,16 +30,16 @@ struct HitKey {
     [[nodiscard]] bool valid() const { return geometry != none; }
 };
 
-/// A batch of rays as a structure of arrays. The 16 rays of a group are traced together and should be
+/// A batch of rays, stored as a structure of arrays. The 16 rays of a group are traced together and should be
 /// coherent.
 class RayBatch {
   public:
     static constexpr int group = 16;
     int count = 0;  ///< rays in use
     std::vector<float> ox, oy, oz, dx, dy, dz, t_far;
-    bool has_sources = false;    ///< false: no ray of the batch starts on a surface
+    bool has_sources = false;    ///< false if no ray of the batch starts on a surface
     std::vector<HitKey> source;  ///< the surface each ray leaves
-    bool has_times = false;      ///< false: the time of all rays is the opening of the shutter
+    bool has_times = false;      ///< false if the time of all rays is the opening of the shutter
     std::vector<float> time;     ///< fraction of the time span, 0 to 1
     // Results.
     std::vector<std::uint32_t> hit_geometry, hit_primitive, hit_instance;
@@ -56,7 +57,7 @@ class RayBatch {
         has_sources = with_sources;
         has_times = with_times;
     }
-    /// Appends a group of 16 rays, which the caller must set, and returns the index of the first.
+    /// Appends a group of 16 rays and returns the index of the first. The caller must set these rays.
     std::size_t add_group() {
         const auto first = static_cast<std::size_t>(count);
         while (first + group > ox.size()) grow();
@@ -66,9 +67,8 @@ class RayBatch {
     void add(const glm::dvec3& o, const glm::dvec3& d, float far, const HitKey& from = {}, float at = 0) {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
-        // All seven numbers are converted before the first is stored. The compiler must assume that storing a
-        // float changes the pointers of the other arrays, and would load these pointers again after each
-        // store.
+        // All seven numbers are converted before the first is stored. Otherwise the compiler would reload the
+        // pointers of the arrays after each store, because a stored float may have changed them.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -105,7 +105,7 @@ class RayScene {
     /// interrupts the build.
     RayScene(const Scene& scene, double time_s);
     /// Builds the scene for a shutter interval, in which every ray has its own instant. Analytic shapes
-    /// follow their exact transforms. Meshes move linearly between steps; `accuracy` determines the number of
+    /// follow their exact transforms. Meshes move in linear steps, and `accuracy` determines the number of
     /// steps.
     RayScene(const Scene& scene, const TimeSpan& span, const MotionAccuracy& accuracy);
     ~RayScene();
@@ -114,39 +114,39 @@ class RayScene {
     RayScene(RayScene&&) = delete;
     RayScene& operator=(RayScene&&) = delete;
 
-    /// Finds the nearest hit of every ray. `coherent`: the rays of each group are almost parallel.
+    /// Finds the nearest hit of every ray. `coherent` states that the rays of each group are almost parallel.
     void intersect(RayBatch& rays, bool coherent) const;
     /// Computes the transmittance along the segment of each ray. Opaque surfaces block light. Transmitting
-    /// surfaces multiply it by their colour at each crossing; shadow rays are not refracted [whitted1980].
+    /// surfaces multiply light by their colour at each crossing. Shadow rays are not refracted [whitted1980].
     void occlude(RayBatch& rays) const;
-    /// Computes in double precision the hit of the ray o + t d, |d| = 1. It starts from the t that
-    /// `intersect` has found. `time`: time of the ray, 0 to 1.
+    /// Computes the hit of the ray o + t d, |d| = 1, in double precision. `t` is the distance that
+    /// `intersect` has found. `time` is the time of the ray, 0 to 1.
     [[nodiscard]] SurfacePoint surface(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d, double t,
                                        double time = 0) const;
-    /// Computes only the object, the texture position and the distance of the hit, which takes less time than
+    /// Computes only the object, the texture position and the distance of the hit. This takes less time than
     /// `surface`.
     [[nodiscard]] SurfacePoint texture_point(const HitKey& key, const glm::dvec3& o, const glm::dvec3& d,
                                              double t, double time = 0) const;
     /// Returns the object that was hit, as an index into Scene::objects.
     [[nodiscard]] std::uint32_t object(const HitKey& key) const;
-    /// Returns the derivative of the outward unit normal at the hit: d(normal) = shape_operator *
-    /// d(position), 1/m. Only for objects that do not move.
+    /// Returns the derivative of the outward unit normal at the hit, 1/m: d(normal) = shape_operator *
+    /// d(position). Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Returns the distance, m, by which the origin of a ray that starts on a surface at `p` is moved off the
-    /// surface. It is slightly larger than the rounding error of single precision at `p`, and far smaller
-    /// than any object.
+    /// A ray that starts on a surface at `p` starts slightly off the surface. Returns this distance, m. It is
+    /// slightly larger than the rounding error of single precision at `p`, and far smaller than any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// The instant of this scene, s. For a shutter interval, its beginning.
+    /// Returns the instant of this scene, or the beginning of its shutter interval, in seconds.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.
     [[nodiscard]] bool moves() const;
-    /// Largest distance, px, between the linear steps of moving meshes and their true motion. It exceeds the
-    /// tolerance if the greatest number of steps does not suffice.
+    /// Returns the largest distance, px, between the linear steps of moving meshes and their true motion. It
+    /// exceeds the tolerance if even the greatest number of steps is not enough.
     [[nodiscard]] double motion_error_px() const;
-    /// Handle of the Embree scene (RTCScene), for benchmarks that compare with a plain loop over rays.
+    /// Returns the handle of the Embree scene (RTCScene). Benchmarks use it to compare with a plain loop over
+    /// rays.
     [[nodiscard]] void* native_handle() const;
 
   private:

@@ -1,4 +1,4 @@
-// Data for Embree's callbacks: the sets of analytic shapes, and the context of a batch of rays. Only
+// Data for Embree's callbacks. These are the sets of analytic shapes and the context of a batch of rays. Only
 // ray_scene*.cpp and *_packets.cpp include this header.
 #pragma once
 
@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// The effect of an object on shadow rays. The transmittance is stored as -log2 in fixed point: Embree calls
+/// The effect of an object on shadow rays. The transmittance is stored as -log2 in fixed point. Embree calls
 /// filters in any order, and a sum of integers does not depend on the order.
 struct ObjectShadow {
     bool casts = true;
@@ -35,16 +35,17 @@ struct Lifetime {
 /// callbacks.
 struct RayContext {
     RTCIntersectContext base{};
-    const HitKey* sources = nullptr;        ///< per ray id; null: no ray starts on a surface
+    const HitKey* sources = nullptr;        ///< per ray id; null if no ray starts on a surface
     const ObjectShadow* shadows = nullptr;  ///< per object
     const std::uint32_t* object_of_geometry =
         nullptr;  ///< per geometry id of the top-level scene; valid for meshes and instances
     std::array<std::int64_t, 3>* log_transmission = nullptr;  ///< per ray id: sum over its crossings
     const Lifetime* lifetimes =
-        nullptr;  ///< per geometry id of the top-level scene; null: all exist during the whole time span
+        nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// Objects that are spheres in world space as well, stored as a structure of arrays for packets of rays.
+/// Objects that are still spheres after their transform to world space. They are stored as a structure of
+/// arrays, for packets of rays.
 struct SphereSet {
     std::vector<glm::vec3> centre;
     std::vector<float> radius;
@@ -68,8 +69,8 @@ struct AnalyticSet {
         glm::dmat4 local_from_world{1};
         glm::dmat4 object_from_local{1};
         std::uint32_t object = 0;
-        // local_from_world for float rays: local = linear * (p - pivot) + shift. The pivot is subtracted
-        // first, so that no precision is lost far from the origin.
+        // local_from_world for float rays: local = linear * (p - pivot) + shift. Subtracting the pivot first
+        // preserves precision far from the origin.
         glm::mat3 linear{1};
         glm::vec3 pivot{0}, shift{0};
     };
@@ -77,8 +78,8 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Moving analytic shapes. A ray is transformed, in double precision, into the space in which the shape does
-/// not move.
+/// Moving analytic shapes. Each ray is transformed, in double precision, into the space in which the shape is
+/// at rest.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -105,13 +106,13 @@ struct MovingSet {
     }
 };
 
-/// Create user geometries with their callbacks. The sets must outlive the geometries.
+/// These functions create user geometries with their callbacks. The sets must outlive the geometries.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);
 
-/// Filters for triangles. `filter_source` rejects the primitive on which a ray starts. `filter_shadow` also
-/// rejects surfaces that transmit light or cast no shadow.
+/// Filters for hits on triangles. `filter_source` rejects the primitive on which a ray starts.
+/// `filter_shadow` also rejects surfaces that transmit light or cast no shadow.
 void filter_source(const RTCFilterFunctionNArguments* args);
 void filter_shadow(const RTCFilterFunctionNArguments* args);
 

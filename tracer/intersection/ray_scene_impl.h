@@ -1,4 +1,4 @@
-// The implementation of RayScene. Only ray_scene*.cpp include this header.
+// The implementation of RayScene. Only the files ray_scene*.cpp include this header.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space, with the gradients in its plane of the barycentric coordinates b1 and b2.
+// A triangle in world space, with the gradients of the barycentric coordinates b1 and b2 in its plane.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;
@@ -33,15 +33,15 @@ struct TriangleFrame {
     glm::dmat4 object_from_world;  // at the ray's time, if `surface` needs it (Impl::triangle)
 };
 
-// An instance of a mesh that is shared or moves. A moving mesh has several instances. Each exists from its
-// `begin` until the `begin` of the next one.
+// An instance of a mesh that is shared or moves. A moving mesh has several instances. Each of them exists
+// from its `begin` until the next one begins.
 struct InstanceGeometry {
     std::uint32_t object = 0;
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the transform at the time of a ray, interpolated as Embree does it. A ray that starts on the
-    // surface must start on the surface that Embree intersects.
+    // Returns the transform at the time of a ray, interpolated as in Embree. A ray that starts on the surface
+    // must start where Embree's intersection tests find this surface.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 
@@ -100,7 +100,7 @@ struct RayScene::Impl {
     void add_objects(const MotionAccuracy& accuracy);
     std::map<const Mesh*, std::size_t> shared_meshes;
 
-    // Computing hits in double: ray_scene_surface.cpp.
+    // These functions compute hits in double precision (ray_scene_surface.cpp).
     [[nodiscard]] SurfacePoint sphere_surface(std::uint32_t primitive, const glm::dvec3& o,
                                               const glm::dvec3& d, double t) const;
     // A hit on an analytic shape, in the local frame of the shape.

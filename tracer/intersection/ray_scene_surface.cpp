@@ -96,8 +96,8 @@ SurfacePoint RayScene::Impl::moving_surface(std::uint32_t primitive, const dvec3
     const dmat3 base(item.local_from_base);
     const LocalHit hit{dvec3(item.local_from_base * glm::dvec4(pose.unmoved_point(o), 1)),
                        base * pose.unmoved_direction(d), t};
-    // `base` and the motion both transform the normal as a covector. The motion consists of a scale followed
-    // by a rotation.
+    // `base` and the motion both transform the normal as a covector. The motion is a scale followed by a
+    // rotation.
     return solved_surface(item, hit, o, d, normals,
                           [&](const dvec3& n) { return pose.rotation * ((n * base) / pose.scale); });
 }
@@ -154,7 +154,8 @@ SurfacePoint RayScene::Impl::mesh_surface(const HitKey& key, const dvec3& o, con
         const double length = glm::length(sum);
         if (length > 0) {
             s.normal = sum / length;
-            // If winding and vertex normals disagree about the outer side, the vertex normals decide.
+            // The winding and the vertex normals may disagree about the outer side. In that case, the vertex
+            // normals decide.
             if (glm::dot(s.normal, s.geometric_normal) < 0) s.geometric_normal = -s.geometric_normal;
         }
     }

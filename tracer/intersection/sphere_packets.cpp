@@ -14,7 +14,7 @@ struct SphereF {
 };
 
 /// Computes both crossings of N rays with a sphere. Distances are measured from the point of each ray nearest
-/// to the centre, so that no large terms cancel. near > far if the ray misses the sphere.
+/// to the centre, so that no large terms cancel. If a ray misses the sphere, near > far.
 template <int N>
 [[gnu::always_inline]] inline void sphere_packet(const Rays& rays, const SphereF& s, float* near,
                                                  float* far) {
@@ -53,8 +53,8 @@ template <int N>
             if (args->valid[i] == 0) continue;
             const HitKey& from = context.sources[rays.id[i]];
             if (from.geometry != args->geomID || from.primitive != args->primID) continue;
-            // The ray starts on this sphere. The crossing nearest to t = 0 is its origin, so only the other
-            // crossing is a hit.
+            // The ray starts on this sphere. The crossing nearest to t = 0 is the origin of the ray, so only
+            // the other crossing is a hit.
             const float other = std::abs(near[i]) < std::abs(far[i]) ? far[i] : near[i];
             const bool hit = near[i] <= far[i] && other > rays.tnear[i] && other <= rays.tfar[i];
             t[i] = hit ? other : std::numeric_limits<float>::infinity();
@@ -106,8 +106,7 @@ template <int N>
     }
 }
 
-// The functions above are inlined into the following ones, so that they are compiled for each instruction
-// set.
+// The functions above are inlined into the following ones. They are thus compiled for each instruction set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }
@@ -158,7 +157,8 @@ void occlude_spheres_n(const RTCOccludedFunctionNArguments* args) {
 void sphere_bounds(const RTCBoundsFunctionArguments* args) {
     const auto& set = *static_cast<const SphereSet*>(args->geometryUserPtr);
     const glm::vec3 c = set.centre[args->primID];
-    // The box is slightly larger than the sphere, so that it contains hits with rounding errors.
+    // The box is slightly larger than the sphere, so that it also contains hits that rounding places outside
+    // the sphere.
     const float grown = set.radius[args->primID] * 1.000001F +
                         4e-7F * std::max({std::abs(c.x), std::abs(c.y), std::abs(c.z)});
     *args->bounds_o = {c.x - grown, c.y - grown, c.z - grown, 0, c.x + grown, c.y + grown, c.z + grown, 0};

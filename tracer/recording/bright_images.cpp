@@ -36,7 +36,7 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Whether the beam may touch a sphere in front of the surfaces that it hits.
+    /// Returns whether the beam may touch a sphere in front of the surfaces that the beam hits.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);
@@ -44,7 +44,7 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Position, m, at which the k-th ray passes a point, relative to this point and perpendicular to the
+    /// Returns the offset, m, from `point` to the point where the k-th ray passes it, perpendicular to the
     /// beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
@@ -55,11 +55,11 @@ struct Beam {
     std::array<dvec3, 4> from{}, direction{};
     dvec3 origin{0}, axis{0}, right{0}, down{0};
     double length = 0, throughput = 0;
-    double radius = 0, spread = 0;  // of the origins, m, and of the directions
+    double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images with a radiance below this are not searched for. Over black, this radiance is an eighth of white on
-/// the sRGB curve.
+/// Images dimmer than this radiance are not searched for. As an sRGB value, this radiance is an eighth of
+/// white.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -80,7 +80,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Every mirror is assumed to show every object twice, as glass does.
+    // Every mirror is assumed to show every object twice, because glass shows two images.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -119,8 +119,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear map from the position in the cell, in cells from its middle, to the position of the ray
-        // relative to the object's centre.
+        // Linear map from a position in the cell to the position of its ray relative to the object's centre.
+        // Positions are measured in cells from the middle of the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -130,12 +130,12 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The map is not linear where mirrors are curved. An image therefore also counts as inside if it lies
+        // The map is not linear if mirrors are curved, so its result is inexact. An image may therefore lie
         // outside the cell by up to a tenth of its distance from the middle of the cell.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The smaller singular value of radius * cell_by is half of the narrower width, in cells.
+        // The smaller singular value of radius * cell_by is half of the image's smaller width, in cells.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

@@ -1,6 +1,6 @@
-// Images of small bright objects in mirrors and glass, such as light sources seen through a glass ball. Such
-// an image may lie between the corners of pixels. A quadtree cell that may contain one is therefore
-// subdivided until a corner must hit the image.
+// Finds images of small bright objects in mirrors and glass, such as a light source seen through a glass
+// ball. Such an image may lie between the corners of pixels. A quadtree cell that may contain one is
+// therefore subdivided until a corner must hit the image.
 #pragma once
 
 #include <array>
@@ -21,24 +21,25 @@ struct WantedCells {
     }
 };
 
-/// The compact objects of a scene that are brighter than white. The four rays at the corners of a cell, after
-/// the same bounces, show whether the cell may contain the image of such an object.
+/// The compact objects of a scene that are brighter than white. The rays at the four corners of a cell, after
+/// the same bounces, show whether the cell may contain an image of such an object.
 class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of cells along the outline of an image and across it.
+    /// Approximate number of cells that the image of one object needs, along its outline and inside it.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Takes the objects as they are at an instant. If their images in all mirrors and glass objects may need
-    /// more than `most_cells` cells, only the brightest are kept.
+    /// Takes the objects at their positions at an instant. If their images in all mirrors and glass objects
+    /// may need more than `most_cells` cells, only the brightest objects are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the largest sizes for a cell of `size_px`. `at`: for each corner of the cell, the ray that
-    /// arrives at the node with a given path, in the order up-left, up-right, down-left, down-right.
+    /// Returns the largest sizes that suffice for a cell of `size_px`. For each corner of the cell, `at`
+    /// holds the ray that arrives at the node with a given path. The order is up-left, up-right, down-left,
+    /// down-right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -46,8 +47,8 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a binary tree over spheres_, in depth-first order: a sphere that contains the spheres
-    /// [first, last).
+    /// A node of a binary tree over spheres_, in depth-first order. The node is a sphere that contains the
+    /// spheres [first, last).
     struct Group {
         glm::dvec3 centre{0};
         double radius = 0;

@@ -39,7 +39,8 @@ bool CellSplit::pattern_between(const Seen* s, int count) const {
 }
 
 void CellSplit::mark_leaf(const CornerCell& c, Marks& marks) const {
-    // A larger cell would have been divided if an outline crossed it.
+    // Only the smallest cells are tested, because a larger cell would have been divided if an outline crossed
+    // it.
     const bool ends_edges = !is_larger(c, settings_.edge_levels);
     if (ends_edges && outline_between(c)) {
         for (const std::uint32_t corner : c.corner)
@@ -142,7 +143,8 @@ bool CellSplit::texture_differs(const Seen* s, const NodeOfEach& node, int count
     const ColourRange range = texture->range(low, high);
     if (range.low == range.high) return false;
     for (int channel = 0; channel < 3; ++channel) {
-        // The radiance is modelled as plus + times * texel, where texel is the colour of the texture.
+        // The radiance is modelled as plus + times * texel. Here texel is the colour of the texture, and the
+        // other two are constants.
         double times = 0, plus = HUGE_VAL;
         std::array<double, most_samples> texel{};
         for (int i = 0; i < count; ++i) {

@@ -30,18 +30,19 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Whether the cell is divided because the sample at its centre, given by its index, differs from its
-    /// corners. Only the visible layers are compared.
+    /// Returns whether the cell is divided because the sample at its centre differs from its corners.
+    /// `centre` is the index of this sample. Only the visible layers are compared.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
-    /// A record, given by the index of its chunk and its index in that chunk, and its RecordMark.
+    /// A record and its RecordMark. `record` is the index of the record in its chunk.
     struct Mark {
         std::uint32_t chunk = 0, record = 0;
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends to `marks` the nodes at the corners of an undivided cell if their texture has contrast between
-    /// the corners, if they show several parts of one object, or if a part lies between them. Cells that
-    /// colour contrast or edges could have divided further are ignored (SubdivisionSettings).
+    /// Appends marks for the nodes at the corners of an undivided cell. A node is marked in three cases: if
+    /// its texture has contrast between the corners, if the corners show several parts of one object, or if
+    /// another part lies between the corners. A case is skipped if it could have divided the cell further
+    /// (SubdivisionSettings).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
@@ -53,30 +54,30 @@ class CellSplit {
         const TracedSamples* chunk = nullptr;
         std::uint32_t first = 0, count = 0;
     };
-    static constexpr int most_samples = 5;  ///< that are compared: at the corners and the centre of a cell
+    static constexpr int most_samples = 5;  ///< compared per cell, at its corners and its centre
     /// A node of each sample, as an index into its chunk.
     using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
-    /// Contrast as in [mitchell1987]. The term 0.05 prevents small differences of dark colours from dividing
-    /// a cell.
+    /// True if the contrast between two values divides a cell [mitchell1987]. The term 0.05 in its formula
+    /// prevents small differences of dark colours from dividing the cell.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if a cell whose corners have similar colours still contains an edge: the texture has contrast
-    /// between the corners, or the corners are shadowed from different lights.
+    /// True if a cell whose corners have similar colours still contains an edge. This is the case if the
+    /// texture has contrast between the corners, or if the corners are shadowed from different lights.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// Whether the cell is larger than the smallest cells of a criterion that divides to `levels`.
+    /// True if a criterion that subdivides to at most `levels` levels may still divide the cell.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th node of the first corner, and the node with the same path and id at each other
-    /// corner. Empty if a corner has no such node.
+    /// Returns the n-th node of the first corner, together with the node of the same path and id at each
+    /// other corner. Empty if a corner has no such node.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the node with the path. Tests the node with index `guess` first, because most corners of a
-    /// cell have the same tree.
+    /// Returns the node with the given path. The node with index `guess` is tested first, because most
+    /// corners of a cell have the same shading tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
-    /// Returns the node with the path and the id of `wanted`, as node_of_path does.
+    /// Like node_of_path, but also requires the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
@@ -88,18 +89,18 @@ class CellSplit {
     /// Returns the layer that begins at `at`, an index into the records of the sample. Sets `at` to the end
     /// of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
-    /// True if the cell may contain a narrow object, one that all corners of the cell can miss. Objects
-    /// behind the farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    /// True if the cell may contain a narrow object that all corners of the cell miss. Objects behind the
+    /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if all corners of the cell show one part of an object, and the outline of another part crosses
     /// the cell in front of it.
     [[nodiscard]] bool outline_between(const CornerCell& c) const;
-    /// True if the cell may contain the image of a small bright object in a mirror or in glass.
-    /// `s`: the visible layers of its corners.
+    /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
+    /// visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden layers divide the cell, by the same criteria as visible ones. Corners without a
-    /// layer do not take part in its comparison. A hidden layer that begins after a bounce has no primary
-    /// node, so only layers whose first nodes have the same path are compared.
+    /// True if the hidden layers of the corners divide the cell, by the same criteria as visible layers. A
+    /// layer is compared only between the corners that have it. A hidden layer that begins after a bounce has
+    /// no primary node, so only layers whose first nodes have the same path are compared.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     /// Returns the path of the first node of the layer that begins at index `at` of the sample's records.
     /// Returns `none` after the last layer.

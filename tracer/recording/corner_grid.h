@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Position on the grid of cell corners, in units of 2^-levels px from the upper left corner of the window.
+/// Position on the grid of cell corners, in units of 2^-levels px. It is measured from the upper left corner
+/// of the window.
 using CornerKey = std::uint64_t;  // y << 32 | x
 
 struct CornerGrid {

@@ -1,4 +1,4 @@
-// Sorts the records of a band of pixel rows into the canonical order of a sample file.
+// Sorts the records of a band of pixel rows into the order that a sample file requires.
 #pragma once
 
 #include <cstdint>

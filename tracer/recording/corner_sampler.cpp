@@ -17,16 +17,16 @@
 namespace postlens {
 namespace {
 
-// Greatest number of pixel rows whose records are in memory at once, and edge, px, of the squares that a
-// thread traces at once. The band contains two rows of squares. That is enough work for all threads, and
-// needs little memory for any width of the raster.
+// `band_rows` is the greatest number of pixel rows whose records are in memory at once. `tile` is the edge,
+// px, of the squares that a thread traces at once. A band contains two rows of squares, which is enough work
+// for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band that contains row y ends. On the edge between two bands, corners_around
-// uses the pixel above instead of the pixel below. The edges are therefore at fixed rows of the raster, so
-// that a record does not depend on the row at which the window begins.
+// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster, because
+// corners_around treats points on the edge between two bands differently. A record therefore does not depend
+// on the row at which the window begins.
 int end_of_band(int y) {
     return (floor_div(y, band_rows) + 1) * band_rows;
 }
@@ -135,8 +135,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces all pixel corners of the band. The first row of corners has already been traced if there is a
-    // band above.
+    // Traces all pixel corners of the band. If there is a band above, the first row of corners has already
+    // been traced.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -175,8 +175,8 @@ class BandSampler {
         });
     }
 
-    // Makes a sample of the band above accessible: a pixel corner by row and column, any other sample by its
-    // position on the grid.
+    // Makes a sample of the band above accessible. A pixel corner is found by row and column, and any other
+    // sample by its position on the grid.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -217,7 +217,7 @@ class BandSampler {
     }
 
     // Returns the pixels that are divided. All four corners of a pixel may miss an object, most often near an
-    // edge. If a pixel in the same row and beside it is divided, the centre of the pixel is therefore
+    // edge. Therefore, if a neighbouring pixel in the same row is divided, the centre of the pixel is
     // compared with its corners.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
@@ -269,11 +269,12 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell. Midpoints that neighbouring cells share
-    // are traced once. Midpoints on the upper edge of the band may have been traced with the band above.
+    // Traces the centre and the midpoints of the sides of every cell. A midpoint that neighbouring cells
+    // share is traced once. A midpoint on the upper edge of the band may already have been traced with the
+    // band above.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // One list of points for each row of pixels, which includes the upper edge of the row. The last list
-        // is the lower edge of the band.
+        // There is one list of points for each row of pixels, including the upper edge of the row. The last
+        // list is for the lower edge of the band.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -314,8 +315,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the four corners of the pixel that contains the point, inside or on its edge.
-    // For a point on the lower edge of the band, the pixel above is used, because the corners of the pixel
+    // Returns the samples at the four corners of the pixel that contains the point, either inside or on its
+    // edge. For a point on the lower edge of the band, the pixel above is used. The corners of the pixel
     // below are not traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
@@ -352,8 +353,8 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of the band, which the next band also needs: pixel corners and
-    // midpoints of cells.
+    // Keeps the samples on the lower edge of the band, because the next band also needs them. They are pixel
+    // corners and midpoints of cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();
@@ -379,8 +380,8 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // The next band reuses the chunks. Releasing and allocating their memory again took longer than the
-        // tracing itself.
+        // The next band reuses the chunks, because releasing and allocating their memory took longer than
+        // tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }
@@ -399,7 +400,7 @@ class BandSampler {
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
-    /// Of each row of pixels.
+    /// The marks of each row of pixels.
     std::vector<CellSplit::Marks> marks_;
     CellSplit cells_;
     CornerRecords records_;

@@ -34,7 +34,7 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The last row of the band has only the lower corners of the stripe, without subdivision, so its
+        // The last row of the band contains only the lower corners of the stripe, without subdivision. Its
         // bytes are not counted.
         sample_corners(
             tracer, stripe, subdivision,
@@ -42,8 +42,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // A row of the picture also needs the lower corners of its pixels, which the next band has if
-                // the stripe belongs to two.
+                // A row of the picture also needs the lower corners of its pixels. If the stripe crosses two
+                // bands, these corners are in the next band.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -21,12 +21,13 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps into which the shutter interval is divided. The instants of the motion's keyframes are
-// added. Between two steps, directions are assumed to turn by less than 180 degrees.
+// Number of steps into which the shutter interval is divided. The keyframes of the motion are added as
+// further instants. From one step to the next, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
-// A key records an object that grows or shrinks if it shows the object at this share of its largest size or
-// more. Magnified to that size, its records are then as coarse as with one level of subdivision less.
+// The size of an object in the frame may change. A key records the object if it shows the object at this
+// fraction of its largest size or more. At half the size, records are as coarse as with one level of
+// subdivision less.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -44,8 +45,8 @@ struct View {
     }
 };
 
-// Returns the camera poses `views`, and between the first and the last of them also the poses at the
-// keyframes of the camera's motion.
+// Returns the camera poses `views`. Between the first and the last of them, the poses at the keyframes of the
+// camera's motion are added.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -61,8 +62,8 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Instants at which viewing directions are computed: count + 1 evenly spaced instants of the shutter
-// interval, and the keyframes of `motions` within it.
+// Returns instants at which viewing directions are computed. They are count + 1 evenly spaced instants of the
+// shutter interval, and the keyframes of `motions` within the interval.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
     std::vector<double> out;
@@ -99,8 +100,8 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Whether a sphere, given without its motion, may be seen within the frame: whether it reaches in front of
-// the camera, and inside the four planes through the edges of the frame.
+// Returns whether the frame may show a sphere, which is given without its motion. The sphere must reach in
+// front of the camera and inside the four planes through the edges of the frame.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
@@ -174,7 +175,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // The size of the object at each instant, along its axes; 0 where it is out of view.
+        // The size of the object at each instant, along the axes of the object. It is 0 if the object is out
+        // of view.
         std::vector<dvec3> sizes;
         dvec3 largest(0);
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -194,15 +196,15 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Whether one of `keys` keys, evenly spaced over the shutter interval, lies within the visit (a time span
-    // in which an object may be in view).
+    // Returns whether a key lies within a visit, if there are `keys` evenly spaced keys in the shutter
+    // interval. A visit is a time span in which an object may be in view.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // A visit may be so short that no number of keys has one within it.
+    // A visit that is too short for any number of keys is ignored.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;
@@ -239,8 +241,8 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Tolerance for the rounding of the sum over the steps. With it, a sweep of exactly 60 degrees needs no
-    // additional key.
+    // Tolerance for the rounding of the sum over the steps. It ensures that a sweep of exactly 60 degrees
+    // needs no additional key.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

@@ -18,11 +18,12 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps into which the shutter interval is divided. Points are observed at the ends of the steps.
+// Number of steps into which the shutter interval is divided. The light at each point is observed at the ends
+// of the steps.
 constexpr int light_steps = 64;
 
-// Smallest number of steps from one key to the next. With one step there would be 65 keys, more than a file
-// can have (SampleHeader::most_keys).
+// Smallest number of steps from one key to the next. With one step, there would be 65 keys, but a file can
+// have at most SampleHeader::most_keys.
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
 // The grid has this many points along the longer side of the frame.
@@ -55,8 +56,8 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Predicted PSNR of images made from the light at the recorded instant and at keys (further recorded
-    /// instants) every `between` steps. If `between` is 0, only the recorded instant is used.
+    /// Returns the predicted PSNR of images made from the light at the recorded instant and at further keys
+    /// (recorded instants), one every `between` steps. If `between` is 0, only the recorded instant is used.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -113,8 +114,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Neighbouring points of the grid are seen at instants far apart, so that together they see what comes
-    // into view at any instant.
+    // Neighbouring points of the grid are taken at very different instants. Together, the points then also
+    // cover surfaces that come into view during the shutter interval.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -175,7 +176,8 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // The rays are of single precision. A farther or nearer hit is another part of the object.
+                // Rays have single precision, so the distances are compared with a tolerance. A hit at
+                // another distance is on another part of the object.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])
@@ -191,7 +193,7 @@ class LightChange {
     RayScene rays_;
     Sampler sampler_;
     DistributedTracer tracer_;
-    std::vector<double> instants_s_;  ///< light_steps + 1 of the shutter, then the recorded one
+    std::vector<double> instants_s_;  ///< light_steps + 1 in the shutter interval, then the recorded one
     std::vector<CameraModel> cameras_;
     std::vector<MotionPath> paths_;  ///< per object
     std::size_t grid_points_ = 0;

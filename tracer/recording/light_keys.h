@@ -1,5 +1,5 @@
-// Measures how many recorded instants (keys) reproduce the light that changes while the shutter is open:
-// shading, highlights, shadows, reflections and refractions.
+// Determines how many recorded instants (keys) are needed to reproduce light that changes while the shutter
+// is open. Shading, highlights, shadows, reflections and refractions may change.
 #pragma once
 
 #include "scene/scene.h"
@@ -14,18 +14,21 @@ inline constexpr int most_light_keys = 33;
 
 struct LightKeys {
     int keys = 1;
-    double psnr_db = 0;  ///< predicted, with these keys; infinite if no light changes
+    double psnr_db = 0;  ///< predicted PSNR with these keys; infinite if no light changes
 };
 
-/// Returns the smallest number of evenly spaced keys, of 1, 2, 3, 5, 9, 17 and 33, with which the light of
-/// the surfaces has `target_db`, or 33. One key is `recorded_s`, which also belongs to all larger numbers.
+/// Returns the smallest number of evenly spaced keys (recorded instants) with which the light on the surfaces
+/// reaches a PSNR of `target_db`. The number is 1, 2, 3, 5, 9, 17 or 33. If none of them suffices, it is 33.
+/// The instant `recorded_s` is always recorded, and it is the only one if the number is 1.
 ///
-/// Points of surfaces that a coarse grid of rays sees, each at an instant of its own, are followed through
-/// the shutter interval. At 65 instants a ray from the camera finds the radiance of each point that is in
-/// view. Images made of K keys show the radiance that linear interpolation between the two keys around an
-/// instant gives. The error of a point is that of its mean over time, as encoded value (sRGB); the PSNR is
-/// over all points. A point of an area light and a direction of a lobe stand for all, so that shadows and
-/// reflections are sharper than they are.
+/// A coarse grid of rays selects points of surfaces, each at a different instant. The points are followed
+/// through the shutter interval. At 65 instants, a ray from the camera finds the radiance of each point that
+/// is in view. For any instant, images are assumed to show the radiance interpolated linearly between the two
+/// nearest keys. The error of a point is the error of its mean over time, as an sRGB value. The PSNR is
+/// computed over all points.
+///
+/// Each area light is represented by one point, and each lobe by one direction. Shadows and reflections
+/// therefore appear sharper here than in images.
 [[nodiscard]] LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                    double recorded_s, const TimeSpan& shutter, double target_db,
                                    const DistributedSettings& tracing);

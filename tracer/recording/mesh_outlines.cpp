@@ -14,7 +14,7 @@ namespace {
 using glm::dvec2;
 using glm::dvec3;
 
-/// Part of a segment, as fractions of its length.
+/// A part of a segment. Its ends are fractions of the length of the segment.
 struct Range {
     double begin = 0, end = 1;
 };
@@ -69,7 +69,8 @@ void MeshOutlines::add_mesh(const Object& object, const Mesh& mesh, std::size_t 
             if (at) places[i] = {*at, nearness(glm::dot(point - camera.position, camera.forward))};
         }
     });
-    // Twice the area of a triangle's image; the sign tells from which side the camera sees the triangle.
+    // Returns twice the area of a triangle's image. The sign shows from which side the camera sees the
+    // triangle.
     const auto area = [&](std::uint32_t triangle) {
         const glm::uvec3& t = mesh.triangles[triangle];
         const dvec2 u = places[t[1]].at - places[t[0]].at, v = places[t[2]].at - places[t[0]].at;
@@ -145,7 +146,7 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
                        static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_)]),
                last = crossings_.begin() +
                       static_cast<std::ptrdiff_t>(row_begin_[static_cast<std::size_t>(row - y_begin_) + 1]);
-    // An edge along the side of the square is not inside it.
+    // An edge that runs along a side of the square does not count as inside the square.
     const double margin = size / 64;
     const dvec2 low(x + margin, y + margin), high(x + size - margin, y + size - margin);
     for (auto c = std::lower_bound(first, last, column, [](const Crossing&a, int to) { return a.x < to; });
@@ -160,7 +161,7 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // An edge in the plane of the part that the corners show is not in front of it.
+        // An edge in the same plane as the part that the corners show is not in front of this part.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

@@ -1,5 +1,5 @@
-// The outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between the
-// corners of a quadtree cell. An outline inside the cell reveals such a part.
+// Finds the outlines of meshes on the film. A part of a mesh, such as the tip of a leaf, may lie between the
+// corners of a quadtree cell. If an outline crosses the cell, the cell contains such a part.
 #pragma once
 
 #include <array>
@@ -13,15 +13,16 @@
 
 namespace postlens {
 
-/// The edges at which a mesh ends, or at which it turns away from the camera.
+/// The edges of meshes on the film where a mesh ends or turns away from the camera.
 class MeshOutlines {
   public:
-    /// Limit of the number of edges per pixel of the raster, on average. The farthest ones are omitted.
+    /// Limit of the number of edges per pixel of the raster, on average. If there are more, the farthest
+    /// edges are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
-    /// Finds the outlines of the scene's meshes at an instant, at raster positions [x_begin, x_end] x
-    /// [y_begin, y_end], px. `parts` must belong to `scene`.
+    /// Finds the outlines of the scene's meshes at an instant. Only raster positions in [x_begin, x_end] x
+    /// [y_begin, y_end], px, are searched. `parts` must belong to `scene`.
     MeshOutlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera, double time_s,
                  int x_begin, int x_end, int y_begin, int y_end);
 
@@ -32,8 +33,9 @@ class MeshOutlines {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Whether the outline of another part crosses the square of `size` px with the upper left corner
-    /// (x, y), in front of the part that the corners show. The square must lie within one pixel.
+    /// Returns whether the outline of another part crosses a square, in front of the part that the corners
+    /// show. (x, y) is the upper left corner of the square and `size` its width, px. The square must lie
+    /// within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:
@@ -51,7 +53,7 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// 1/z', or -z' if the camera is orthographic: linear along an edge and on a plane.
+    /// Returns 1/z', or -z' if the camera is orthographic. Both are linear along an edge and on a plane.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;
@@ -60,7 +62,7 @@ class MeshOutlines {
     int x_begin_ = 0, x_end_ = 0, y_begin_ = 0, y_end_ = 0;
     std::vector<Edge> edges_;
     std::vector<Crossing> crossings_;     ///< by row, and then by column
-    std::vector<std::size_t> row_begin_;  ///< per row, and at the end of the last one
+    std::vector<std::size_t> row_begin_;  ///< where each row begins, and where the last one ends
 };
 
 }  // namespace postlens

@@ -30,8 +30,8 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// True if a surface that is seen outside the frame moves into the frame. A margin of one sample spacing is
-// included, because a surface between two samples may move in as well.
+// Returns whether a surface that is seen outside the frame moves into the frame. A margin of one sample
+// spacing is added, because a surface between two samples may move in as well.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

@@ -1,4 +1,4 @@
-// Computes the overscan: the distance around the frame from which light blurs or moves into the frame.
+// Computes the overscan, the distance around the frame from which light blurs or moves into the frame.
 #pragma once
 
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace postlens {
 
-/// Returns the overscan, px. A coarse trace around the frame has one sample per 8 px. The overscan includes
-/// every sample whose circle of confusion, through the lens `lens`, reaches the frame. It also includes every
-/// sample with a visible or hidden surface that moves into the frame at an instant of `motion`. It is at most
-/// half of the longer side of the frame, and at most 4096 px. `motion` may be null.
+/// Returns the overscan, px. It is found by a coarse trace around the frame with one sample per 8 px. The
+/// overscan includes every sample whose circle of confusion, through the lens `lens`, reaches the frame. It
+/// also includes every sample with a visible or hidden surface that moves into the frame at an instant of
+/// `motion`. The result is limited to half of the frame's longer side and to 4096 px. `motion` may be null.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

@@ -9,12 +9,12 @@
 
 namespace postlens {
 
-/// Returns the moving objects with their bounding spheres, the motion of the camera, and the lights that move
+/// Returns the motion of the camera, the moving objects with their bounding spheres, and the lights that move
 /// or whose shadows may move. If shapes with the same id move differently, the motion of the first moving
 /// shape is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
-/// Returns the ids, ascending, of objects whose shapes have different keyframes and therefore move
+/// Returns, in ascending order, the ids that are shared by shapes with different keyframes. Such shapes move
 /// differently.
 [[nodiscard]] std::vector<std::uint32_t> ids_that_move_apart(const Scene& scene);
 

@@ -21,13 +21,13 @@ constexpr int tile_px = 16;
 // Long objects are divided along their axis into this many pieces. Each piece is treated as if its width and
 // depth were constant.
 constexpr int pieces = 16;
-// Number of times that the piece at a tip is halved. A cone as wide as the largest raster is then narrow at
-// its tip.
+// Number of times that the piece at a tip is halved. With this number, even a cone as wide as the largest
+// raster becomes narrow at its tip.
 constexpr int most_halves = 16;
-// Objects narrower than the smallest cells may be missed by all corners.
+// If an object is narrower than the smallest cells, all corners may miss the object.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
-// The ellipsoid that approximates an object, given by its centre and three half axes.
+// The ellipsoid that approximates an object. It is given by its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
@@ -54,9 +54,10 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
 }
 
-/// Axes of a box around all points: of two boxes, the one with the smaller surface. The sides of the first
-/// box are parallel to the coordinate axes. The second box fits flat and long objects of any direction: one
-/// side points from the centre to the farthest point, and another to the point farthest from this line.
+/// Returns the axes of a box around all points. Two boxes are tried, and the one with the smaller surface is
+/// used. The sides of the first box are parallel to the coordinate axes. The second box fits flat and long
+/// objects of any direction. One of its sides points from the centre to the farthest point. Another points to
+/// the point farthest from this line.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -107,7 +108,7 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Returns the axes, in object space, of each part of a shape. Planes have none.
+/// Returns the axes of each part of a shape, in object space. The result is empty for a plane.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -162,9 +163,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate ones. The image of the first is the longest possible.
-// The image of the second is perpendicular to it. The image of the third is a point. Returns the ratio of the
-// lengths of the first two images, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate half axes that suit the line of sight. The first has
+// the longest possible image. The image of the second is perpendicular to the image of the first. The image
+// of the third is a point. Returns the ratio of the lengths of the first two images, or 0 if the ellipsoid is
+// not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -179,7 +181,7 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (!(sight.depth_m > 0 && longest > 0)) return 0;
     const double angle = std::atan2(2 * xy, xx - yy) / 2;
     const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
-    // Computes vectors in the space in which the half axes are the coordinate axes.
+    // Computes vectors in the space in which the half axes are the unit vectors of the coordinate axes.
     const auto weights = [&](const dvec2& direction) {
         return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
                      glm::dot(seen[2], direction));
@@ -199,8 +201,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides the ellipsoid into straight pieces: `take(from, to, half)` gets the ends of each piece's axis and
-/// its half axes.
+/// Divides the ellipsoid into straight pieces. For each piece, `take(from, to, half)` gets the ends of its
+/// axis and its half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -225,7 +227,7 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // The last piece before a tip is divided further, because the width is not nearly constant there.
+        // The width is far from constant in the last piece before a tip, so this piece is divided further.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -304,8 +306,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
     // Computes half the width of the piece's image, perpendicular to the longest of the three projected half
-    // axes. The result is exact for the ellipsoid with these half axes. The bounding box of the ellipsoid
-    // would be wider.
+    // axes. This is the exact width of the ellipsoid with these half axes. The width of its bounding box
+    // would be larger.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -331,18 +333,19 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Only compact bright objects need small cells at their outline. For an elongated object, the errors of
-    // neighbouring cells cancel.
+    // Only compact bright objects need small cells along their outline. Along an elongated object, the errors
+    // of neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Each piece needs at least three cells, so keep_affordable() keeps at most two thirds of this number.
+    // Every piece needs at least three cells, so keep_affordable() keeps at most two thirds of this number of
+    // pieces.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // The cells cover the outline, and a strip along the axis that is one cell wider than the object on
-    // either side.
+    // The cells cover the outline and a strip along the axis. On either side, the strip is one cell wider
+    // than the object.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -420,8 +423,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // Half of the cell's diagonal is 0.7071 of its size. With 0.7072, no cell that the object touches is
-        // missed.
+        // Half of the cell's diagonal is 0.7071 of its size. The slightly larger 0.7072 ensures that no cell
+        // that the object touches is missed.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

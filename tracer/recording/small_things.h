@@ -1,6 +1,6 @@
-// Objects so narrow on the film that they may lie between pixel corners, such as hairs, wires and distant
-// light sources. The scene contains their positions, so cells near them are subdivided until a corner must
-// hit them.
+// Finds objects that are so narrow on the film that they may lie between pixel corners, such as hairs, wires
+// and distant light sources. Their positions are known from the scene, so cells near them are subdivided
+// until a corner must hit them.
 #pragma once
 
 #include <algorithm>
@@ -19,25 +19,26 @@
 namespace postlens {
 
 /// Narrow objects that are seen directly, and bright ones that are seen in mirrors and glass (`images`). Each
-/// part of a mesh counts as an object of its own. Planes, and wide parts, are not included.
+/// part of a mesh counts as a separate object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Width, px, above which an object is not narrow, because it cannot lie between the corners of pixels.
+    /// Width, px, above which an object is not narrow. A wider object cannot lie between the corners of
+    /// pixels.
     static constexpr double widest_px = 1.5;
-    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. A cell of
-    /// this size has a corner on the object, whatever the object's position.
+    /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. At this
+    /// size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
     /// Largest size of a quadtree cell along the outline of a compact object brighter than white, as a
-    /// fraction of the object's width. The area of a disc then has an error of 1.2 % (Kendall 1948), and so
-    /// does the brightness of its circle of confusion.
+    /// fraction of the object's width. With this fraction, the area of a disc, and therefore the brightness
+    /// of its circle of confusion, has an error of 1.2 % (Kendall 1948).
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Limit of the number of cells per pixel of the raster. If it is exceeded, bright objects are kept
-    /// first, and then wide ones.
+    /// Limit of the number of cells per pixel of the raster. If more cells are needed, bright objects are
+    /// kept first, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
-    /// Contains no narrow objects; used to sample without a scene.
+    /// Contains no narrow objects. Used to sample without a scene.
     SmallThings() = default;
     /// Finds the narrow objects of the scene at an instant, near raster positions [x_begin, x_end] x
     /// [y_begin, y_end], px. `parts` must belong to `scene`.
@@ -48,22 +49,24 @@ class SmallThings {
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
     /// Finds the outlines of meshes, because parts of a mesh may lie between corners. The arguments must be
-    /// those of the constructor. The outlines need up to 160 bytes for each pixel of the raster.
+    /// those that were passed to the constructor. The outlines need up to 160 bytes per pixel of the raster.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
     [[nodiscard]] const MeshOutlines& outlines() const { return outlines_; }
-    /// Levels of subdivision that the narrow objects need, at most `most_levels`; 0 if there are none.
+    /// Returns the number of levels of subdivision that the narrow objects need, at most `most_levels`. 0 if
+    /// there are none.
     [[nodiscard]] int levels() const { return levels_; }
-    /// Approximate number of cells needed.
+    /// Returns the approximate number of cells that all narrow objects need.
     [[nodiscard]] double cells() const;
     /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Number of narrow objects that are omitted because they are too narrow or too many.
+    /// Returns the number of narrow objects that are omitted because they are too narrow or because there are
+    /// too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the largest cell sizes for the square of `size` px with the upper left corner (x, y). Nothing
-    /// in the square is farther away than `farthest_m`.
+    /// Returns the largest cell sizes that suffice for a square. (x, y) is the upper left corner of the
+    /// square and `size` its width, px. Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:

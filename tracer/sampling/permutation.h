@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// A permutation for any n in 1 .. 2^30; `key` selects it. Rounds of x -> odd * x + c and x -> x ^ (x >> s)
-/// with random constants are bijections of the words of b bits, where 2^b >= n. The bijection is repeated
-/// until the result is below n.
+/// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`. It is built from a bijection of
+/// words of b bits, where 2^b >= n. Each round of the bijection computes x -> odd * x + c and x -> x ^ (x >>
+/// s) with random constants. The bijection is applied again until the result is below n.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {
@@ -23,8 +23,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // A shift of 1 .. bits - 1, from the highest 4 bits of the offset. `step` adds only the lowest
-            // `bits` bits of the offset, so it does not use these 4 as well, unless bits > 28.
+            // A shift of 1 .. bits - 1, computed from the highest 4 bits of the offset. `step` uses only the
+            // lowest `bits` bits of the offset, so the two do not overlap unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -38,8 +38,8 @@ class Permutation {
     }
 
     /// Replaces several x, all in [0, n), by their images. The loop ends because every cycle of the bijection
-    /// that contains x returns to [0, n). The average is less than two steps, because n is more than half of
-    /// 2^b.
+    /// that contains x returns to [0, n). On average it takes fewer than two steps, because n is more than
+    /// half of 2^b.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -47,8 +47,8 @@ class Permutation {
     }
 
   private:
-    /// Performs one step for all lanes, or only for lanes whose value is n or more. Returns true if any such
-    /// lane remains.
+    /// Performs one step for all elements of x, or only for elements whose value is n or more. Returns true
+    /// if any value is still n or more.
     template <int lanes>
     [[gnu::always_inline]] bool step(std::uint32_t* x, bool all) const {
         std::uint32_t outside = 0;
@@ -65,9 +65,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of rounds. With six rounds, the frequencies of all permutations of 2 to 5 elements agree within
-    /// 4 %. For more elements, the frequencies of the positions of any two agree within 2 %. With four rounds
-    /// or a constant shift, they differ by tens of percent.
+    /// Number of rounds. With six rounds, all permutations of 2 to 5 elements have the same frequency within
+    /// 4 %. With four rounds or a constant shift, the frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

@@ -11,15 +11,14 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance on the torus, in units of 2^-64; at most 2^63.
+/// Returns the squared distance on the torus, in units of 2^-64. The result is at most 2^63.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// A grid in which points are found by position. Its cells are so small that a cell contains at most one
-/// point.
+/// A grid in which points are found by position. The cells are so small that each contains at most one point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -29,8 +28,8 @@ class DartGrid {
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
         // Only cells within a distance of two are searched. Points closer than `distance` are less than
-        // sqrt(2) + distance cells apart, which is at most 2 if `distance` is at most 0.586. This is the case
-        // for two or more points.
+        // sqrt(2) + distance cells apart. This is at most 2 if `distance` is at most 0.586, which holds for
+        // two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -57,8 +56,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of random points that are tried: ten times the average number needed for the last
-    // point.
+    // Limit of the number of random points that are tried. It is ten times the average number that the last
+    // point needs.
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -151,7 +150,7 @@ PoissonPoints::PoissonPoints(std::uint32_t n, std::uint64_t seed)
 }
 
 PoissonPoints::Block PoissonPoints::block_of(std::uint32_t sample) const {
-    // The first n % blocks_ blocks have one more point than the others.
+    // The first n % blocks_ blocks have one point more than the other blocks.
     const std::uint32_t least = n_ / blocks_, large = n_ % blocks_, in_large = large * (least + 1);
     if (sample < in_large) {
         const std::uint32_t k = sample / (least + 1);

@@ -13,9 +13,8 @@
 
 namespace postlens {
 
-/// Distribution of the points of a pixel. The points of different sets are paired at random. There are two
-/// exceptions: in `random`, all points are independent; in `sobol`, the sets of an eye ray are jointly
-/// distributed.
+/// Distribution of the points of a pixel. Points of different sets are paired at random, with two exceptions.
+/// In `random`, all points are independent. In `sobol`, the sets of an eye ray are jointly distributed.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -24,39 +23,39 @@ enum class SamplerKind {
     sobol,     ///< Owen-scrambled Sobol points [owen1995, burley2020]
 };
 
-/// Identifies an independent point set. The first three sets are the dimensions of an eye ray, which are
-/// jointly well distributed. `sample_set` makes all other sets.
+/// Identifies an independent point set. The first three sets are for the position of an eye ray in the pixel,
+/// on the lens and in time, and are jointly well distributed. `sample_set` makes all other sets.
 struct SampleSet {
     std::uint32_t id;
 };
 inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 
-/// Returns the point set for a purpose (such as an area light or a glossy bounce) and two further numbers,
-/// such as the path and the index of the light. It differs from the three sets of an eye ray. Different
-/// arguments result in different sets, except with a probability of 2^-32.
+/// Returns the point set for a purpose, such as an area light or a glossy bounce. `a` and `b` are two further
+/// numbers, such as the path and the index of the light. The result is never one of the three sets of an eye
+/// ray. Different arguments give different sets, except with a probability of 2^-32.
 [[nodiscard]] constexpr SampleSet sample_set(std::uint32_t purpose, std::uint32_t a, std::uint32_t b) {
     const std::uint64_t word = mix64(mix64(static_cast<std::uint64_t>(purpose) << 32 | a) ^ b);
     const std::uint32_t id = high_word(word);
     return {id > time_set.id ? id : id + time_set.id + 1};
 }
 
-/// Numbers in [0, 1), multiples of 2^-24, as a pure function of (kind, spp, seed, pixel, set, index). The
-/// bits do not depend on the instruction set or the order of the calls. The one-dimensional points of a set
-/// are independent of its two-dimensional points. All samples of a pixel must be used, because a subset may
-/// not be well distributed.
+/// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on (kind, spp, seed, pixel, set,
+/// index), so the bits are the same for any instruction set and any order of calls. The one-dimensional
+/// points of a set are independent of its two-dimensional points. All samples of a pixel must be used,
+/// because a subset may not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;
 
-    /// spp: samples per pixel, 1 .. max_spp. Throws Error(wrong_arguments) outside this range. For `poisson`,
-    /// the constructor makes the patterns, which takes up to a few tenths of a second.
+    /// `spp` is the number of samples per pixel, 1 .. max_spp. Throws Error(wrong_arguments) outside this
+    /// range. For `poisson`, the constructor makes the patterns, which takes up to a few tenths of a second.
     Sampler(SamplerKind kind, int spp, std::uint64_t seed);
 
     [[nodiscard]] SamplerKind kind() const { return kind_; }
     [[nodiscard]] int spp() const { return spp_; }
 
-    /// Writes samples [first, first + count) of a pixel. count is 1 .. 16, and first + count <= spp. `pixel`
-    /// is any 32-bit number. Fastest if count is 16 and `first` is a multiple of 16.
+    /// Writes samples [first, first + count) of a pixel. `count` is 1 .. 16, and first + count <= spp.
+    /// `pixel` is any 32-bit number. Fastest if `count` is 16 and `first` is a multiple of 16.
     void fill_2d(std::uint32_t pixel, SampleSet set, int first, int count, float* u, float* v) const;
     void fill_1d(std::uint32_t pixel, SampleSet set, int first, int count, float* u) const;
 
@@ -64,15 +63,15 @@ class Sampler {
         alignas(64) float pixel_u[sample_lanes], pixel_v[sample_lanes], lens_u[sample_lanes],
             lens_v[sample_lanes], time_u[sample_lanes];
     };
-    /// Writes the points of pixel_set and lens_set in two dimensions, and of time_set in one. Entries from
-    /// `count` on are undefined.
+    /// Writes the points of an eye ray: two-dimensional points of pixel_set and lens_set, and one-dimensional
+    /// points of time_set. Entries from `count` on are undefined.
     void fill_eye(std::uint32_t pixel, int first, int count, EyeSamples& out) const;
 
     [[nodiscard]] glm::vec2 point_2d(std::uint32_t pixel, SampleSet set, int index) const;
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes 16 lanes or 1 lane. All lanes are written, even those after the last sample.
+    /// Writes 16 values or 1 value per array, including those after the last sample.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

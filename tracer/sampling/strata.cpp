@@ -16,9 +16,9 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// A divisor up to 2^20 with its reciprocal, for exact quotients of integers that are rounded down or up.
-/// Half a unit is added to the dividend, so that the quotient is at least 2^-21 away from an integer.
-/// Quotients are at most 2^24, so their rounding error is below 2^-27.
+/// A divisor up to 2^20 with its reciprocal. Integer quotients, rounded down or up, are exact. Half a unit is
+/// added to the dividend, so the quotient is at least 2^-21 away from an integer. Quotients are at most 2^24,
+/// so their rounding error is below 2^-27.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -45,7 +45,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes the positions of points within their cells, in [0, 1), with 24 bits.
+/// Computes the position of each point within its cell, in [0, 1), with 24 bits.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -67,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row that begins at or before cell c: floor(row * n / rows) <= c is equivalent to row
-        // * n < (c + 1) * rows.
+        // Finds the last row that begins at or before cell c. The condition floor(row * n / rows) <= c is
+        // equivalent to row * n < (c + 1) * rows.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

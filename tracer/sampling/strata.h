@@ -11,22 +11,22 @@ namespace postlens {
 enum class CellPoint { centre, random };
 
 /// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20. There are round(sqrt(n)) rows.
-/// Their numbers of cells differ by at most one, and the height of a row is proportional to its number of
-/// cells. Cells are numbered row by row.
+/// The numbers of cells in two rows differ by at most one, and the height of a row is proportional to its
+/// number of cells. Cells are numbered row by row.
 class Strata {
   public:
     explicit Strata(std::uint32_t n);
     [[nodiscard]] std::uint32_t count() const { return n_; }
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
-    /// Returns the index of the first cell of a row; for row = rows(), n.
+    /// Returns the index of the first cell of a row, or n if row = rows().
     [[nodiscard]] std::uint32_t row_begin(std::uint32_t row) const {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the points of samples first .. first + lanes - 1, where lanes is 16 or 1. Samples from n on
-    /// repeat the last one. Points are multiples of 2^-24. Edges of cells are rounded up to such multiples,
-    /// so a point never leaves its cell. `permuted`: sample i is in cell p(i), where `key` selects the random
-    /// permutation p; otherwise sample i is in cell i.
+    /// Writes the points of samples first .. first + lanes - 1, where lanes is 16 or 1. Samples with an index
+    /// of n or more repeat the last one. Points are multiples of 2^-24. The edges of cells are rounded up to
+    /// such multiples, so a point never leaves its cell. If `permuted` is set, sample i is in cell p(i),
+    /// where p is the random permutation that `key` selects. Otherwise sample i is in cell i.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
     /// Like fill_2d, but in one dimension: one point in each of n equal intervals of [0, 1).
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;

@@ -1,5 +1,5 @@
-// Counts the materials and lights of a scene whose radiance varies over directions. A trace records only the
-// mean of this radiance.
+// Counts the materials and lights of a scene for which a trace records only a mean. Their radiance varies
+// over directions.
 #pragma once
 
 #include <cstdint>

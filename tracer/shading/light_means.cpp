@@ -28,9 +28,9 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the test whether an area light is visible: eight points on its outline, then one in each
-// quarter. For a sphere, the eight points on the outline are rotated at random. With fixed points, an
-// occluder between them would be missed from every surface point.
+// Returns point i of the test whether an area light is visible. Points 0 to 7 lie on its outline, and one
+// point lies in each quarter. On a sphere, the points on the outline are rotated at random. At fixed
+// positions, they would miss an occluder between them from every surface point.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -55,8 +55,8 @@ double extent_angle(const ExtentLit& p) {
     return 2 * std::atan2(size / 2, distance);
 }
 
-// Returns the mean radiance over the light source, without shadows. The source is divided into cells. Their
-// size is halved until the mean changes little and a cell is narrower than the specular highlight.
+// Returns the mean radiance over the light source, without shadows. The source is divided into ever smaller
+// cells until the mean changes little and a cell is narrower than the specular highlight.
 dvec3 unshadowed(const ExtentLit& p) {
     const double highlight = p.material->has_highlight() ? std::sqrt(p.material->shininess) : 0;
     const double needed = std::min(extent_angle(p) * highlight, static_cast<double>(LightMeans::most_cells));

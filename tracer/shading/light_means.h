@@ -1,5 +1,5 @@
-// Computes the radiance that a surface point reflects from an area light, as a mean over the light. A
-// penumbra looks the same from every lens point, so a record can store this mean.
+// Computes the radiance that a surface point reflects from an area light, averaged over the light. A record
+// can store this mean, because a penumbra looks the same from every lens point.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// A surface point that is lit by one light source with an extent.
+/// A surface point that is lit by one light source with an area.
 struct ExtentLit {
     const PlacedLight* light = nullptr;
     const Material* material = nullptr;
@@ -24,25 +24,27 @@ struct ExtentLit {
     std::uint64_t seed = 0;  ///< seed of the sample points on the light source
 
     glm::dvec3 radiance{0};  ///< result: radiance with shadows, before `throughput`
-    /// Radiance without noise, which determines subdivision. It is the unshadowed radiance times a factor: 1
-    /// if the light source is completely visible, 0 if it is hidden, and 1/2 otherwise.
+    /// Estimate of the radiance without noise, used to decide whether cells are subdivided. It is the
+    /// unshadowed radiance times 1 if the light source is completely visible, 0 if it is hidden, and 1/2
+    /// otherwise.
     glm::dvec3 steady{0};
 };
 
-/// Averages the radiance over an area light. Twelve shadow rays test the visibility of the source: eight to
-/// its outline and one to each quarter. If they agree, the result is the unshadowed mean times the
-/// transmittance. If they differ, the source is divided into k^2 cells of equal size, and a jittered point of
-/// each cell is shaded with its own shadow ray. A straight shadow edge crosses about k cells, so the standard
-/// deviation is L / (2 k^1.5) for an unshadowed radiance L. k is 4 to `most_cells`, and is chosen for a
-/// standard deviation of 2/255 of white (radiance 1). A pixel is the mean of at least four such records, so
-/// its standard deviation is 1/255.
+/// Averages the radiance over an area light. First, twelve shadow rays test whether the light source is
+/// visible: eight go to its outline and one to each quarter. If all twelve agree, the result is the
+/// unshadowed mean times their transmittance. Otherwise the source is divided into k^2 cells of equal size,
+/// and one jittered point of each cell is shaded with its own shadow ray.
+///
+/// k is 4 to `most_cells`. It is chosen so that the standard deviation of a record is 2/255 of white
+/// (radiance 1). A straight shadow edge crosses about k cells, so the standard deviation is L / (2 k^1.5) for
+/// an unshadowed radiance L. A pixel averages at least four records, which reduces it to 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;
 
     explicit LightMeans(const RayScene& scene) : scene_(scene) {}
-    /// Sets the results of all points. `rays` is a temporary buffer. Adds the number of rays to
-    /// `shadow_rays`. Thread-safe.
+    /// Computes the results of all points and stores them in `points`. `rays` is a temporary buffer. Adds the
+    /// number of rays to `shadow_rays`. Thread-safe.
     void average(std::vector<ExtentLit>& points, RayBatch& rays, std::uint64_t& shadow_rays) const;
 
   private:

@@ -18,8 +18,8 @@ Facing face(const SurfacePoint& s, const dvec3& direction) {
     const double sign = glm::dot(direction, s.geometric_normal) < 0 ? 1 : -1;
     Facing f{sign * s.normal, sign * s.geometric_normal, sign, true};
     if (glm::dot(direction, f.normal) >= 0) {
-        // If the interpolated normal faces away from the ray, there is no mirrored direction. The geometric
-        // normal is used instead.
+        // If the interpolated normal faces away from the ray, no mirrored direction exists. The geometric
+        // normal is then used instead.
         f.normal = f.geometric_normal;
         f.smooth = false;
     }
@@ -110,7 +110,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     if (n_l == 0 || (!front && m.diffuse_transmission == dvec3(0))) return out;
     dvec3 intensity = l.intensity;
     if (!directional) {
-        // For a spherical light, the attenuation depends on the distance to the centre. The radius therefore
+        // The attenuation of a spherical light depends on the distance to its centre. Its radius therefore
         // only affects shadows.
         const double r = l.kind == Light::Kind::sphere ? glm::length(placed.position - s.position) : distance;
         intensity /= l.attenuation.x + r * (l.attenuation.y + r * l.attenuation.z);
@@ -125,8 +125,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // Computes R . V, where R is the mirrored direction of the light's direction L, and V is the
-        // direction to the eye.
+        // Computes R . V. R is the mirror direction of L, the direction to the light. V is the direction to
+        // the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -134,7 +134,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     out.to_light = to_light;
     out.casts_shadow = l.casts_shadows;
     if (!l.casts_shadows || out.radiance == dvec3(0)) return out;
-    // The shadow ray starts on that side of the geometric surface on which the light is.
+    // The shadow ray starts on the side of the geometric surface that faces the light.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
     // The ray ends just before the light, so that a surface at the same position does not block it.
@@ -172,7 +172,7 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
 dvec3 mirrored_direction(const Continuation& c, const Facing& f, const dvec3& direction, bool& inwards) {
     dvec3 mirrored = direction - 2 * c.d_n * f.normal;
     inwards = glm::dot(mirrored, f.geometric_normal) <= 0;
-    // An interpolated normal may reflect the ray into the surface; the geometric normal never does.
+    // An interpolated normal may reflect the ray into the surface. The geometric normal never does.
     if (inwards) mirrored = glm::reflect(direction, f.geometric_normal);
     return glm::normalize(mirrored);
 }

@@ -1,5 +1,6 @@
 // Whitted's shading model [whitted1980], which all tracers use. It computes the radiance that a surface emits
-// along a ray, one light at a time, and the directions and weights of reflected and refracted rays.
+// along a ray, one light at a time. It also computes the directions and weights of reflected and refracted
+// rays.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,13 +15,13 @@ namespace postlens {
 /// The surface, with its normals turned to the side of the incoming ray.
 struct Facing {
     glm::dvec3 normal{0}, geometric_normal{0};
-    double sign = 1;      ///< -1: the normals were reversed
-    bool smooth = false;  ///< false: the geometric normal is used instead of the interpolated one
+    double sign = 1;      ///< -1 if the normals were reversed
+    bool smooth = false;  ///< false if the geometric normal replaces the interpolated one
     [[nodiscard]] bool entering() const { return sign > 0; }
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns the radiance without any light source: the ambient term plus emission.
+/// Returns the radiance without any light source. It consists of the ambient term and the emission.
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
 /// Returns the surface colour at the hit. It multiplies the ambient and diffuse terms.
@@ -36,8 +37,9 @@ struct PlacedLight {
 /// Moves a light by `motion`, the matrix that the light's keyframes define at an instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
-/// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from `from`. Spheres are sampled
-/// uniformly in solid angle, rectangles uniformly in area. For other lights it is their position.
+/// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres
+/// are sampled uniformly in solid angle, and rectangles uniformly in area. For any other light, the result is
+/// its position.
 [[nodiscard]] glm::dvec3 light_point(const PlacedLight& placed, const glm::dvec3& from, const glm::dvec2& uv);
 
 /// Contribution of one light without occlusion.
@@ -45,40 +47,40 @@ struct Lit {
     glm::dvec3 radiance{0};  ///< 0: no light arrives
     glm::dvec3 to_light{0};  ///< direction to the light, unit length
     bool casts_shadow = true;
-    /// The shadow ray: origin + t * segment, t < reach.
+    /// The shadow ray is origin + t * segment for t < reach.
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the contribution of the light at its sample point `at` (light_point). `direction`: direction of
-/// the ray that sees the surface.
+/// Returns the contribution of the light at its sample point `at` (light_point). `direction` is the direction
+/// of the ray that sees the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
 
-/// Weight of the reflectance at grazing incidence in Schlick's approximation, (1 - cosine)^5 [schlick1994,
-/// eq. 24].
+/// Returns (1 - cosine)^5, the weight of the reflectance at grazing incidence in Schlick's approximation
+/// [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// Coefficients of the reflected and refracted rays at a hit, and the terms that determine their directions.
+/// Coefficients of the reflected and refracted rays at a hit, and the quantities that determine their
+/// directions.
 struct Continuation {
-    /// Factors of the radiance of both rays. In total internal reflection, `reflected` includes the
+    /// Factors for the radiance of the two rays. In total internal reflection, `reflected` includes the
     /// transmitted part.
     glm::dvec3 reflected{0}, transmitted{0};
     double d_n = 0, eta = 1, root = 0;  ///< direction . normal; ratio of indices; cosine of the refracted ray
     bool refracts = false;
 };
 [[nodiscard]] Continuation continuation(const Material& m, const Facing& f, const glm::dvec3& direction);
-/// Returns the direction of the reflected ray, unit length. `inwards` is set to true if the interpolated
-/// normal would reflect the ray into the surface. In that case the geometric normal is used.
+/// Returns the direction of the reflected ray, unit length. If the interpolated normal would reflect the ray
+/// into the surface, the geometric normal is used instead and `inwards` is set to true.
 [[nodiscard]] glm::dvec3 mirrored_direction(const Continuation& c, const Facing& f,
                                             const glm::dvec3& direction, bool& inwards);
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
 /// True if a lobe cos^exponent at a surface is wider than the angle that a lens of this radius subtends
-/// there. `distance_m` is the distance from the lens, measured along the path. The width of a lobe is 1 /
-/// sqrt(exponent), rad; for large exponents it is the standard deviation per axis. False for an infinite
-/// exponent.
+/// there. `distance_m` is the distance to the lens along the path. The width of a lobe is 1 / sqrt(exponent),
+/// rad. False for an infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

@@ -1,6 +1,5 @@
-// Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W over the lens) from
-// the values at samples around the node. If these values are small, the estimate replaces a measurement and
-// saves its rays.
+// Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W) from the values at
+// samples around it. If these values are small, the estimate replaces a measurement and saves its rays.
 #pragma once
 
 #include <array>
@@ -15,7 +14,8 @@ namespace postlens {
 /// Records of four point samples, stored as in TracedSamples.
 using SamplesAround = std::array<std::span<const Record>, 4>;
 
-/// A node, and the ids of the objects at which its path reflects or transmits, starting at the eye.
+/// A node, together with the ids of the objects at which its path reflects or transmits. The ids are in order
+/// from the eye.
 struct ChainNode {
     NodePath path;
     std::uint32_t id = 0;
@@ -23,12 +23,13 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Returns the greatest `w_bend`, 1/m^2, of the nodes in the four samples that have the same path as `node`,
-/// through the same objects. Empty if the value at `node` may be different, that is,
-/// - if a sample has no such node;
-/// - if no such node lies on the object of `node`;
-/// - if the value exceeds `little`, unless all four samples have a node on the object of `node` and their
-/// values agree within a factor of two.
+/// Returns the greatest `w_bend`, 1/m^2, of certain nodes in the four samples: those that have the same path
+/// as `node`, through the same objects. The value at `node` itself may be different, and the result is then
+/// empty. This is assumed in the following cases:
+/// - A sample has no such node.
+/// - No such node lies on the object of `node`.
+/// - The value exceeds `little`, unless all four samples have a node on the object of `node` and their values
+/// agree within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

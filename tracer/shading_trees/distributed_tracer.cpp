@@ -23,19 +23,20 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// index of the LimitedNode that receives the light; `no_node` for the eye ray
+    /// Index of the LimitedNode that receives the light, or `no_node` for the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped (LightElsewhere). All its light is summed before it is clamped.
+/// A node whose radiance is clamped (LightElsewhere). The light of the node is summed before the sum is
+/// clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a node, except for the part that the ray must not include. `counts`: whether that
+/// Adds the radiance of a node, except for the part that the ray must not include. If `counts` is true, that
 /// part is added to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
@@ -64,8 +65,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // Directions have the density (n + 1) / (2 pi) cos^n, so the cumulative distribution of the cosine c is
-    // c^(n + 1).
+    // Directions have the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is
+    // therefore c^(n + 1).
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
@@ -153,7 +154,7 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // If a direction of the lobe points to the wrong side of the surface, it is mirrored to the other
+            // A direction of the lobe that points to the wrong side of the surface is mirrored to the other
             // side. Otherwise light would be lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;

@@ -1,5 +1,5 @@
 // Distributed ray tracing [cook1984]. Every eye ray has its own lens point and its own instant. Shadow rays
-// sample the extent of lights. Reflected and refracted rays sample the lobes of rough surfaces.
+// sample the area of lights. Reflected and refracted rays sample the lobes of rough surfaces.
 #pragma once
 
 #include <cstdint>
@@ -18,9 +18,9 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette: a reflected or refracted ray is traced with a probability equal to its greatest
-    /// coefficient, and its weight is divided by this probability. The expected radiance stays the same.
-    /// There are fewer rays, but more noise.
+    /// Russian roulette. A reflected or refracted ray is traced with a probability equal to its greatest
+    /// coefficient, and its weight is divided by this probability. The expected radiance stays the same, with
+    /// fewer rays but more noise.
     bool roulette = false;
 };
 
@@ -29,18 +29,18 @@ struct EyeRays {
     RayBatch rays;
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
-    std::vector<float> weight;         ///< transmittance of the lens for each ray; empty: 1
-    /// Weight of each ray in the result; if empty, all weights are 1. The contribution of a ray times this
-    /// weight is compared with `min_contribution`.
+    std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
+    /// Weight of each ray in the result. If empty, all weights are 1. `min_contribution` is compared with the
+    /// contribution of a ray times this weight.
     std::vector<double> importance;
-    const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; null: none
-    /// Used only with `less`: returns the raster position, px, at which the pinhole sees the point at
+    const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
+    /// Used only with `less`. Returns the raster position, px, at which the pinhole sees the point at
     /// distance t on a ray.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
-    /// Result: the radiance that `less` excludes; empty without `less`.
+    /// Result: the radiance that `less` excludes. Empty if `less` is null.
     std::vector<glm::dvec3> left_out;
-    std::vector<NodeIdentity> left_out_of;  ///< per ray, the nodes that count in `left_out`; empty: none
+    std::vector<NodeIdentity> left_out_of;  ///< per ray, the nodes that count in `left_out`; none if empty
 };
 
 class DistributedTracer {
@@ -49,11 +49,11 @@ class DistributedTracer {
     DistributedTracer(const RayScene& scene, const Sampler& sampler, const DistributedSettings& settings);
 
     /// Traces the shading trees of all rays and sets `eye.radiance`. Thread-safe. The same rays in the same
-    /// order give bit-identical results in every call.
+    /// order give bit-identical results.
     void trace(EyeRays& eye, RayCounts& counts) const;
 
-    /// True if eye rays are passed to Embree as coherent. This doubles the speed with a pinhole, changes
-    /// nothing with a lens, and almost halves the speed with moving geometry (docs/performance.md).
+    /// True if eye rays are passed to Embree as coherent rays. With a pinhole, this doubles the speed. With
+    /// moving geometry, it almost halves the speed (docs/performance.md).
     [[nodiscard]] bool coherent() const { return !scene_.moves(); }
     /// True if objects or lights move, so that rays need their instants.
     [[nodiscard]] bool needs_times() const { return scene_.moves() || moving_lights_; }
@@ -61,7 +61,7 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
-    // Work that is needed to shade a hit on an object, from the cheapest to the most expensive kind.
+    // The work that is needed to shade a hit on an object, from the cheapest to the most expensive kind.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -75,9 +75,9 @@ class DistributedTracer {
     void spawn(const PathRay& ray, const SurfacePoint& s, const Facing& f, const HitKey& key,
                const Material& m, const EyeRays& eye, Workspace& w, RayCounts& counts) const;
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
-    /// Whether a node's radiance is clamped.
+    /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Whether the radiance that a ray leaves out at a node is added to EyeRays::left_out.
+    /// Returns whether the radiance that `less` excludes at a node is added to EyeRays::left_out.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;
@@ -92,8 +92,8 @@ class DistributedTracer {
     bool moving_lights_ = false;
 };
 
-/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2. For an
-/// infinite exponent it is `axis`.
+/// Samples a direction from the lobe cos^exponent about `axis` [phong1975], with (u, v) in [0, 1)^2. Returns
+/// `axis` if the exponent is infinite.
 [[nodiscard]] glm::dvec3 spread_direction(const glm::dvec3& axis, double exponent, const glm::dvec2& uv);
 
 }  // namespace postlens

@@ -13,12 +13,12 @@ using glm::dvec3;
 
 namespace {
 
-// Limit of the number of bounding balls that are tested against a ray. More tests would take longer than the
-// ray that they may save.
+// Limit of the number of bounding balls that are tested against a ray. Testing more balls would take longer
+// than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
 // Largest translation of the pinhole that is treated as a rounding error, in m per m of the camera's distance
-// from the origin. If it is not exceeded, the camera is assumed only to rotate.
+// from the origin. A camera that moves no farther is assumed only to rotate.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Predicts the raster position, at other instants, of a point that was recorded at one instant. The point
-// moves with the object that has its id. The camera may move as well.
+// Predicts where a recorded point is on the raster at other instants. The point moves with the object that
+// has its id. The camera may move as well.
 #pragma once
 
 #include <cstdint>
@@ -16,28 +16,29 @@ namespace postlens {
 
 class FilmMotion {
   public:
-    /// `from_s`: instant of the records. `instants_s`: instants for which positions are predicted. `camera`
-    /// must be the camera from which `motion` was made.
+    /// `from_s` is the instant of the records. Positions are predicted for the instants `instants_s`.
+    /// `camera` must be the camera from which `motion` was made.
     FilmMotion(const SceneMotion& motion, const Camera& camera, const CameraOverrides& overrides,
                double from_s, std::span<const double> instants_s);
 
     [[nodiscard]] std::size_t instants() const { return cameras_.size(); }
-    /// Returns the raster position, px, at instant i, of the point of object `id` whose world position at
-    /// `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
+    /// Returns the raster position, px, of a point at instant i. The point belongs to object `id`, and its
+    /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`, for a ray that
-    /// hit nothing. For an orthographic camera it is the position `at` of the ray itself.
+    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`. It is used for
+    /// a ray that hit nothing. For an orthographic camera, the result is the position `at` of the ray itself.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
-    /// True if the pose of the camera or of an object at one of the instants differs from that at `from_s`.
+    /// True if the pose of the camera or of an object at some instant differs from its pose at `from_s`.
     [[nodiscard]] bool anything_moves() const { return camera_moves_ || !moving_.empty(); }
     [[nodiscard]] bool moves(std::uint32_t id) const { return moving_.contains(id); }
-    /// True if the motion of the camera causes parallax between near and far points. Only a rotation about
-    /// the pinhole causes none.
+    /// True if the motion of the camera causes parallax between near and far points. A camera that only
+    /// rotates about the pinhole causes none.
     [[nodiscard]] bool parallax() const { return parallax_; }
-    /// True if the ray may hit a moving object beyond the distance t, m. False only if it cannot.
+    /// Returns whether the ray may hit a moving object beyond the distance t, m. If false, it does not hit
+    /// any.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
 
   private:
@@ -46,20 +47,20 @@ class FilmMotion {
         double radius;
     };
     std::vector<CameraModel> cameras_;  ///< per instant
-    /// For each moving id and instant: maps the position of a point at `from_s` to its position at that
-    /// instant.
+    /// For each moving id and instant, the matrix that maps the position of a point at `from_s` to its
+    /// position at that instant.
     std::unordered_map<std::uint32_t, std::vector<glm::dmat4>> moving_;
     std::vector<Ball> balls_;  ///< bounding balls of the moving objects at `from_s`
     bool camera_moves_ = false, parallax_ = false;
 };
 
-/// Returns the instants at which motion during a shutter interval is sampled, in ascending order: nine evenly
-/// spaced ones including both ends, and those in `recorded_s`.
+/// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
+/// nine evenly spaced instants, including both ends, and those in `recorded_s`.
 [[nodiscard]] std::vector<double> looked_at_instants(double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 
-/// Returns instant i of `count` (at least 2) instants that are evenly spaced from open to close, including
-/// both.
+/// Returns instant i of `count` instants (at least 2) that are evenly spaced from open to close, including
+/// both ends.
 [[nodiscard]] double even_instant(double open_s, double close_s, int i, int count);
 
 }  // namespace postlens

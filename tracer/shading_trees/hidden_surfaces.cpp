@@ -14,7 +14,7 @@ using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
 // Smallest displacement on the film that reveals a surface, px. A smaller displacement is not visible,
-// because a pixel is the mean of at least four corners.
+// because a pixel is the mean of at least four corner samples.
 constexpr double same_place_px = 0.25;
 
 // Largest number of surfaces that one ray enters or leaves. It bounds the cost of rays through foliage.
@@ -25,7 +25,7 @@ bool is_flat(const Shape& shape) {
            std::holds_alternative<Plane>(shape);
 }
 
-// The state of a ray that continues through the surfaces that it hits.
+// The state of a ray that passes through the surfaces that it hits.
 struct Chain {
     std::uint32_t ray = 0;
     HitKey key;           // last hit
@@ -62,15 +62,16 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance along the ray, m, at which it continues. This is just before the last hit, so that
-    // coincident surfaces (a box on a floor) are found. The primitive of the last hit is excluded by its key.
+    // Returns the distance along the ray, m, at which it continues. The ray starts again just before the last
+    // hit, so that coincident surfaces (a box on a floor) are found. The primitive of the last hit is
+    // excluded by its key.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of a ray to its chain, the surfaces that the ray has passed so far. Returns false if
-    // the chain ends.
+    // Adds the next hit of a ray to its chain. The chain consists of the surfaces that the ray has passed so
+    // far. Returns false if the chain ends.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -83,7 +84,8 @@ class Follower {
     }
 
   private:
-    // Adds a hit. The hit may be a new surface, the exit from an object, or a repetition of a coincident hit.
+    // Adds a hit to the chain. The hit may be a new surface, the exit from an object, or a hit that coincides
+    // with an earlier one.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -100,8 +102,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray may enter one part of an object and meet the back of another part, as among the leaves of a
-        // tree. It has then left neither part.
+        // A ray may enter one part of an object and meet the back of another part, for example among the
+        // leaves of a tree. The ray has then left neither part.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -115,8 +117,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next layer, a surface or the background, to the chain. The layer is stored in the result if
-    // the caller needs it.
+    // Adds the next layer to the chain, which is a surface or the background. The layer is stored in the
+    // result if the caller needs it.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -148,8 +150,8 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // True if some lens point sees surface `s` behind all surfaces that the ray has passed (its chain). Adds
-    // the inverse depth of `s` to the chain.
+    // True if some lens point sees surface `s` behind all surfaces of the chain (those that the ray has
+    // passed). Adds the inverse depth of `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -161,8 +163,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object seen in a mirror or through glass is in most cases deeper than the surface of the mirror
-        // or glass. The lens therefore sees the object farther behind an edge.
+        // In most cases, an object seen in a mirror or through glass is deeper than the surface of the mirror
+        // or glass. The lens therefore sees more of the object behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -178,8 +180,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if at some instant every surface that the ray has passed (its chain) has moved away from surface
-    // `s` on the film. Adds the raster positions of `s` to the chain.
+    // True if, at some instant, all surfaces of the chain (those that the ray has passed) have moved away
+    // from surface `s` on the film. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -1,5 +1,5 @@
-// Hidden surfaces: the surfaces that an eye ray would hit next if it passed through its first hit. A wide
-// lens sees them past edges. An open shutter sees them after the object in front has moved away.
+// Finds hidden surfaces. These are the surfaces that an eye ray would hit next if it passed through its first
+// hit. A wide lens sees them past edges. An open shutter sees them after the object in front has moved away.
 #pragma once
 
 #include <cstdint>
@@ -21,17 +21,17 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per ray if `motion` is set. Shading a hidden surface costs as much
     /// as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. It is less than
-    /// most_uncovered, because a lens sees less far behind an edge than moving objects reveal.
+    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. A lens sees less far
+    /// behind an edge than moving objects reveal.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion
-    /// reveals a surface if, at some instant, every surface in front of it is displaced on the film by more
-    /// than a quarter of a pixel relative to it.
+    /// reveals a surface if, at some instant, every surface in front of it has moved on the film by more than
+    /// a quarter of a pixel relative to the hidden surface.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
-    /// may reveal. They include surfaces behind reflections and refractions.
+    /// may reveal. Surfaces behind reflections and refractions are included.
     const LensReach* lens = nullptr;
     /// The parts of all objects. Null if every object has a single part.
     const ObjectParts* parts = nullptr;
@@ -44,13 +44,13 @@ struct FirstHit {
     glm::dvec3 origin{0}, direction{0};  ///< direction of unit length
     double cos_axis = 1;                 ///< cosine of the angle between the eye ray and the optical axis
     glm::dvec2 at{0};                    ///< raster position of the eye ray, px
-    HitKey key;                          ///< `none`: the ray hit nothing
+    HitKey key;                          ///< `none` if the ray hit nothing
     SurfacePoint surface;
     NodePath path;                   ///< path of the hit; after a bounce, only `HiddenLayers::lens` is used
-    std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0: none
+    std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Inverse depth, 1/m, of a point on the ray at infinite distance (see LensReach).
+    /// Returns the inverse depth, 1/m, of a point at infinite distance on the ray (see LensReach).
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
@@ -58,15 +58,15 @@ struct FirstHit {
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
     std::uint32_t layer = 0;  ///< number of surfaces in front of it
-    HitKey key;               ///< `none`: the ray hits nothing more
+    HitKey key;               ///< `none` if the ray hits nothing more
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. The point where a ray
-/// leaves a part of an object that it has entered does not count as a surface; every hit of a flat object
-/// does. If a ray leaves the scene behind its last surface, its end is an entry with the key `none`, provided
-/// that the end satisfies the same criteria. Adds the number of traced rays to `rays_spent`. Thread-safe and
-/// deterministic.
+/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. Every hit of a flat object
+/// counts as a surface. On other objects, the point where a ray leaves a part that it has entered does not
+/// count. A ray may leave the scene behind its last surface. If the criteria apply to this end of the ray
+/// too, an entry with the key `none` is added. Adds the number of traced rays to `rays_spent`. Thread-safe
+/// and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -18,18 +18,19 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight that a hit gives to a ray of another hit. It limits the variance caused by rays at the edge
-// of the other hit's lobe.
+// Largest weight that a hit gives to a ray of another hit. Rays at the edge of the other hit's lobe would
+// otherwise cause high variance.
 constexpr double most_weight = 8;
 
-// True if two hits may share rays: the axes of their lobes differ by less than the width of the wider lobe.
+// True if two hits may share rays. The axes of their lobes must differ by less than the width of the wider
+// lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight of the rays of hit b at hit a. It decreases from 1 at distance 0 to 0 at `reach_px`, so
-// that the mean is continuous over the image.
+// Returns the weight at hit a of the rays of hit b. It decreases from 1 at distance 0 to 0 at distance
+// `reach_px`, so that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
@@ -37,8 +38,8 @@ double window(const LobeHit& a, const LobeHit& b) {
 }
 
 // Returns the index of a raster position along the Morton curve, in steps of 1/4 px. Neighbours in the raster
-// are also close on the curve, so that the rays of neighbouring hits are stratified. The low 16 bits of each
-// coordinate suffice to distinguish the hits of one batch.
+// are also close on the curve, which stratifies the rays of neighbouring hits. The low 16 bits of each
+// coordinate distinguish all hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -71,7 +72,7 @@ double power(double cosine, double exponent) {
                       : 0;
 }
 
-// Slopes of the sRGB curve, per channel: by how much an image value changes with radiance.
+// Returns the slope of the sRGB curve per channel, the change of the image value per change of radiance.
 dvec3 encoded_slope(const dvec3& radiance) {
     dvec3 out;
     for (int c = 0; c < 3; ++c) out[c] = srgb_slope(std::min(radiance[c], 1.0));
@@ -96,12 +97,13 @@ struct LobeMeans::Ray {
     double t = 0;  // distance of the surface that the ray hits, m; infinite if there is none
 };
 
-// The hits [first, end) in sorted order, which have the same object and path, and the rays that they share.
+// The hits [first, end) in sorted order, which have the same object and path, and the rays that these hits
+// share.
 struct LobeMeans::Group {
     std::size_t first = 0, end = 0;
     std::uint64_t seed = 0;
     std::uint32_t sent = 0;
-    dvec3 mean{0}, deviation{0};  // of the radiance of the first pass
+    dvec3 mean{0}, deviation{0};  // of the radiance in the first pass
     std::vector<std::uint32_t> rays;
 };
 
@@ -116,8 +118,8 @@ LobeMeans::LobeMeans(const RayScene& scene, const WhittedSettings& settings)
     }
 }
 
-// Traces the rays from index `first` on, whatever their groups of hits. The rays are sorted by the number of
-// nodes that may still follow on their paths.
+// Traces the rays from index `first` on, for all groups of hits together. The rays are sorted by the number
+// of nodes that may still follow on their paths.
 void LobeMeans::trace(std::span<const LobeHit> hits, std::vector<Ray>& rays, std::size_t first,
                       RayCounts& counts) const {
     thread_local EyeRays eye;
@@ -196,8 +198,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // The order of the arguments of std::min matters: a weight of 0 times an infinite bound is NaN, and
-        // the result must then be `count`.
+        // The order of the arguments of std::min matters. A weight of 0 times an infinite bound is NaN, and
+        // std::min must then return `count`.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);
@@ -225,7 +227,7 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
             const double relative =
                 largest(h.weight * g.deviation * encoded_slope(h.beside + h.weight * g.mean)) / target_noise;
             if (!(relative * relative > piloted)) continue;  // nor if it is NaN
-            // Number of hits that share rays with this hit. It is estimated from every `stride`-th hit.
+            // Number of hits that share rays with this hit, estimated from every `stride`-th hit.
             double within = 0;
             for (std::size_t k = g.first + (i - g.first) % stride; k < g.end; k += stride) {
                 const LobeHit& other = hits[order[k]];

@@ -1,6 +1,6 @@
 // Mean radiance over wide lobes of reflection and transmission. All samples of a batch share the rays that
-// compute the mean. The mean is almost the same from every lens point, so it is added to the record of the
-// surface instead of a separate record.
+// compute the means. A mean is almost the same from every lens point, so it is added to the record of the
+// surface and needs no record of its own.
 #pragma once
 
 #include <cstdint>
@@ -26,32 +26,35 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of this node times throughput, without the means over lobes, which are not yet known.
-    /// Radiance of the sample's other nodes is left out: it would make the pixel brighter, where the sRGB
-    /// curve is flatter, so fewer rays would suffice. At worst, too many rays are traced.
+    /// Radiance of this node times throughput, without the means over lobes, which are not yet known. It
+    /// determines how many rays the mean needs. Radiance of the sample's other nodes is not included. The
+    /// sRGB curve is flatter for a brighter pixel, so this omission can only lead to more rays.
     glm::dvec3 beside{0};
 };
 
 /// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
 /// wrong side of the surface are mirrored to the right side.
 ///
-/// Hits of the same object and path share rays if they lie within `reach_px` of each other and their axes
-/// differ by less than the width of the lobe. Hit i weights a ray of hit j by the ratio of the two lobe
-/// densities in the direction of the ray's end point, times the squared ratio of the distances [bekaert2002].
-/// The weights are normalised to a sum of 1. Visibility between hit i and the end point is not tested.
+/// Hits of the same object and path share rays if they are close. They must lie within `reach_px` of each
+/// other, and their axes must differ by less than the width of the lobe. At hit i, the weight of a ray of hit
+/// j is the ratio of the two lobe densities in the direction of the ray's end point, times the squared ratio
+/// of the distances [bekaert2002]. The weights are normalised to a sum of 1. Visibility between hit i and the
+/// end point is not tested.
 ///
-/// The number of rays is determined in two passes. The first pass sends 510 rays times the mean weight of the
-/// group, evenly spaced over its hits. If a ray may see a radiance b above white (radiance 1), it sends b
-/// times as many. It sends at most one ray per hit. A feature that all of these rays miss then contributes
-/// less than 1/510 of white. From these rays, the standard deviation s of the radiance is estimated. The
-/// second pass sends (weight s f 510)^2 rays within the reach of hit i, but at most `most_rays` per hit. f is
-/// the slope of the sRGB curve at the radiance of the node, with the mean of the first pass. The standard
-/// deviation of the image value is then 1/510, half a step of 8 bits, unless `most_rays` limits it. The
-/// result depends only on the batch, and is bit-identical in every run.
+/// The rays are traced in two passes. The first pass sends 510 rays times the mean weight of the group, but
+/// at most one ray per hit. The hits that send a ray are evenly spaced in the group. If a ray may see a
+/// radiance b above 1 (white), b times as many rays are sent. A feature that all of these rays miss
+/// contributes less than 1/510 of white.
+///
+/// The second pass reduces the noise that remains. It sends (weight s f 510)^2 rays within the reach of hit
+/// i, but at most `most_rays` per hit. Here s is the standard deviation of the radiance in the first pass. f
+/// is the slope of the sRGB curve at the radiance of the node. Unless `most_rays` limits the number of rays,
+/// the standard deviation of the image value becomes 1/510, half a step of 8 bits. The result depends only on
+/// the batch, and is bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the cost of rough metals, whose noise is then about 4/255.
+    /// Largest number of rays per hit. It limits the cost of rough metals. Their noise is then about 4/255.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.
@@ -72,8 +75,9 @@ class LobeMeans {
     std::vector<double> bound_;  ///< for each number of nodes left, an upper bound of the radiance of a ray
 };
 
-/// Returns the density of the lobe in a unit direction, relative to cos^exponent at its axis. The part of the
-/// lobe on the wrong side of the surface is mirrored to the right side. 0 for directions on the wrong side.
+/// Returns the density of the lobe in a unit direction, relative to the density of cos^exponent on its axis.
+/// The part of the lobe on the wrong side of the surface is mirrored to the right side. Returns 0 for
+/// directions on the wrong side.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

@@ -68,7 +68,7 @@ int MinMaxPyramid::level_of_width(double px) const {
 MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, double radius, int level) const {
     const Level& of = levels_[static_cast<std::size_t>(level)];
     const double x = at.x - x_begin_, y = at.y - y_begin_, per_px = 1.0 / (1 << level);
-    // The value is clamped first, so that it is not negative. The conversion, which rounds towards zero, then
+    // The conversion to int rounds towards zero. Because the value is clamped first and not negative, this
     // rounds down.
     const auto square_of = [per_px](double place, int squares) {
         return static_cast<int>(std::clamp(place * per_px, 0.0, squares - 1.0));
@@ -78,10 +78,11 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 }
 
 // Searches depth-first within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
-// into a square, skip it or end the search. A single value is a square of level 0. `distance2()` is the
-// squared distance from `at` to the nearest integer position in the square. Among the four parts of a square,
-// the part with the greatest `promise(range)` is searched first. A part is skipped if `keeps(promise)` is
-// false when its turn comes.
+// into a square, to skip it or to end the search. `distance2()` is the squared distance from `at` to the
+// nearest integer position in the square. A single value is a square of level 0.
+//
+// Of the four parts of a square, the part with the greatest `promise(range)` is searched first. When it is
+// the turn of a part and `keeps(promise)` is false, the part is skipped.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {
@@ -115,9 +116,9 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
             if (open[i].promise > open[count - 1].promise) std::swap(open[i], open[count - 1]);
         return true;
     };
-    // The search starts at the level whose squares are as wide as the circle, which then overlaps at most 2 x
-    // 2 squares. Most circles are small, and a search from the top would spend most of its time on finding
-    // the circle.
+    // The search starts at the level whose squares are as wide as the circle, so the circle overlaps at most
+    // 2 x 2 squares. Most circles are small, and a search from the top would spend most of its time on the
+    // way down.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -1,5 +1,5 @@
 // A raster of values with a fast search for values below a limit. The limit decreases with the distance from
-// a position, so the search region is a cone.
+// a position, so the searched region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -8,35 +8,35 @@
 
 namespace postlens {
 
-/// Values at integer positions, and the least and the greatest value in squares of 2, 4, 8, ... positions
-/// along a side.
+/// Values at integer positions. For squares of 2, 4, 8, ... positions along a side, the least and the
+/// greatest value are stored.
 class MinMaxPyramid {
   public:
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A cone around the position `at`. It contains a value v at a distance d <= `radius` from `at` if top -
-    /// v >= least and top - v >= slope d.
+    /// A cone around the position `at`. Let v be a value at a distance d from `at`. The cone contains v if d
+    /// is at most `radius`, and if top - v is at least `least` and at least slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square or value that an earlier search found. It is tested first, because a cone nearby probably
+    /// The square or value that an earlier search found. It is tested first, because a nearby cone probably
     /// contains the same value. The hint may come from another pyramid.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };
-    /// Whether the cone selects any value.
+    /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. It may also return true because of a value that
-    /// lies outside the cone by up to an eighth of the radius. The result does not depend on the hint.
+    /// Like any_in, but several times faster for wide cones. The result may also be true because of a value
+    /// that lies outside the cone by up to an eighth of the radius. The result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
-    /// Returns the least of all values; infinity if there is none.
+    /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns a value that is at least the greatest value within `radius` of `at`, and at most the greatest
-    /// within 9/8 of the radius. If all values are below `floor`, returns `floor`.
+    /// Returns an approximate maximum near `at`, or `floor` if all values are below `floor`. The result is at
+    /// least the greatest value within `radius`, and at most the greatest value within 9/8 of the radius.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;
@@ -55,8 +55,8 @@ class MinMaxPyramid {
     [[nodiscard]] int coarse_level(double radius) const;
     /// Returns the lowest level whose squares are at least `px` wide, or the highest level if there is none.
     [[nodiscard]] int level_of_width(double px) const;
-    /// Returns the squares, on one level of the pyramid, that overlap the bounding box of a circle. If none
-    /// does, returns the nearest squares.
+    /// Returns the squares, on one level of the pyramid, that overlap the bounding box of a circle. If the
+    /// box lies outside the raster, returns the nearest squares.
     [[nodiscard]] Squares squares_around(const glm::dvec2& at, double radius, int level) const;
     [[nodiscard]] bool any_in(const Cone& cone, int level, Hint& hint) const;
     enum class Next : std::uint8_t {

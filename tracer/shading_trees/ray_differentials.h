@@ -1,6 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to the
-// tangent p of its direction at the pinhole and to its lens point q. They determine the matrix W of a node. W
-// describes how the image of the node moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]. They are the derivatives of a ray with respect to
+// p, the tangent of its direction at the pinhole, and q, its lens point. The matrix W of a node is computed
+// from them. It describes how the image of the node moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -13,7 +13,7 @@
 namespace postlens {
 
 /// Derivatives of a ray's point and unit direction with respect to (p_x, p_y, q_x, q_y). p is the tangent of
-/// the eye ray, q is the lens point in m. Both are measured along the raster's axes (x right, y down).
+/// the eye ray, and q is the lens point in m. Both are measured along the raster's axes (x right, y down).
 struct RayDifferentials {
     std::array<glm::dvec3, 4> point{};
     std::array<glm::dvec3, 4> direction{};
@@ -22,7 +22,7 @@ struct RayDifferentials {
 /// Returns the differentials of an eye ray of a perspective camera, at the origin of the ray.
 [[nodiscard]] RayDifferentials eye_differentials(const CameraModel& camera, const CameraRay& ray);
 
-/// Moves the differentials along the ray by `t`, onto the plane through the hit with the normal `normal`.
+/// Moves the differentials along the ray by `t`, to a hit whose surface has the normal `normal`.
 void transfer(RayDifferentials& differentials, const glm::dvec3& direction, double t,
               const glm::dvec3& normal);
 
@@ -31,19 +31,19 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 [[nodiscard]] RayDifferentials reflect(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator);
 
-/// Returns the differentials after refraction. `eta` is the index of refraction before the surface divided by
-/// the index behind the surface. `normal` points against the ray. Not for total internal reflection.
+/// Returns the differentials after refraction. `eta` is the index of refraction in front of the surface
+/// divided by the index behind it. `normal` points against the ray. Not for total internal reflection.
 [[nodiscard]] RayDifferentials refract(const RayDifferentials& differentials, const glm::dvec3& direction,
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W = (dX/dp)^-1 dX/dq for the ray's point X, the eye ray's tangent p and the lens point
-/// q, 1/m, along the raster's axes. At a fold of the image, where dX/dp has no inverse, the entries are huge
-/// but finite.
+/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes. X is a point of the ray, p the
+/// tangent of the eye ray, and q the lens point. At a fold of the image, dX/dp has no inverse, and the
+/// entries of W are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that leaves the scene. It is computed from the direction of the ray instead
-/// of a point.
+/// Returns the matrix W of a ray that leaves the scene. It is computed from the direction of the ray, which
+/// has no end point.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

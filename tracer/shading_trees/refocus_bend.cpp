@@ -15,22 +15,21 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps that search the ray from a lens point to a node. The derivatives are always
-// those at the pinhole, so each step gains about one digit; near caustics the steps oscillate. If a ray has
-// not converged after the last step, its estimated residual is added to its error. If the steps grow, the
-// error is infinite.
+// Largest number of Newton steps in the search for the ray from a lens point to a node. The derivatives are
+// always those at the pinhole, so each step gains about one digit. If a ray has not converged after the last
+// step, its estimated residual is added to its error. If the steps grow, the error is infinite.
 constexpr int most_steps = 5;
-// A ray has converged ("is settled") if its estimated residual is at most 5 % of its difference from the
-// prediction by the matrix W, or if its last step was at most 0.1 px.
+// A ray has converged ("is settled") if its last step was at most 0.1 px. It has also converged if its
+// estimated residual is at most 5 % of its difference from the prediction by the matrix W.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed residual after the first Newton step, as a fraction of that step. After later steps, the residual
 // is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Limit as a fraction of settled_px. Rays on one side of the lens are compared with their prediction by the
-// matrix W. If their differences from it are below the limit, the rays on the other side are not traced.
+// Limit as a fraction of settled_px. If rays on one side of the lens differ by less than this from their
+// prediction by the matrix W, the rays on the other side are not traced.
 constexpr double straight_share = 0.5;
 
-// Largest number of surfaces that a ray may pass through although they are not part of the node's path.
+// Largest number of surfaces outside the node's path that a ray may pass through.
 constexpr int most_passed = 16;
 
 // A ray from a lens point. Its direction is adjusted until the ray reaches a given node (hit of a shading
@@ -43,12 +42,12 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    // distance from the origin at which the ray starts, behind the surfaces that it has passed
+    // Distance from the origin at which the ray starts. It lies behind the surfaces that the ray has passed.
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. hidden: another object blocks it. lost: it cannot make the same
-    // sequence of bounces, because it misses a surface or is totally reflected.
+    // The ray ended before its last bounce. `hidden` means that another object blocks it. `lost` means that
+    // it cannot make the same sequence of bounces, because it misses a surface or is totally reflected.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -70,7 +69,8 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Processes a hit of the current ray. Reflects or refracts the ray if the path of the node does so there.
+    // Processes a hit of the current ray. If the node's path reflects or refracts at this hit, the ray does
+    // so too.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -103,12 +103,12 @@ class Prober {
         ++p.bounces;
         p.lost = false;
     }
-    // Returns the change of the tangent with which the ray reaches the target. It is computed with the
-    // derivatives at the pinhole.
+    // Returns the correction of the ray's tangent that makes the ray reach the target. It is computed with
+    // the derivatives at the pinhole.
     [[nodiscard]] dvec2 correction(const Probe& p) const {
         const BentNode& n = nodes_[p.node];
         const dvec3 miss = n.at_infinity ? p.direction - n.target : p.origin - n.target;
-        // Of the vector to the target, only the component perpendicular to the ray matters.
+        // Only the component perpendicular to the ray matters.
         const auto across = [](const dvec3& v, const dvec3& d) { return v - d * glm::dot(v, d); };
         const dvec3 r = across(miss, p.direction);
         const dvec3 a = across(n.by_tangent[0], n.direction), b = across(n.by_tangent[1], n.direction);
@@ -153,24 +153,24 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray from a lens point. A larger tangent means that the node lies at a fold
-/// of the image, where W is unbounded, or that the Newton steps diverge.
+/// Greatest accepted tangent of a ray from a lens point. A ray has a larger tangent only if the Newton steps
+/// diverge or if the node lies at a fold of the image, where W is unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
     return !(glm::length(tangent) < widest_tangent);
 }
 
-/// Finds the rays from lens points that reach given nodes. Computes the distances between the tangents of
-/// these rays and the tangents that W predicts.
+/// Finds the rays from lens points that reach given nodes. Computes the difference between the tangent of
+/// each ray and the tangent that W predicts.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;  ///< one of its rays is lost
-    /// greatest difference from the prediction, of the node's rays that have converged
+    /// Per node, the greatest difference from the prediction among the rays that have converged.
     std::vector<double> greatest;
-    /// lower bound of the greatest difference from the prediction, of all rays of the node
+    /// Per node, a lower bound of the greatest difference from the prediction among all rays.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -192,8 +192,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the distance, in the plane of tangents, between the ray that a probe has found and the ray
-    /// that W predicts for its lens point. Infinite if no ray was found. Must not be called for rays to
+    /// Returns the difference between two tangents: that of the ray that a probe has found, and that of the
+    /// ray that W predicts for its lens point. Infinite if no ray was found. Must not be called for rays to
     /// hidden surfaces.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
@@ -207,8 +207,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a node cannot be found, the error of the node is infinite, and its other rays need no
-        // search.
+        // If one ray to a node cannot be found, the error of the node is infinite. The other rays of this
+        // node need no search.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -232,7 +232,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // A ray is dropped if its difference from the prediction cannot be the greatest of its node.
+            // A ray is dropped if its difference from the prediction cannot become the greatest one of its
+            // node.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -258,9 +259,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The differences from the prediction by W are of second order, so they are equal on opposite sides of
-    // the lens up to third order. If they are small for two rays at right angles, they are also small for the
-    // two opposite rays, which need not be traced. This is the case for most nodes.
+    // The differences from the prediction by W are of second order. Up to third order, they are therefore
+    // equal on opposite sides of the lens. If they are small for two rays at right angles, the two opposite
+    // rays need not be traced. This is the case for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -277,7 +278,7 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens reached the node. The error of its W (`bend`) is then
+    // A negative value means that no ray from the lens reached the node. The error of its matrix W is then
     // unknown, which is recorded as infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();

@@ -1,6 +1,6 @@
 // Measures the error of the matrix W. If the lens point moves by q, the image of a node behind mirrors and
-// glass moves by -W q, but only to first order. Exact rays from the rim of a lens measure the second-order
-// error.
+// glass moves by -W q, but only to first order. The second-order error is measured with exact rays from the
+// rim of a lens.
 #pragma once
 
 #include <array>
@@ -23,12 +23,12 @@ struct Bounces {
 };
 
 /// A node (hit of a shading tree) after at least one bounce, and the target that a ray from another lens
-/// point must reach.
+/// point has to reach.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;
     Bounces bounces;
-    int hidden_bounce = -1;    ///< the bounce that may lie behind other surfaces; -1: none
+    int hidden_bounce = -1;    ///< bounce that may lie behind other surfaces; -1 if none
     bool at_infinity = false;  ///< `target` is a direction, not a point
     glm::dvec3 target{0};      ///< end of the path, world
     glm::dvec3 direction{0};   ///< direction of the path's last ray, unit length
@@ -38,17 +38,19 @@ struct BentNode {
     Mat2 w;
 };
 
-/// Computes the nonlinear W (`w_bend`) of each node, 1/m^2. For a lens point q, let e be the difference
-/// between the tangent of the ray that reaches the target and its first-order prediction p - W q, where p is
-/// the tangent of the eye ray. The nonlinear W is the largest |e| / |q|^2.
+/// Computes the nonlinear W (`w_bend`) of each node, 1/m^2. It is the largest |e| / |q|^2 over several lens
+/// points q. For the ray from q to the target, e is the difference between the tangent of the ray and its
+/// first-order prediction p - W q. Here p is the tangent of the eye ray.
 ///
-/// There are four lens points, at `radius_m` on the raster axes. Only two of them, at right angles, are used
-/// if both have an error below 0.05 px. Newton's method, with the derivatives at the pinhole, finds the ray
-/// from a lens point to the target that bounces at the same sequence of objects. The residual after five
-/// steps is added to the error. The result is infinite if the search does not converge or ends in total
-/// internal reflection. A lens point whose ray is blocked, or passes the outline of an object, is skipped. If
-/// all lens points are skipped, the result is infinite. Occlusion between the last bounce and the target is
+/// There are four lens points, at `radius_m` on the raster axes. If two of them, at right angles, both have
+/// an error below 0.05 px, the other two are not used. From each lens point, Newton's method finds the ray
+/// to the target that bounces at the same sequence of objects. It uses the derivatives at the pinhole. The
+/// residual after five steps is added to the error. Occlusion between the last bounce and the target is
 /// ignored.
+///
+/// A lens point is skipped if its ray is blocked or passes the outline of an object. The result is infinite
+/// if all lens points are skipped, if the search does not converge, or if it ends in total internal
+/// reflection.
 ///
 /// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`. Thread-safe and
 /// deterministic.

@@ -1,5 +1,5 @@
-// Whitted's recursive ray tracing [whitted1980] for a batch of point samples. It is breadth-first: all rays
-// after the same number of bounces are traced in packets. Every node of every shading tree becomes a record.
+// Whitted's recursive ray tracing [whitted1980] for a batch of point samples. All rays with the same number
+// of bounces are traced together, in packets. Every node of every shading tree becomes a record.
 #pragma once
 
 #include <cstdint>
@@ -19,21 +19,23 @@
 namespace postlens {
 
 struct WhittedSettings {
-    /// largest number of nodes along a path, including the primary node; 1 to NodePath::max_bounces + 1
+    /// Largest number of nodes along a path, including the primary node. Allowed values are 1 to
+    /// NodePath::max_bounces + 1.
     int max_depth = 5;
-    double min_contribution = 1e-3;  ///< radiance; a subtree that must contribute less is not traced
+    double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
-    double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; 0: not measured
-    /// Lens radius, m. If the lobe of a rough surface is wider than this lens (lobe_is_wide), the surface is
-    /// recorded with the mean radiance over its lobe. Other surfaces are recorded with the radiance of the
-    /// exact direction. 0: all lobes are averaged.
+    double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; not if 0
+    /// Lens radius, m. A surface whose lobe is wider than this lens (lobe_is_wide) is recorded with the mean
+    /// radiance over the lobe. Other surfaces are recorded with the radiance of the exact direction. If 0,
+    /// all lobes are averaged.
     double lens_radius_m = 0;
-    bool lit = true;                     ///< false: ignore lights, for callers that need only positions
-    const ObjectParts* parts = nullptr;  ///< of the scene; null: not recorded in ColourSource::part
+    bool lit = true;                     ///< false to ignore lights, for callers that need only positions
+    const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
 };
 
-/// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden`: rays that
-/// continue behind a surface. `lens`: rays from lens points, which measure nonlinear W (`w_bend`).
+/// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden` counts rays that
+/// continue behind a surface. `lens` counts rays from lens points. They measure nonlinear W (`w_bend`), the
+/// second-order error of the matrix W.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -53,41 +55,40 @@ struct RayCounts {
 struct Arrival {
     glm::vec3 from{0}, direction{0};  ///< m; the direction has unit length
     float length = 0;                 ///< m; infinity if it hits nothing
-    float throughput = 0;      ///< factor of the node's radiance in the sample, of its brightest channel
-    std::uint32_t parent = 0;  ///< id of the object that reflected or transmitted the ray
+    float throughput = 0;             ///< factor of the node's radiance in the sample, brightest channel
+    std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture and the shadows that determine the colour of a record, and the part of the mesh that it shows.
-/// Their differences reveal edges of textures, shadows and parts. At such edges, cells are subdivided even if
-/// the colours at their corners are equal.
+/// The texture and the shadows that determine the colour of a record, and the part of the mesh that the
+/// record shows. If these differ between the corners of a cell, the cell contains an edge. It is then
+/// subdivided even if the colours at its corners are equal.
 struct ColourSource {
-    const Texture* texture = nullptr;  ///< colour texture, else emission texture; null: none
+    const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
     std::uint32_t shadows = 0;         ///< bit i is set if a light whose index modulo 32 is i is occluded
-    std::uint32_t part = 0;            ///< of the object (ObjectParts); 0 without WhittedSettings::parts
+    std::uint32_t part = 0;            ///< part of the object (ObjectParts); 0 without WhittedSettings::parts
 };
 
-/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]), sorted by layer,
-/// then by path, so that the primary node is first.
+/// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]). They are sorted
+/// by layer and then by path, so the primary node is first.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of r, g, b that has sampling noise: the radiance from lobes, and in
-    /// penumbrae the radiance from area lights minus half of its unshadowed value. Empty if no record has
-    /// such a part.
+    /// For each record, the part of r, g, b that has sampling noise. It consists of the radiance from lobes
+    /// and, in penumbrae, the radiance from area lights minus half of its unshadowed value. Empty if no
+    /// record has such a part.
     std::vector<glm::vec3> noisy;
-    /// One per record. Empty if the scene has neither textures nor lights, and WhittedSettings::parts is
-    /// null.
+    /// One per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor lights.
     std::vector<ColourSource> sources;
-    /// One per record; only those of nodes after bounces are set. Empty if the scene has no mirror, no glass,
-    /// or nothing brighter than white.
+    /// One per record, set only for nodes after a bounce. Empty if the scene has no mirror and no glass, or
+    /// nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
 class WhittedTracer {
   public:
-    /// Keeps references to scene, camera and the motion in `hidden`. A hidden surface is shaded as if nothing
-    /// were in front of it. Hidden surfaces do not change the bits of visible ones.
+    /// Keeps references to the scene, the camera and the motion in `hidden`. A hidden surface is shaded as if
+    /// nothing were in front of it. Recording hidden surfaces does not change the bits of visible ones.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();
@@ -97,13 +98,13 @@ class WhittedTracer {
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
-    /// close together. Thread-safe. `around(i)`, if given, returns earlier samples within a pixel of
-    /// positions[i]. The nonlinear W of a node is taken from these samples if `bend_around` finds that it is
-    /// small (little_bend_px). Otherwise it is measured.
+    /// close together. Thread-safe. If given, `around(i)` returns earlier samples within a pixel of
+    /// positions[i]. Where `bend_around` finds from these samples that the nonlinear W of a node is small
+    /// (little_bend_px), their value is used. Otherwise the nonlinear W is measured.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// The nonlinear part of a node's W counts as small if it displaces the node's image by less than this,
-    /// px, for every point on the rim of the lens.
+    /// The nonlinear part of W counts as small if it displaces the node's image by less than this value, px,
+    /// seen from any point on the rim of the lens.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.
@@ -112,7 +113,7 @@ class WhittedTracer {
     [[nodiscard]] bool measures_bends() const;
     /// True if a material has a texture.
     [[nodiscard]] bool has_textures() const;
-    /// Whether the parts of meshes are recorded (WhittedSettings::parts).
+    /// True if the parts of meshes are recorded (WhittedSettings::parts).
     [[nodiscard]] bool has_parts() const;
 
   private:

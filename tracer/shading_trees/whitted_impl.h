@@ -1,4 +1,4 @@
-// The implementation of WhittedTracer. Only whitted*.cpp include this header.
+// The implementation of WhittedTracer. Only the files whitted*.cpp include this header.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current generation. `origin` is exact, while the origin in the packet is moved off the
+    // A ray of the current generation. `origin` is exact. In the packet, the origin is moved slightly off the
     // surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
@@ -56,8 +56,8 @@ struct WhittedTracer::Impl {
         glm::dvec3 share{0}, throughput{1};
     };
 
-    // An array whose items are filled in place, field by field, and reused. Building items elsewhere and
-    // copying them took longer than shading.
+    // An array whose items are filled in place, one field at a time, and reused. Building the items elsewhere
+    // and copying them took longer than shading.
     template <typename T>
     struct Pool {
         std::vector<T> items;
@@ -88,13 +88,13 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if nonlinear W is measured. `bounces`: the bounces of each ray, at the index of the ray's
-        // differentials. `bent`: the nodes whose nonlinear W is to be measured.
+        // Used only if nonlinear W is measured. `bounces` holds the bounces of each ray, at the index of the
+        // ray's differentials. `bent` holds the nodes whose nonlinear W is to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Hits, at any depth of the shading tree, where several rays must be averaged: over a glossy lobe, or
-        // over a light that has an extent.
+        // Hits at which several rays must be averaged, at any depth of the shading tree. The average is over
+        // a glossy lobe or over the area of a light.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -122,13 +122,13 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. The hit at
-    // which a ray leaves a glass object is not stored, because the transmitted ray sees the surfaces behind
-    // it.
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit at
+    // which the ray leaves a glass object is not stored, because the transmitted ray finds the surfaces
+    // behind it.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces hidden surfaces that are seen by reflection or refraction. Each becomes a separate layer of its
-    // sample, without a primary node.
+    // sample, and this layer has no primary node.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
     // of it.
@@ -153,14 +153,15 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node whose matrix W may be inexact, so that its error is measured. `s` is null if the ray hit
-    // nothing.
+    // Stores a node whose matrix W may be inexact, so that the error of W is measured later. `s` is null if
+    // the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Takes the nonlinear W (`w_bend`) of nodes from earlier samples nearby, where possible. The nodes that
-    // must be measured remain in w.bent.
+    // Takes the nonlinear W (`w_bend`, its second-order error) of nodes from earlier samples nearby, where
+    // possible. Nodes that must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the nodes to records. Nodes are ordered by generation, records by sample, layer and path.
+    // Converts the nodes to records. Nodes are ordered by generation. Records are ordered by sample, layer
+    // and path.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 

@@ -1,4 +1,4 @@
-// Completes the nodes of shading trees after the last generation: adds the means over lobes and lights and
+// Completes the nodes of shading trees after the last generation. Adds the means over lobes and lights and
 // the nonlinear W, and converts the nodes to records.
 #include <algorithm>
 #include <array>
