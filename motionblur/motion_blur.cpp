@@ -29,9 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted value of Crossing::most_mse. Where plates cross, the measured error is 30 to 500 times
-/// smaller than this bound. The limit therefore means a PSNR of 45 dB or more over the pixels that the group
-/// touches.
+/// Largest accepted value of Crossing::most_mse, which is an upper bound of the error where groups cross. The
+/// measured errors are at least 30 times smaller than this bound. The limit therefore corresponds to a PSNR
+/// of at least 45 dB over the pixels that the group touches.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -49,8 +49,8 @@ class MotionBlur {
         if (!shows_frame_alone()) find_motion();
         choose();
         prepare_convolution();
-        // Static surfaces may change colour between recorded instants, so the images of these instants are
-        // blended.
+        // Static surfaces may change colour between the recorded instants, so the images of these instants
+        // are blended.
         const bool blends =
             file_.instants() > 1 && settings_.method != MotionMethod::convolve && !shows_frame_alone();
         const std::size_t pixels = result_.image.rgb.size() / 3;
@@ -68,7 +68,8 @@ class MotionBlur {
     }
 
   private:
-    // Whether the exposure is the frame's own instant alone, so that the recorded image needs no change.
+    // Whether the exposure consists only of the frame's own instant, so that the recorded image is the
+    // result.
     [[nodiscard]] bool shows_frame_alone() const {
         return settings_.exposure.open_s == header_.time_s && settings_.exposure.close_s == header_.time_s;
     }
@@ -93,8 +94,8 @@ class MotionBlur {
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
             found[id] = classify(motion_, id, extent, header_.time_s, settings_.exposure);
-        // At other recorded instants, the records of an object may move differently. Some objects are
-        // recorded only at other instants.
+        // The records of other instants are classified too, because an object may move differently there.
+        // Some objects are recorded only at other instants.
         for (std::size_t i = 1; i < file_.instants(); ++i) {
             RecordBands(file_, i).read_all([&](const RecordBand& band) {
                 add_extents(band, only, extents_[i]);
@@ -165,20 +166,21 @@ class MotionBlur {
         }
     }
 
-    // Whether the border of the records cuts an object off at the frame's instant, which is the only one that
-    // convolve uses. lightfield uses other instants, and finds the pixels that the missing part may cover.
+    // Whether the border of the records cuts off an object at the frame's instant. Only convolve is affected,
+    // because it uses no other instant. lightfield uses other instants too, and finds the pixels that the
+    // missing part may cover.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Whether the light at other recorded instants may differ from that at the frame's instant. convolve uses
+    // Whether the light may differ between the frame's instant and other recorded instants. convolve uses
     // only the frame's instant.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
     }
 
-    // Rows of the raster in which a moving group of objects is recorded, or over which it passes.
+    // Returns the rows of the raster in which a moving group is recorded or over which it passes.
     [[nodiscard]] std::pair<int, int> rows_touched() const {
         double low = header_.height, high = 0;
         for (const MovingGroup& g : groups_) {
@@ -186,8 +188,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // A margin of 2 rows is added: a sample represents a quarter of a quadtree leaf, which extends beyond
-        // the sample, and a cell extends half a cell beyond its centre.
+        // The margin of 2 rows has two reasons: a sample represents a quarter of a quadtree leaf, which
+        // extends beyond the sample, and a cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -195,7 +197,7 @@ class MotionBlur {
         return {within(std::floor(low) - 2), within(std::ceil(high) + 2)};
     }
 
-    /// Finds the groups of objects to convolve, and the surfaces of the rows that these groups touch. With
+    /// Finds the groups of objects to convolve, and the surfaces in the rows that these groups touch. With
     /// `automatic`, a group with parallax uses lightfield if it is more than one surface or if other surfaces
     /// lie in its range of depth.
     void prepare_convolution() {
@@ -257,7 +259,8 @@ class MotionBlur {
         });
     }
 
-    /// With `automatic`, groups that cross use lightfield, which then replaces their pixels.
+    /// With `automatic`, groups that cross use lightfield. Their pixels are later replaced by those of its
+    /// views.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -287,9 +290,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel here, so no static pixel can fill the background that they
-            // uncover. The background is filled from the views instead. The views are therefore drawn for the
-            // whole image and not only for the crop.
+            // Moving objects cover every pixel, so there is no static pixel from which the uncovered
+            // background could be filled. It is filled from the views instead. The views are therefore drawn
+            // for the whole image, and not only for the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }
@@ -311,9 +314,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Background colours for the pixels that moving objects cover in the records, interpolated from the
-    // surrounding pixels. If moving objects cover every pixel, the colours are interpolated from pixels whose
-    // light is known in a view.
+    // Returns background colours for the pixels that moving objects cover in the records. The colours are
+    // interpolated from the surrounding pixels. If moving objects cover every pixel, the colours are
+    // interpolated from the pixels whose light is known in a view.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();
@@ -341,14 +344,14 @@ class MotionBlur {
         if (!unseen.possible()) return;
         bands_.need_all();
         for (const RecordBand& band : bands_.bands()) {
-            // The last row of a band is the first row of the next.
+            // The last row of a band is also the first row of the next band.
             unseen.add(band, band.y_begin, band.y_end - 1);
         }
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));
     }
 
-    // Adds the ids of objects that move in the world but have no records, because mirrors and glass may still
-    // show them.
+    // Adds the ids of objects that move in the world but have no records. They may still be visible in
+    // mirrors and glass.
     [[nodiscard]] std::vector<std::uint32_t> with_unseen(std::vector<std::uint32_t> moving) const {
         const double first_s = std::min(settings_.exposure.open_s, header_.time_s),
                      last_s = std::max(settings_.exposure.close_s, header_.time_s);
@@ -363,7 +366,7 @@ class MotionBlur {
     }
 
     // Warns of moving objects that are recorded only at instants other than the frame's. The method convolve
-    // ignores them.
+    // ignores these objects.
     void warn_of_left_out() {
         std::string names;
         for (const ObjectReport& o : result_.objects) {
@@ -400,7 +403,7 @@ void check_exposure(const Exposure& e) {
              "--shutter: closes before it opens (got {}:{}; expected finite seconds, OPEN not after CLOSE)",
              e.open_s, e.close_s);
     }
-    // The difference is not finite if one of the times is not finite or if the subtraction overflows.
+    // The difference is not finite if one of the times is not finite, or if the subtraction overflows.
     if (!std::isfinite(e.close_s - e.open_s)) {
         fail(ExitCode::wrong_arguments, "--shutter: too long (got {}:{}; expected finite seconds)", e.open_s,
              e.close_s);

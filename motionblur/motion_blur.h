@@ -1,4 +1,5 @@
-// Motion blur of a sample file: computes the image that is exposed while the recorded objects move.
+// Motion blur of a sample file. Computes the image that the recorded objects give if they move during the
+// exposure.
 #pragma once
 
 #include <optional>
@@ -16,22 +17,22 @@ namespace postlens {
 /// Method by which moving objects are blurred.
 /// - convolve: convolves the image of the objects that share a path with the image of that path.
 /// - lightfield: averages views of the surfaces at many instants.
-/// - automatic: convolve for two kinds of objects, both moving parallel to the film. In the first kind, all
-///   points move alike (within 0.25 px). In the second kind, nearer points move farther (parallax); the
-///   object is a single surface, and no other surface lies in its range of depth. All other objects use
-///   lightfield.
+/// - automatic: uses convolve for two kinds of objects that move parallel to the film, and lightfield for all
+///   others. In the first kind, all points move alike (within 0.25 px). In the second kind, nearer points
+///   move farther (parallax). An object of the second kind must be a single surface, and no other surface may
+///   lie in its range of depth.
 enum class MotionMethod { automatic, convolve, lightfield };
 
 struct MotionBlurSettings {
-    Exposure exposure;  ///< on the scene's clock, s; open <= close
+    Exposure exposure;  ///< in seconds on the scene's clock, with open <= close
     ShutterCurve curve = ShutterCurve::box();
     MotionMethod method = MotionMethod::automatic;
     std::optional<int> views;       ///< number of views of lightfield
-    std::vector<ObjectPath> paths;  ///< each replaces the file's motion of the path's ids
+    std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
-    /// The part of the image to compute; all other pixels are undefined. The computed pixels are
+    /// The part of the image to compute. Pixels outside of it are undefined. Pixels within it are
     /// bit-identical to those without a crop, and the shares in the result refer to them. Only lightfield
-    /// becomes faster with a crop.
+    /// becomes faster.
     std::optional<Crop> crop;
 };
 
@@ -45,20 +46,22 @@ struct MotionWarning {
 struct ObjectReport {
     std::uint32_t id = 0;
     std::string name;
-    MotionMethod method = MotionMethod::automatic;  ///< automatic: the id needs no method or has none
+    MotionMethod method = MotionMethod::automatic;  ///< `automatic` if the id needs no method or has none
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
-    int slices = 0;                                 ///< number of depth slices of convolve
-    std::size_t path_points = 0, fitted_knots = 0;  ///< of the path of convolve; 0 knots: not fitted
+    int slices = 0;  ///< number of depth slices of convolve
+    /// Numbers for the path that convolve uses. There are 0 knots if it is not fitted.
+    std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;
 };
 
 struct MotionBlurResult {
     Image image;
-    MotionMethod method = MotionMethod::automatic;  ///< automatic: both were used, or nothing moves
-    int views = 0;                                  ///< number of views of lightfield; 0: not used
-    double touched_share = 0;                       ///< share of the pixels over which an object moves
+    /// `automatic` if both methods were used, or if nothing moves.
+    MotionMethod method = MotionMethod::automatic;
+    int views = 0;             ///< number of views of lightfield, or 0 if it was not used
+    double touched_share = 0;  ///< share of the pixels over which an object moves
     std::vector<ObjectReport> objects;
     std::vector<MotionWarning> warnings;
 };
@@ -67,9 +70,9 @@ struct MotionBlurResult {
 void check_exposure(const Exposure& exposure);
 
 /// Computes the image of a sample file with motion blur. The result is bit-identical for any number of
-/// threads. If nothing moves between the recorded instant and the exposure, it is bit-identical to the
-/// pinhole image. Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths of
-/// unknown ids and for a damaged file, and Error(out_of_memory).
+/// threads. If nothing moves between the recorded instant and the exposure, the result is bit-identical to
+/// the pinhole image. Throws Error(wrong_arguments) for settings out of range, Error(invalid_input) for paths
+/// of unknown ids and for a damaged file, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult motion_blur(const SampleFileReader& file, const MotionBlurSettings& settings);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Classifies how each object moves on the raster while the shutter is open. Either it does not move, or it
-// moves as a whole, or each part moves in proportion to its inverse depth, or the motion is general.
+// Classifies how each object moves on the raster while the shutter is open. An object may stand still, move
+// as a whole, move in proportion to the inverse depth of its parts, or move in any other way.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,8 @@
 
 namespace postlens {
 
-/// Bounding box of the recorded surfaces of one object (id): raster px and inverse depth, 1/m.
+/// Bounding box of the recorded surfaces of one object (id). Positions are in raster px, and inverse depths
+/// in 1/m.
 struct IdExtent {
     std::uint64_t records = 0;
     double x_min = 0, x_max = 0, y_min = 0, y_max = 0, inverse_z_min = 0, inverse_z_max = 0;
@@ -23,39 +24,40 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects to include the directly visible surfaces of all layers of a band.
-/// `only`: sorted ids of the objects to include; empty for all objects. Returns whether the band contains any
-/// of these objects.
+/// Enlarges the bounding boxes of objects to include their directly visible surfaces in all layers of a band.
+/// `only` contains the sorted ids of the objects to include. If it is empty, all objects are included.
+/// Returns whether the band contains any of these objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
-    translation,  ///< parallel to the film: every point moves like the box's centre, within 0.25 px
-    parallax,     ///< parallel to the film, with depth: every point moves like the box's centre, times the
-                  ///< ratio of its inverse depth to the centre's, within 0.25 px
-    general       ///< rotates, approaches, or passes the camera
+    translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
+    /// Parallel to the film, but nearer points move farther: within 0.25 px, the displacement of a point is
+    /// that of the box's centre times the ratio of their inverse depths.
+    parallax,
+    general  ///< rotates, approaches, or passes the camera
 };
 
 struct IdMotion {
     std::uint32_t id = 0;
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
-    /// Largest difference between the displacements of a corner of the box and of the box's centre; may be
-    /// infinite.
+    /// Largest difference between the displacement of a corner of the box and that of the box's centre. May
+    /// be infinite.
     double deviation_px = 0;
-    /// The same difference after the centre's displacement has been scaled to the corner's inverse depth
-    /// (parallax).
+    /// The same difference, but with the centre's displacement scaled by the ratio of inverse depths of
+    /// corner and centre (parallax).
     double bend_px = 0;
     RasterPoint centre;
-    double inverse_z = 0;  ///< mean of its records, 1/m
+    double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m
 };
 
-/// Ids of the objects that move, in the order of `ids`.
+/// Returns the ids of the objects that move, in the order of `ids`.
 [[nodiscard]] std::vector<std::uint32_t> moving_ids(const std::vector<IdMotion>& ids);
 
-/// Name of an id: "background" for id 0; empty if the file has no name for it.
+/// Returns the name of an id. It is "background" for id 0, and empty if the file has no name for the id.
 [[nodiscard]] std::string name_of(const SampleHeader& header, std::uint32_t id);
-/// Name of an id in messages. If the id has no name, it is the id's number.
+/// Returns the name of an id for messages. If the id has no name, its number is returned.
 [[nodiscard]] std::string label_of(const SampleHeader& header, std::uint32_t id);
 
 struct Exposure {
@@ -65,13 +67,14 @@ struct Exposure {
 inline constexpr double still_px = 0.01;
 inline constexpr double translation_px = 0.25;
 
-/// Classifies the motion of an object. The displacements of its bounding box's corners and centre are
-/// compared at uniformly spaced instants and at the instants where the object's velocity may change abruptly.
+/// Classifies the motion of an object by comparing the displacements of the corners and the centre of its
+/// bounding box. They are compared at uniformly spaced instants, and at instants at which the object's
+/// velocity may change abruptly.
 [[nodiscard]] IdMotion classify(const FrameMotion& motion, std::uint32_t id, const IdExtent& extent,
                                 double recorded_s, const Exposure& exposure);
 
-/// Instants at which motions are compared: the opening, the closing, uniformly spaced instants between them,
-/// and those of `breaks_s` between them.
+/// Returns the instants at which motions are compared. These are the opening and the closing of the shutter,
+/// uniformly spaced instants between them, and those of `breaks_s` that lie between them.
 [[nodiscard]] std::vector<double> probe_times(const std::vector<double>& breaks_s, const Exposure& exposure);
 
 }  // namespace postlens

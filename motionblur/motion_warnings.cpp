@@ -25,8 +25,9 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Whether a shading tree shows an object that moves differently from the directly visible object. All nodes
-/// of a tree are reprojected with the motion of the directly visible object.
+/// Returns whether a shading tree shows an object that moves differently from the directly visible object.
+/// Such a motion is lost, because all nodes of a tree are reprojected with the motion of the directly visible
+/// object.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -35,7 +36,7 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for every shading tree of layer 0 in a pixel. The arguments are the range of its
+/// Calls tree(first, end) for every shading tree of layer 0 in a pixel. [first, end) is the range of its
 /// records.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
@@ -49,8 +50,8 @@ void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree
     }
 }
 
-/// Counts the pixels for which `concerned` is true, among every `step`th pixel along each axis in the rows
-/// [y_begin, y_end) of a band.
+/// Counts the pixels for which `concerned` is true. Only every `step`th pixel along each axis is tested, in
+/// the rows [y_begin, y_end) of a band.
 template <typename Concerned>
 std::uint64_t count_pixels(const SampleHeader& h, const RecordBand& band, int y_begin, int y_end, int step,
                            const Concerned& concerned) {
@@ -86,7 +87,7 @@ double instant(const SampleHeader& h, const Exposure& e, int i) {
     return i == 0 ? h.time_s : e.open_s + (e.close_s - e.open_s) * (i - 1) / (shadow_instants - 2);
 }
 
-/// Whether something moves during the exposure, or from the frame's instant to it.
+/// Returns whether something moves during the exposure, or between the frame's instant and the exposure.
 bool moves(const MotionPath& path, const SampleHeader& h, const Exposure& e) {
     return path.moves(std::min(e.open_s, h.time_s), std::max(e.close_s, h.time_s));
 }
@@ -124,7 +125,7 @@ std::vector<MovingLight> lights_of(const SampleHeader& h, const Exposure& exposu
     return out;
 }
 
-/// Whether the segment from point p to the light intersects the sphere at instant i.
+/// Returns whether the line from point p to the light intersects the sphere at instant i.
 bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& sphere, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - p;
     const dvec3 to = sphere.centre[i] - p;
@@ -135,13 +136,13 @@ bool crosses(const dvec3& p, const MovingLight& light, const MovingSphere& spher
     return glm::dot(off, off) < sphere.radius * sphere.radius;
 }
 
-/// Direction from the centre of an object to the light at instant i, in the object's own frame.
+/// Returns the direction from the centre of an object to the light at instant i, in the object's own frame.
 dvec3 direction_to(const MovingLight& light, const MovingSphere& object, std::size_t i) {
     const dvec3 way = light.directional ? light.place[i] : light.place[i] - object.centre[i];
     return way * object.rotation[i];  // the transpose of the rotation times `way`
 }
 
-/// Whether an object's shading changes visibly, because it turns or moves relative to a light.
+/// Returns whether an object's shading changes visibly because the object turns or moves relative to a light.
 bool is_relit(const MovingSphere& object, const std::vector<MovingLight>& lights) {
     constexpr double least_degrees = 15;
     for (const MovingLight& light : lights) {
@@ -203,8 +204,9 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Whether the border of the recorded area cuts off an object at a recorded instant, and the cut side of the
-/// object lies within the frame at another instant. `map` moves the object's records to that other instant.
+/// Returns whether the border of the recorded area cuts off an object so that a part of it is missing in the
+/// frame at another instant. `map` moves the object's records from the recorded instant to that other
+/// instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -333,8 +335,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // An object that is recorded neither at the frame's instant nor at the instants around t is out of
-        // sight at t.
+        // An object is out of sight at t if it is recorded neither at the frame's instant nor at the recorded
+        // instants around t.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -353,7 +355,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // A surface that fills the frame is whole at no instant; lightfield warns of pixels ("uncovered").
+        // If the camera moves, a surface that fills the frame is cut off at every instant. For lightfield,
+        // the warning "uncovered" covers this case.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

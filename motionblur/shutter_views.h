@@ -1,5 +1,5 @@
-// Determines the number of views of a light field over the exposure, and the instant and sample position of
-// each view.
+// Determines how many views a light field has over the exposure, and the instant and sample position of each
+// view.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-/// Largest number of different sample positions in a pixel. Static surfaces are drawn once for each position.
+/// Largest number of different sample positions in a pixel. Static surfaces are drawn once for each of them.
 inline constexpr int most_places = 64;
 inline constexpr int fewest_views = 128;          ///< smallest automatic number of views
 inline constexpr int most_views_by_itself = 512;  ///< largest automatic number of views
@@ -21,22 +21,22 @@ inline constexpr int most_views = 4096;           ///< largest number of views t
 /// Throws Error(wrong_arguments) for a number outside 1..most_views.
 void check_views(const std::optional<int>& views);
 
-/// Returns sample position j of `places` (a power of 2) in the pixel, px. The positions are a (0, 2)-sequence
-/// in base 2 [sobol1967]: of every aligned run of 2^k positions, one lies in each cell of every grid of 2^k
-/// equal cells. Views that are close in time therefore have positions that are far apart.
+/// Returns sample position j of `places` (a power of 2) in the pixel, in px. The positions are a (0,
+/// 2)-sequence in base 2 [sobol1967]. If a grid divides the pixel into 2^k equal cells, each aligned run of
+/// 2^k positions has one position in every cell. Views that are close in time therefore have positions that
+/// are far apart.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Number of views for a largest displacement: one per 2 px, rounded to a power of 2 between `fewest_views`
-/// and `most_views_by_itself`. A box that moves by 128 px then has a PSNR of 51 dB against an image of 2048
-/// views (docs/motion.md).
+/// Returns the number of views for a largest displacement. It is one view per 2 px, rounded to a power of 2
+/// between `fewest_views` and `most_views_by_itself`. docs/motion.md states the error of such images.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {
     glm::dvec2 place{0.5, 0.5};  ///< sample position in the pixel, px
     double time_s = 0;
 };
-/// Views at instants that are distributed like the shutter's transmission, each with its own sample position
-/// in the pixel.
+/// Returns views at instants that are distributed like the shutter's transmission. Each view has its own
+/// sample position in the pixel.
 [[nodiscard]] std::vector<ShutterView> shutter_views(const ShutterCurve& curve, const Exposure& exposure,
                                                      int views);
 

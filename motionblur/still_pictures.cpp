@@ -8,7 +8,7 @@
 namespace postlens {
 namespace {
 
-/// Adds one band of an instant's image with the weight `share`, except in the pixels that are `hidden`.
+/// Adds one band of an instant's image with the weight `share`. Pixels that are `hidden` are left out.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -29,8 +29,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// The records at the four corners of a pixel are stored with the pixel itself and with its right, lower and
-// lower right neighbours.
+// A pixel stores the record at its upper left corner. The records at its other three corners are stored with
+// its right, lower and lower right neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

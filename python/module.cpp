@@ -18,8 +18,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command: its JSON, the images that it did not write to files (with their exposures), its
-/// warnings (code, text, share) and its exit code.
+/// The result of a command: its JSON report, its exit code, its warnings (code, text, share), and the images
+/// that it did not write to files, with their exposures.
 struct Outcome {
     std::string json;
     py::object text;
@@ -34,7 +34,7 @@ Outcome run(std::vector<std::string> words, int threads, const py::object& progr
     CommandResult result;
     run_job(threads, progress,
             [&] { result = run_command(std::move(words), {.pictures_stay = pictures_stay, .kept = kept}); });
-    // Names in a file need not be UTF-8.
+    // Names of files may contain bytes that are not UTF-8.
     out.json = result.json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
     out.text = text_of(result.text);
     for (Image& image : result.pictures) {

@@ -1,4 +1,4 @@
-// Runs work in a second thread, while the calling thread handles the signals of Python.
+// Runs work in a second thread. The calling thread handles the signals of Python.
 #pragma once
 
 #include <functional>
@@ -7,17 +7,22 @@
 
 namespace postlens::python {
 
-/// Calls `work` as a job with `threads` threads (0: one per core) without the interpreter's lock, and returns
-/// when it has finished. Meanwhile the calling thread handles signals, and calls progress(fraction,
-/// seconds_left) unless `progress` is None; the last call, after the work has succeeded, is progress(1, 0).
-/// Rethrows the exceptions of `work`; errors of postlens become postlens.Error. An exception of a signal
-/// handler (KeyboardInterrupt) or of `progress` cancels the work, and is rethrown after the work has stopped.
+/// Runs `work` as a job with `threads` threads, and returns when the job has ended. 0 threads means one per
+/// core. `work` runs without the interpreter's lock.
+///
+/// Meanwhile, the calling thread handles signals and calls progress(fraction, seconds_left), unless
+/// `progress` is None. After `work` has succeeded, the last call is progress(1, 0).
+///
+/// Exceptions of `work` are thrown again here, with errors of postlens converted to postlens.Error. If
+/// `progress` or a signal handler raises an exception (KeyboardInterrupt), the work is cancelled. The
+/// exception is thrown again when the work has stopped.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
-/// The text as a str of Python, in which bytes that are not UTF-8, as in names of files, are surrogates.
+/// Converts a text to a str of Python. Bytes that are not UTF-8, which occur in names of files, become
+/// surrogates.
 [[nodiscard]] pybind11::object text_of(const std::string& text);
 
-/// Calls `call` in the calling thread, and converts errors of postlens to postlens.Error.
+/// Calls `call` in the calling thread. Errors of postlens are converted to postlens.Error.
 void translated(const std::function<void()>& call);
 
 }  // namespace postlens::python

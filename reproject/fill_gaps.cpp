@@ -7,7 +7,7 @@ namespace {
 
 struct Level {
     int width = 0, height = 0;
-    std::vector<float> rgb, weight;  // rgb: already the weighted mean
+    std::vector<float> rgb, weight;  // rgb is already the weighted mean
     [[nodiscard]] std::size_t at(int x, int y) const {
         return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
     }
@@ -34,7 +34,8 @@ Level coarser(const Level& fine) {
     return out;
 }
 
-/// Colour of the coarse pyramid level at the centre of a fine pixel, interpolated bilinearly.
+/// Returns the colour of the coarser pyramid level at the centre of pixel (x, y) of the finer level,
+/// interpolated bilinearly.
 void sample(const Level& coarse, int x, int y, float* rgb) {
     const int x0 = (x & 1) != 0 ? x / 2 : x / 2 - 1, y0 = (y & 1) != 0 ? y / 2 : y / 2 - 1;
     const float fx = (x & 1) != 0 ? 0.25F : 0.75F, fy = (y & 1) != 0 ? 0.25F : 0.75F;
@@ -66,8 +67,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // Weights of the finest level are 0 or 1, so that known pixels keep their colours. Pixels of weight 0 are
-    // set to black, because their colours may be infinite or NaN.
+    // In the finest level, every weight becomes 0 or 1, so that known pixels keep their colours. Pixels of
+    // weight 0 become black, because their colours may be infinite or NaN.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

@@ -1,4 +1,4 @@
-// Rays that see nothing.
+// A ray tracer whose rays see nothing.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 
 namespace postlens {
 
-/// Replaces the ray tracer, but traces nothing. Used to find out which samples rays would replace.
+/// Takes the place of a ray tracer, but traces nothing. It is used to find out which samples rays would
+/// replace.
 class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

@@ -24,8 +24,8 @@ namespace {
 struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
-    bool gathered = false;  ///< whether `patches` contains those of the current piece
-    /// Whether rays take less time than the reflected and transmitted patches of the piece.
+    bool gathered = false;  ///< whether `patches` contains the patches of the current piece
+    /// Whether tracing rays takes less time than drawing the reflected and transmitted patches of the piece.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -40,13 +40,13 @@ struct Workplace {
     CheckedHighlights checked_highlights;
 };
 
-/// Number of views that are drawn between two tests for cancellation. A tile can have thousands of views, so
+/// Cancellation is tested each time this many views have been drawn. A tile can have thousands of views, so
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this number of views of a piece, rays replace all samples of surfaces that reflect or transmit, if
-/// rays had to replace most of these samples so far. Drawing the reflections for the few other samples would
-/// take longer than tracing them.
+/// After this many views of a piece, rays may take over all samples of surfaces that reflect or transmit.
+/// They do so if they had to replace most of these samples until then. Drawing the reflections for the few
+/// other samples would take longer than tracing them.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -84,7 +84,7 @@ class Field {
     }
 
   private:
-    /// Draws the piece of a tile whose upper left corner is (x, y), px from the tile's corner.
+    /// Draws the piece of a tile whose upper left corner is (x, y), in px from the tile's corner.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -103,8 +103,8 @@ class Field {
         }
     }
 
-    /// Gathers the patches that a set of views draws in a piece, unless an earlier set has gathered them.
-    /// `rays`: those of the set, or null.
+    /// Gathers the patches that a set of views draws in a piece, unless an earlier set has already done so.
+    /// `rays` is the ray tracer of this set, or null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -199,7 +199,7 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// The motion of each patch (nearly planar part of a surface) of a tile in one view.
+    /// Finds the motion of each patch (nearly planar part of a surface) of a tile in one view.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -252,7 +252,7 @@ class Field {
         }
     }
 
-    /// Removes the pixels in which a surface from beyond the border of the records may hide what a view sees.
+    /// Removes the pixels in which a surface beyond the border of the records may hide what the view sees.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -274,8 +274,7 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // If rays replace all samples of the tile, the reprojected surfaces are only needed to draw
-        // highlights.
+        // If rays replace all samples of the tile, the surfaces are only needed to draw highlights.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -304,8 +303,8 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // Where both recorded instants of the view show the same surface, their colours are blended.
-        // Elsewhere only the nearer surface counts.
+        // If both recorded instants of the view show the same surface in a pixel, their colours are blended.
+        // Otherwise only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -320,8 +319,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must be reprojected from a single recorded instant,
-    /// and no `passes` may exclude pixels.
+    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and its
+    /// `passes` must not exclude any pixel.
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -329,8 +328,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds the pixels that a view gets from recorded instant `u`. Used if the view has two recorded
-    /// instants, or if the lens blocks its light in some pixels.
+    /// Adds those pixels of a view that come from its recorded instant `u`. This is used if the view has two
+    /// recorded instants, or if the lens blocks the light of some pixels.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;

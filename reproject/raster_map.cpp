@@ -36,8 +36,8 @@ dmat4 camera_from_raster(const SampleHeader& h) {
     const double scale =
         perspective ? h.pixel_pitch_mm / h.film_distance_mm : h.pixel_pitch_mm * 1e-3;  // tangent or m per px
     const double x0 = -0.5 * h.width * scale, y0 = 0.5 * h.height * scale;
-    // Perspective: maps (x, y, 1, 1/z) to the camera-space point times 1/z. Orthographic: maps (x, y, z, 1)
-    // to the point itself.
+    // For a perspective camera, maps (x, y, 1, 1/z) to the camera-space point times 1/z. For an orthographic
+    // camera, maps (x, y, z, 1) to the camera-space point.
     return perspective
                ? dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(x0, y0, -1, 0), dvec4(0, 0, 0, 1))
                : dmat4(dvec4(scale, 0, 0, 0), dvec4(0, -scale, 0, 0), dvec4(0, 0, -1, 0),
@@ -60,8 +60,8 @@ std::optional<RasterTangent> RasterMap::tangent(const RasterPoint& p, const glm:
                                                 const glm::dvec2& reach) const {
     const bool perspective = projection_ == Projection::perspective;
     if (!perspective && p.inverse_z == 0) return RasterTangent{p, {1, 0, slope.x}, {0, 1, slope.y}};
-    // The homogeneous point and its derivatives with respect to x and y. For an orthographic camera, the
-    // point contains z' instead of 1/z', and a change of 1/z' by d changes z' by -z'^2 d.
+    // The homogeneous point, and its derivatives with respect to x and y. For an orthographic camera, the
+    // point contains the depth z' instead of 1/z'. If 1/z' changes by d, z' changes by -z'^2 d.
     const double z = perspective ? 1 : 1 / p.inverse_z, by_depth = perspective ? 1 : -z * z;
     const glm::dmat4& m = m_;
     const dvec4 depth = perspective ? m[3] : m[2];

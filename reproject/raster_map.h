@@ -1,5 +1,5 @@
-// Motion in raster coordinates. A 4x4 matrix describes the rigid motion of an object and the camera: it maps
-// raster position and depth at one instant to those at another.
+// Motion in raster coordinates. A 4x4 matrix describes the rigid motion of an object and the camera. It maps
+// the raster position and depth of a point at one instant to those at another instant.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,12 @@
 
 namespace postlens {
 
-/// A point of the raster with its inverse depth, 1/m; 0: infinitely far.
+/// A point of the raster with its inverse depth in 1/m. An inverse depth of 0 means infinitely far.
 struct RasterPoint {
     double x = 0, y = 0, inverse_z = 0;
 };
 
-/// First-order map of a surface around one of its points.
+/// The first-order approximation of a map around one point of a surface.
 struct RasterTangent {
     RasterPoint at;          ///< image of the point
     RasterPoint by_x, by_y;  ///< derivatives along the surface, per px to the right and down
@@ -27,20 +27,20 @@ struct RasterTangent {
     double bend_px = 0;      ///< approximate second-order error at distance `reach`, px
 };
 
-/// A map of raster position and depth. For a perspective camera it is a matrix on homogeneous (x, y, 1,
-/// 1/z'), which includes points at infinity. For an orthographic camera it is a matrix on (x, y, z', 1);
-/// points at infinity do not move.
+/// Maps raster positions with their depths z'. For a perspective camera, the map is a matrix on homogeneous
+/// coordinates (x, y, 1, 1/z'), which include points at infinity. For an orthographic camera, the map is a
+/// matrix on (x, y, z', 1), and points at infinity do not move.
 class RasterMap {
   public:
     RasterMap() = default;
     RasterMap(const glm::dmat4& matrix, Projection projection)
         : m_(matrix), projection_(projection), identity_(matrix == glm::dmat4(1)) {}
 
-    /// Image of a point; none if it lies behind the camera.
+    /// Returns the image of a point, or nothing if the image lies behind the camera.
     [[nodiscard]] std::optional<RasterPoint> operator()(const RasterPoint& p) const;
-    /// Linearises the map at the point `p` of a surface. The surface's inverse depth changes by `slope` per
-    /// px to the right and down, and it extends `reach` px to either side of `p`. Returns nothing if a part
-    /// of the surface's image lies behind the camera.
+    /// Linearises the map around the point `p` of a surface. `slope` is the change of the surface's inverse
+    /// depth per px to the right and per px down. The surface extends from `p` by `reach` px in both
+    /// directions of each axis. Returns nothing if a part of the mapped surface lies behind the camera.
     [[nodiscard]] std::optional<RasterTangent> tangent(const RasterPoint& p, const glm::dvec2& slope,
                                                        const glm::dvec2& reach) const;
     [[nodiscard]] const glm::dmat4& matrix() const { return m_; }
@@ -53,9 +53,10 @@ class RasterMap {
     bool identity_ = true;
 };
 
-/// The shift of a shading-tree node's image for one lens point: `(1/s I - W) lens_px + offset_px`, where s is
-/// the focus distance and W the node's matrix (2x2, generalises 1/z'). For surfaces seen directly, W = I /
-/// z'.
+/// The shift of a surface's image on the raster when it is seen from one lens point instead of the pinhole.
+/// It is `(1/s I - W) lens_px + offset_px`. Here s is the focus distance. W is a 2x2 matrix, stored with the
+/// surface's record, that describes how the image moves with the lens point. A surface at depth z' that is
+/// seen directly has W = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;
@@ -64,21 +65,21 @@ struct LensShift {
     [[nodiscard]] bool none() const { return *this == LensShift{}; }
 };
 
-/// Returns the map that applies `motion` and then the lens's shift of directly visible surfaces. `motion`
-/// must be perspective, unless the shift is 0.
+/// Returns the map that first applies `motion` and then the lens's shift of directly visible surfaces.
+/// `motion` must be a perspective map, unless the shift is 0.
 [[nodiscard]] RasterMap through_lens(const RasterMap& motion, const LensShift& lens);
 
-/// Maps homogeneous raster coordinates to homogeneous coordinates of the camera at the frame's instant (m; x
-/// right, y up, looking along -z). A raster point is (x, y, 1, 1/z') for a perspective camera and (x, y, z',
-/// 1) for an orthographic one.
+/// Returns the matrix from homogeneous raster coordinates to homogeneous camera coordinates, in m, at the
+/// frame's instant. In camera coordinates, x points right and y up, and the camera looks along -z. A raster
+/// point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motion of every object on the raster, initially as in the file's header.
+/// The motion of every object on the raster. Initially, the motion is that of the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);
 
-    /// Displacement on the raster, px, as a function of time.
+    /// Displacement on the raster, in px, as a function of time.
     using Displacement = std::function<glm::dvec2(double time_s)>;
     /// Replaces the motion of one object on the raster. `displacement` must include the effect of the
     /// camera's motion.
@@ -86,15 +87,15 @@ class FrameMotion {
     /// Replaces the rigid motion of one object in the world. The motion of the camera stays the same.
     void set_keys(std::uint32_t id, const std::vector<TransformKey>& keys);
 
-    /// Returns the map from the raster at one instant to the raster at another, for the object `id` (0:
-    /// background at infinity). The map is exactly the identity if neither the object nor the camera moves
+    /// Returns the map of the object `id` from the raster at one instant to the raster at another. `id` 0 is
+    /// the background at infinity. The map is exactly the identity if neither the object nor the camera moves
     /// between the two instants.
     [[nodiscard]] RasterMap map(std::uint32_t id, double from_s, double to_s) const;
-    /// Sorted instants at which the velocity of the object or of the camera may change abruptly.
+    /// Returns the sorted instants at which the velocity of the object or of the camera may change abruptly.
     [[nodiscard]] std::vector<double> breaks_s(std::uint32_t id) const;
     /// Whether the camera moves between two instants.
     [[nodiscard]] bool camera_moves(double open_s, double close_s) const;
-    /// Ids of objects with their own motion.
+    /// Returns the ids of the objects that have their own motion.
     [[nodiscard]] std::vector<std::uint32_t> moving_ids() const;
 
   private:

@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// A rectangle in raster px; initially empty.
+/// A rectangle in raster px. It is initially empty.
 struct RasterRect {
     double x_min = std::numeric_limits<double>::infinity(), x_max = -x_min, y_min = x_min, y_max = -x_min;
     void add(const RasterRect& o) {

@@ -1,4 +1,5 @@
-// Interface to a ray tracer. Rays replace those samples of views whose colours the records do not determine.
+// Interface to a ray tracer. If the records do not determine the colour of a view's sample, a ray replaces
+// it.
 #pragma once
 
 #include <array>
@@ -14,31 +15,33 @@
 
 namespace postlens {
 
-/// The ray that replaces one view's sample in one pixel. It is defined by a position in the pixel, a lens
-/// point and an instant.
+/// The ray that replaces the sample of one view in one pixel. It is defined by a position in the pixel, a
+/// lens point and an instant.
 struct SightLine {
     int x = 0, y = 0;           ///< pixel, raster px
     glm::dvec2 place{0.5};      ///< position in the pixel, px, where the ray crosses the plane in focus
     glm::dvec2 lens{0};         ///< lens point, lens radii, raster axes
     double light_before = 0.5;  ///< share of the exposure that lies before the ray's instant, 0 to 1
-    /// Seed of the ray's random samples of lights and scattering lobes. `set`: index of a set of views.
-    /// `view`: index of the view in this set. The samples are stratified over the views of a set, and
-    /// independent between sets.
+    /// Seed of the random points on lights and directions of scattering lobes along the ray. `set` is the
+    /// index of a set of views, and `view` is the index of the view in this set. The random samples are
+    /// stratified over the views of a set. Those of different sets are independent.
     std::uint32_t set = 0, view = 0;
 };
 
-/// Radiance that is added to the image as highlights. Rays must leave it out, so that it is not counted
-/// twice.
+/// Radiance that is added to the image as highlights. Rays must leave out this radiance, so that it is not
+/// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. `path` and `id` describe the node;
-    /// `parent_id` is the object that reflects or transmits it. For nodes seen directly, `at` is the raster
-    /// position, px, at which the pinhole sees the node. If empty, no node is clamped.
+    /// Returns whether the radiance of a shading-tree node is clamped. The node has the path `path` and
+    /// belongs to the object `id`. `parent_id` is the object that reflects or transmits the node. For nodes
+    /// seen directly, `at` is the raster position, in px, at which the pinhole sees the node. If the function
+    /// is empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
-    std::vector<std::uint32_t> ids;  ///< ascending; of all objects for which `of` may return true
+    std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
 
-/// Identifies the nodes of shading trees that show one surface on one path.
+/// Identifies all shading-tree nodes that show the same surface along the same path of reflections and
+/// transmissions.
 struct NodeIdentity {
     NodePath path;
     std::uint32_t parent_id = 0;  ///< the object that reflects or transmits the node; 0 for direct nodes
@@ -46,7 +49,7 @@ struct NodeIdentity {
     friend bool operator==(const NodeIdentity&, const NodeIdentity&) = default;
 };
 
-/// A ray tracer that has the scene.
+/// A ray tracer for the scene from which the records were traced.
 class SightRays {
   public:
     SightRays() = default;
@@ -55,26 +58,27 @@ class SightRays {
     SightRays(SightRays&&) = delete;
     SightRays& operator=(SightRays&&) = delete;
     virtual ~SightRays() = default;
-    /// Writes the scene-linear RGB radiance of each line to the element of `radiance` with the same index.
-    /// Thread-safe. A line's result does not depend on the other lines of the call.
+    /// Writes the scene-linear RGB radiance along line i to radiance[i]. Thread-safe. The result of a line
+    /// does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// As `trace`, but writes only the radiance that `trace` leaves out because of `less`, and only that of
-    /// nodes that `of` identifies (one element per line).
+    /// Like `trace`, but writes only the radiance that `trace` leaves out because of `less`. For line i, only
+    /// nodes that of[i] identifies are counted.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
-    /// Writes, for each line that meets the object with this id, 1/z', 1/m, of the point and its gradient
-    /// over the raster, 1/m per px; for other lines 0. Not for scenes in which something moves. Thread-safe.
+    /// Finds where lines meet the object `id`. For a line that meets it, writes 1/z' of the point, in 1/m,
+    /// and the gradient of 1/z' over the raster, in 1/m per px. For any other line, writes 0. Must not be
+    /// used for scenes in which something moves. Thread-safe.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// Whether an object sends the same radiance along all rays that reach one of its points by `path`. The
-    /// answer is false if lights or lobes are sampled there, because the radiance above a limit then differs
-    /// from ray to ray.
+    /// Returns whether every point of an object sends the same radiance along all rays that reach the point
+    /// by `path`. The answer is false if lights or lobes are sampled there, because the radiance above a
+    /// limit then differs from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Number of reflected and transmitted patches (planar parts of surfaces) that take as long to draw in a
-    /// view as one ray takes to trace. If views would draw more of them per pixel, rays are traced instead.
-    /// Must be equal for all rays of a PatchField.
+    /// Returns how many reflected and transmitted patches (planar parts of surfaces) a view draws in the time
+    /// in which one ray is traced. If views would draw more patches than that per pixel, rays are traced
+    /// instead. The number must be equal for all rays of a PatchField.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

@@ -24,7 +24,7 @@ import random_scene
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes")
-SAMPLES = [  # file, f-number, focus distance in m, with a shutter open from 0 to 1 s
+SAMPLES = [  # file, f-number, focus distance in m, whether the shutter is open from 0 to 1 s
     ("bars.toml", 1.4, 5, False),
     ("bars.toml", 5.6, 5, False),
     ("bars_lit.toml", 1.4, 5, False),
@@ -66,8 +66,8 @@ class Bench:
         return time.monotonic() - begin, report
 
     def above_noise_db(self, image):
-        """PSNR against the mean of both halves of the reference, after its noise is subtracted, and the PSNR of this
-        noise."""
+        """Returns the PSNR against the mean of both halves of the reference, after its noise is subtracted. Also
+        returns the PSNR of this noise."""
         against = self.run("compare", image, self.path("truth.exr"))["psnr_db"]
         halves = self.run("compare", self.path("truth.a.exr"), self.path("truth.b.exr"))["psnr_db"]
         noise = 10 ** (-halves / 10) / 4
@@ -88,7 +88,7 @@ class Bench:
 
 
 def told(row):
-    """True if the noise of the reference is low enough to measure the error of the image."""
+    """Returns whether the noise of the reference is low enough to measure the error of the image."""
     return row["measured_db"] < row["reference_db"] - 1
 
 

@@ -6,10 +6,14 @@
 Every top-level folder has a README.md with a sentence such as "May include `core/`, `lens/`." or "May include nothing
 of postlens". A subfolder with its own README.md has its own sentence. A subfolder without one is a part of the folder
 around it and has the same rights. A name in the sentence allows that folder and its subfolders. Within the named folder
-itself, it allows only the folder and its parts. The check fails in four cases: a file includes a folder that its README
-does not allow; a README allows a folder that no file includes; two folders may include each other, directly or through
-other folders; or parts of a folder include each other in a cycle. (The files at the top of a folder may include all of
-its parts, and the parts may include these files.)
+itself, it allows only the folder and its parts.
+
+The check fails in four cases:
+- A file includes a folder that its README does not allow.
+- A README allows a folder that no file includes.
+- Two folders may include each other, directly or through other folders.
+- Parts of a folder include each other in a cycle. This does not concern the files at the top of the folder, which may
+  include its parts and be included by them.
 """
 
 import os
@@ -30,7 +34,7 @@ def folders():
 
 
 def owner(folder):
-    """Returns the folder whose README applies to `folder`: itself, or the nearest parent with a README."""
+    """Returns the folder whose README applies to `folder`: `folder` itself, or the nearest parent with a README."""
     while "/" in folder and not os.path.exists(os.path.join(HERE, folder, "README.md")):
         folder = os.path.dirname(folder)
     return folder
@@ -48,12 +52,12 @@ def allowed_by(folder):
 
 
 def covers(name, target, folder):
-    """True if a name in the README of `folder` includes the folder `target`."""
+    """Returns whether a name in the README of `folder` allows the folder `target`."""
     return target == name or (target.startswith(name + "/") and not folder.startswith(name + "/"))
 
 
 def cycle(arrows):
-    """Returns a cycle of arrows as a list of folders whose last is also the first, or None if there is no cycle."""
+    """Returns a cycle as a list of folders that begins and ends with the same folder, or None if there is no cycle."""
     def search(path):
         for target in sorted(arrows.get(path[-1], ())):
             if target == path[0]:

@@ -25,7 +25,7 @@ def label_of(page):
 
 
 def blocks(text):
-    """Yields each line of a page, and True if it is prose or False if it is code."""
+    """Yields each line of a page, together with True if the line is prose and False if it is code."""
     code = False
     for line in text.split("\n"):
         fence = re.match(r"\s*```", line)
@@ -34,8 +34,8 @@ def blocks(text):
 
 
 def anchors_of(page):
-    """Returns the anchors of the headings below a page's title, by line number: the page's own anchor, or else the
-    one that GitHub generates."""
+    """Returns the anchors of the headings below a page's title, by line number. If the page does not define an anchor
+    for a heading, the anchor is the one that GitHub generates."""
     out = {}
     with open(page, encoding="utf-8") as file:
         for number, (line, prose) in enumerate(blocks(file.read())):

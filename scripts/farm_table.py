@@ -75,8 +75,8 @@ def main():
         sys.exit(f"farm_table.py: {program} is missing; build the target postlens")
 
     def run(*words):
-        """Runs a command and returns the least wall time of several runs, s, because other work on the machine only
-        adds time."""
+        """Runs a command several times and returns the least wall time, in seconds. Other work on the machine can only
+        add time."""
         least = float("inf")
         for _ in range(REPEATS):
             start = time.monotonic()
@@ -109,8 +109,8 @@ def main():
         with open(at("whole.exr"), "rb") as a, open(at("merged.exr"), "rb") as b:
             if a.read() != b.read():
                 sys.exit(f"farm_table.py: {name}: the merged file is not the undivided one")
-        # Parts that are rows of the image have the size of the image in total. Parts that are samples have the size of
-        # the image each.
+        # If the parts are rows of the image, all parts together have the size of the image. If they are
+        # samples, each part has the size of the image.
         merge = of_four / 4
         per_part = merge if by else 0.0
 

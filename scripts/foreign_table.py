@@ -25,7 +25,7 @@ FEW_FRAMES = 5
 
 
 def timed(words):
-    """Seconds, seconds of all threads together, and peak memory, MB, of a process."""
+    """Runs a process. Returns its wall time and its processor time, in seconds, and its peak memory, in MB."""
     start = time.monotonic()
     process = subprocess.Popen(words)  # pylint: disable=consider-using-with
     _, status, usage = os.wait4(process.pid, 0)

@@ -93,7 +93,7 @@ def hidden(path):
 
 
 def mirror(path):
-    """In a flat mirror, the image of an object is as far away as the light path is long. In a mirror ball, the image
+    """In a flat mirror, the distance of an object's image is the length of the light path. In a mirror ball, the image
     is near."""
     d = Drawing(280)
     eye, glass = 640, 380

@@ -16,7 +16,7 @@ import os
 
 import certify
 
-ROWS = [  # file, f-number, focus distance in m, with a shutter open from 0 to 1 s
+ROWS = [  # file, f-number, focus distance in m, whether the shutter is open from 0 to 1 s
     ("bars.toml", "1.4", "5", False),
     ("bars.toml", "5.6", "5", False),
     ("bars_lit.toml", "1.4", "5", False),
@@ -28,8 +28,8 @@ ROWS = [  # file, f-number, focus distance in m, with a shutter open from 0 to 1
     ("motion.toml", "1.4", "4", True),
 ]
 SPD_ROWS = [("balls.nff", "1.4", "2", False), ("mount.nff", "1.4", "2", False)]
-# The views of these scenes have 43.3 mm from pinhole to film, so their files suffice for 200 mm f/1.4 if they are traced
-# for f/0.3.
+# These scenes have a distance of 43.3 mm from the pinhole to the film. Their files suffice for 200 mm f/1.4
+# if they are traced for f/0.3.
 SPD_SIZE, SPD_FOCAL_LENGTH_MM, SPD_FOR_F_NUMBER = "240x240", "200", "0.3"
 
 
@@ -54,7 +54,7 @@ def main():
              "|---|---|---|---|---|---|---|---|---|"]  # fmt: skip
     rows = [(os.path.join(certify.SCENES, row[0]), *row) for row in ROWS]
     rows += [(os.path.join(o.spd, row[0]), *row) for row in SPD_ROWS if o.spd]
-    if o.trees:  # each file is made when its row is reached
+    if o.trees:  # the generator makes each file when its row is reached
         rows = ((path, seed, f"{made.f_number:g}", f"{made.focus_m:.6g}", made.shutter)
                 for seed, path, _, made in certify.random_scenes(bench, o.trees, ("leaves",)))  # fmt: skip
     for scene, name, f_number, focus_m, shutter in rows:

@@ -18,7 +18,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes")
-# Scene, size in px, f-number, focus distance in m, name in the table.
+# Each case has a scene, a size in px, an f-number, a focus distance in m, and a name in the table.
 CASES = [
     ("bars", (480, 270), 1.4, 5, "bars, 480x270, f/1.4 at 5 m"),
     ("still_life", (480, 300), 1.8, 0.8, "still life, 480x300, f/1.8 at 0.8 m"),

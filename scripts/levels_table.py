@@ -19,7 +19,7 @@ SAMPLES = [("bars_lit.toml", 1.4, 5), ("still_life.toml", 1.8, 0.8)]
 
 
 def scenes(bench, seeds):
-    """Yields name, file and lens of each scene. All random scenes have the same name."""
+    """Yields the name, file and lens of each scene. All random scenes have the same name."""
     for _, path, _, made in certify.random_scenes(bench, seeds, random_scene.KINDS):
         yield f"random scenes {seeds}", path, made
     for name, f_number, focus_m in SAMPLES:

@@ -28,7 +28,9 @@ import random_scene
 HERE = os.path.dirname(os.path.abspath(__file__))
 BARS = os.path.join(HERE, "..", "samples", "scenes", "bars.toml")
 SIZE, OVERSCAN, FILM_MM, FILM_DISTANCE_MM = (480, 270), 24, 36, 50
-SEEDS = (28, 35)  # of random_scene.py: an object in focus with near and far ones; nine near objects, one far
+# Seeds of random_scene.py: an object in focus with near and far objects; nine near objects and one far
+# object.
+SEEDS = (28, 35)
 NOTHING = "(nothing)"  # name for the matte of the area that no object covers
 PICTURES = ("whole", "far", "ground")
 
@@ -55,7 +57,7 @@ class Scene:
         return [o["name"] for o in self.objects()]
 
     def kept(self, picture):
-        """Names of the objects that one of the pictures shows."""
+        """Returns the names of the objects that one of the pictures shows."""
         def depth_m(o):
             at = next((o[k] for k in ("centre_m", "translate_m", "base_m", "corner_m") if k in o), None)
             return -(at or o["repeat"]["at_m"][0])[2]
@@ -75,7 +77,7 @@ class Scene:
         return "".join(p for p in self.parts if is_kept(p))
 
     def mattes(self, names):
-        """The scene in which the i-th of up to three names emits 1 in the i-th channel, and all else is black."""
+        """Returns the scene in which the i-th of up to three objects emits 1 in channel i, and all else is black."""
         colours = {n: [1.0 if c == i else 0.0 for c in range(3)] for i, n in enumerate(names)}
         out = [f"[scene]\nambient_light = 0\nbackground = {colours.get(NOTHING, [0, 0, 0])}\n"]
         out += [p for p in self.parts if p.startswith("[[camera]]")]
@@ -90,8 +92,8 @@ class Scene:
 
 
 def matte_id(name):
-    """The Cryptomatte id of a name: MurmurHash3 (x86, 32 bits, seed 0). One bit is changed if the bits are not those of
-    a normal float."""
+    """Returns the Cryptomatte id of a name, its MurmurHash3 (x86, 32 bits, seed 0). If these bits are not those of a
+    normal float, one bit is changed."""
     data, h, mask = name.encode(), 0, 0xFFFFFFFF
 
     def mixed(k):
@@ -110,7 +112,7 @@ def matte_id(name):
 
 
 def coverages(picture, ids):
-    """Per name, the coverage of all its ids in each pixel of a refocused picture."""
+    """Returns, for each name, the coverage of all its ids in each pixel of a refocused picture."""
     out = {name: 0 for name in ids}
     for channel, values in picture.passes.items():
         if not re.fullmatch(r"CryptoObject\d\d\.[RB]", channel):
@@ -126,8 +128,8 @@ def db(square):
 
 
 class Error:
-    """PSNR of a matte against two independent halves of the true matte, dB: over the frame, and over the pixels that
-    show some of the object."""
+    """PSNR of a matte, in dB, against two independent halves of the true matte. It is computed over the frame, and over
+    the pixels that show a part of the object."""
 
     def __init__(self, matte, halves):
         truth, noise = (halves[0] + halves[1]) / 2, (halves[0] - halves[1]) ** 2 / 4
@@ -160,7 +162,7 @@ def traced(postlens, o, scene):
 
 
 def true_mattes(postlens, o, scene, names):
-    """Per name, two independent halves of its matte."""
+    """Returns, for each name, two independent halves of its matte."""
     out = {}
     for i in range(0, len(names), 3):
         three = names[i:i + 3]

@@ -18,9 +18,9 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# Focus distances, m, and the compared window (left, top, right, bottom, as fractions of the frame's size). The window
-# keeps a distance to the object's silhouette of half the largest CoC, which is 4 % of the frame's width. Within the
-# window, no lens point sees past the silhouette.
+# Focus distances in m, and the window in which images are compared (left, top, right, bottom, as fractions of
+# the frame's size). The window stays away from the object's silhouette, so that no lens point sees past the
+# silhouette within the window. The distance is half of the largest CoC, which is 4 % of the frame's width.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),
     "convex_mirror": ([1.1, 1.33], (0.32, 0.18, 0.68, 0.82)),
@@ -77,7 +77,7 @@ class Case:
                           "--for-f-number", "1.4", "--for-focus", str(self.focus_m), "--subdivide", "4")
 
     def focus(self, name):
-        """Makes the image of a method and returns its warnings. Returns None if the method is not selected and has
+        """Makes the image of a method and returns its warnings. Returns None if the method is not selected and there is
         no image from an earlier run."""
         told = self.out(f".{name}.json")
         if not os.path.exists(told):
@@ -92,7 +92,7 @@ class Case:
             return json.load(f)["warnings"]
 
     def decibels(self, name, ending):
-        """PSNR of an image, dB, after the noise of the reference is subtracted."""
+        """Returns the PSNR of an image, in dB, after the noise of the reference is subtracted."""
         c = self.postlens("compare", self.out(f".{name}{ending}"), self.out(f".rays.a{ending}"), "--noise",
                           self.out(f".rays.b{ending}"))
         self.noise[ending] = c["noise_psnr_db"]

@@ -1,10 +1,10 @@
-"""Random scenes for tests, which show errors that scenes made by hand do not. write(seed) always gives the same
-scene.
+"""Makes random scenes for tests, which reveal errors that scenes made by hand do not. The same seed always gives the
+same scene.
 
-Each scene has a camera, 3 to 12 objects at distances of 1 to 12 m from it, one to three lights, and in most cases a
-floor. The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have an
-extent), gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the shutter
-is open from 0 to 1 s). A further kind, leaves (trees whose leaves are one mesh), is made only on request.
+Each scene has a camera, 3 to 12 objects at distances of 1 to 12 m from the camera, one to three lights, and in most
+cases a floor. The seed determines the kind of scene: plain, mirror, glass, texture (a checker), area (lights that have
+an extent), gloss (reflections and refractions by rough surfaces) or motion (objects that move and turn while the
+shutter is open from 0 to 1 s). Scenes of the kind "leaves" (trees whose leaves are one mesh) are made only on request.
 """
 
 import dataclasses
@@ -21,13 +21,13 @@ class RandomScene:
     f_number: float
     focus_m: float
     text: str  # content of the scene file
-    shutter: bool  # true: open from 0 to 1 s
+    shutter: bool  # whether the shutter is open from 0 to 1 s
 
     def lens(self):
         return ["--f-number", str(self.f_number), "--focus", f"{self.focus_m:.6g}"]
 
     def traced_for(self):
-        """The options with which `trace` records the scene for its lens and shutter."""
+        """Returns the options with which `trace` records the scene for its lens and shutter."""
         out = ["--for-f-number", str(self.f_number), "--for-focus", f"{self.focus_m:.6g}", "--overscan", "auto"]
         return out + (["--for-shutter", "0:1", "--keys", "auto"] if self.shutter else [])
 

@@ -25,7 +25,7 @@ import time
 
 
 def run(*arguments):
-    """Runs a command. Returns its wall time, s, and its JSON report."""
+    """Runs a command. Returns its wall time, in seconds, and its JSON report."""
     start = time.perf_counter()
     result = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     seconds = time.perf_counter() - start
@@ -35,8 +35,8 @@ def run(*arguments):
 
 
 def between(rays, db):
-    """Returns samples per pixel and seconds of rays with a PSNR of `db`, interpolated in `rays`: {spp: (dB,
-    seconds)}."""
+    """Returns the samples per pixel and the seconds for which rays have a PSNR of `db`. They are interpolated in
+    `rays`, which is {spp: (dB, seconds)}."""
     ladder = sorted(rays)
     low, high = ladder[0], ladder[1]
     for at in ladder[1:]:

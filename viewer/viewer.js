@@ -1,4 +1,4 @@
-// The viewer. It translates the user's input into options of the command, requests images and draws them.
+// Translates the user's input into options of the command, requests images and draws them.
 "use strict";
 
 const $ = (id) => document.getElementById(id);
@@ -40,13 +40,14 @@ function stages() {
 }
 
 let shown = null;    // the displayed image: {width, height, by (width of its pixels, px of the frame), halves, report, options}
-let settled = null;  // the last displayed image that was not a first, quick one
-let other = null;    // the image with which it is compared
+let settled = null;  // the last displayed image that was not a quick first one
+let other = null;    // the image that the displayed image is compared with
 let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-let again = 0;       // time of the input that arrived while the first, coarse image was being made; 0: none
+// Time of the input that arrived while the first, coarse image was being made; 0 if there was none.
+let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
 
@@ -124,7 +125,7 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // If the user copies or saves while the quick image is shown, the final image is used.
+      // If the user copies or saves while the quick image is shown, the final image is used instead.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -236,7 +237,8 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // In a pixel in error, the colour of its cause has a weight of 3/4 (alpha 191), and the image 1/4.
+    // Where a pixel has an error, the colour of its cause has a weight of 3/4 (alpha 191), and the image has
+    // 1/4.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {
@@ -296,7 +298,8 @@ function valuesOf(p, k) {
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
-  // The film of a picture that does not state its camera is as far away as the focal length (docs/inputs.md).
+  // A picture that does not state its camera is assumed to have a film distance equal to the focal length
+  // (docs/inputs.md).
   const filmDistance = frame.film_distance_from_focal_length ? lens.focalLength : frame.film_distance_mm;
   return lens.focalLength / lens.fNumber * filmDistance / 1000 / frame.pixel_pitch_mm;
 }
@@ -324,7 +327,7 @@ function sharesNow(mode) {
   return sharesOf;
 }
 const needsShares = (mode) => ["unsure", "noise"].includes(mode);
-const sharpPx = 1.5;  // px; a pixel is drawn as in focus if its CoC has at most this diameter
+const sharpPx = 1.5;  // a pixel is drawn as in focus if its circle of confusion has at most this diameter, px
 
 // ---- Drawing --------------------------------------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""The postlens add-on for Blender: renders the scene through a pinhole, then applies the camera's lens and shutter."""
+"""The postlens add-on for Blender. Renders the scene through a pinhole, then applies the camera's lens and shutter."""
 
 bl_info = {
     "name": "postlens",

@@ -24,15 +24,15 @@ class Film:
         return self.distance_mm / self.width_mm * self.width_px
 
     def with_margin(self, margin_px):
-        """The film enlarged by `margin_px` pixels on every side, for the same camera."""
+        """Returns the film, enlarged by `margin_px` pixels on every side, for the same camera."""
         width = self.width_px + 2 * margin_px
         return Film(width, self.height_px + 2 * margin_px, self.width_mm * width / self.width_px, self.distance_mm)
 
 
 @dataclass(frozen=True)
 class Lens:
-    """The lens of the camera. Distances are in metres along the camera's axis. One Blender unit is one metre, as in
-    Cycles."""
+    """The lens of the camera. Distances are measured along the camera's axis, in metres. As in Cycles, one Blender unit
+    is one metre."""
 
     focal_length_mm: float
     f_number: float
@@ -43,24 +43,26 @@ class Lens:
 
     @property
     def aperture_radius_m(self):
-        """Half of the larger side of the aperture. The ratio divides its width and keeps its height."""
+        """Half of the larger side of the aperture. The aperture ratio divides the width and does not change the
+        height."""
         return self.focal_length_mm * 1e-3 / (2 * self.f_number) * max(1, 1 / self.ratio)
 
     def coc_radius_px(self, distance_m, film):
-        """Radius, px, of the circle of confusion at `distance_m` (may be infinite): half of its larger side. It is
-        positive behind the focus distance."""
+        """Returns the radius, in px, of the circle of confusion at `distance_m`, which may be infinite. The radius is
+        half of the larger side. It is positive behind the focus distance."""
         return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
 
     def distance_in_front_m(self, radius_px, film):
-        """The distance, m, in front of the focus plane at which circles of confusion have the radius `radius_px`."""
+        """Returns the distance, in m, that is nearer than the focus distance and at which circles of confusion have the
+        radius `radius_px`."""
         return 1 / (1 / self.focus_m + radius_px / (self.aperture_radius_m * film.pixels_per_radian))
 
     def options(self):
         impulse = "disc"
         if self.blades >= 3:
-            # With rotation 0, the aperture polygon of Cycles has the middle of a side on the right. A positive rotation
-            # turns it towards the top. postlens measures the angle of a corner and turns towards the bottom, so the
-            # sign and the offset change.
+            # If the rotation is 0, the aperture polygon of Cycles has the middle of a side on the right, and
+            # a positive rotation turns it towards the top. postlens measures the angle of a corner and turns
+            # towards the bottom. The sign and the offset therefore change.
             impulse = f"polygon:{self.blades}:{-math.degrees(self.rotation_rad) - 180 / self.blades:.9g}"
         out = ["--f-number", f"{self.f_number:.9g}", "--focal-length", f"{self.focal_length_mm:.9g}"]
         out += ["--focus", f"{self.focus_m:.9g}", "--impulse", impulse]
@@ -70,7 +72,8 @@ class Lens:
 
 
 def film_of(scene, camera):
-    """The film of a camera. Raises CameraError if it is not a single perspective view with square pixels."""
+    """Returns the film of a camera. Raises CameraError unless the camera has a single perspective view with square
+    pixels."""
     data = camera.data
     if data.type != "PERSP":
         raise CameraError(f"camera {camera.name}: is {data.type.lower()} (expected a perspective camera)")
@@ -93,7 +96,7 @@ def film_of(scene, camera):
 
 
 def view_of(scene, camera):
-    """The properties of a camera, other than its pose, on which its passes depend: a dict of texts by name."""
+    """Returns the properties of a camera that affect its passes, except its pose. The result maps names to texts."""
     data, film = camera.data, film_of(scene, camera)
     return {
         "camera": camera.name,
@@ -104,13 +107,14 @@ def view_of(scene, camera):
 
 
 def pose_of(camera, depsgraph):
-    """The camera's position and viewing direction. As in Cycles, its scale has no effect."""
+    """Returns the camera's position and viewing direction. As in Cycles, the camera's scale has no effect."""
     matrix = camera.evaluated_get(depsgraph).matrix_world
     return matrix.translation, -matrix.col[2].xyz.normalized()
 
 
 def lens_of(camera, depsgraph):
-    """The lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is 0 or less."""
+    """Returns the lens at the frame of `depsgraph`. Raises CameraError if the focus distance or the f-number is not
+    above 0."""
     evaluated = camera.evaluated_get(depsgraph)
     dof = evaluated.data.dof
     focus_m = dof.focus_distance
@@ -130,8 +134,8 @@ def lens_of(camera, depsgraph):
 
 
 def depths_of(corners, matrix, pose):
-    """Nearest and farthest distance of a box (Object.bound_box) along the axis of a camera with this pose, in Blender's
-    units."""
+    """Returns the nearest and the farthest distance of a box (Object.bound_box), in Blender's units. Distances are
+    measured along the axis of a camera with this pose."""
     eye, axis = pose
     low, high = Vector(corners[0]), Vector(corners[6])
     along = axis @ matrix.to_3x3()

@@ -7,12 +7,12 @@ import subprocess
 import threading
 
 
-# Seconds that a command has to remove its unfinished output before it is killed.
+# Time, in seconds, that a command has to remove its unfinished output before it is killed.
 ENDING_S = 5.0
 
 
 class CommandError(Exception):
-    """The command has failed. The text of the exception is its error message."""
+    """The command has failed. The text of the exception is the command's error message."""
 
 
 class Cancelled(Exception):
@@ -20,8 +20,8 @@ class Cancelled(Exception):
 
 
 def find(path):
-    """Path of the program: `path` if it is given, else `postlens` on the search path. Raises CommandError if there is
-    no program."""
+    """Returns the path of the program: `path` if it is given, and otherwise `postlens` on the search path. Raises
+    CommandError if there is no program."""
     program = path or shutil.which("postlens") or ""
     if not program or not os.access(program, os.X_OK) or os.path.isdir(program):
         raise CommandError(
@@ -31,7 +31,7 @@ def find(path):
 
 
 def end(child):
-    """Ends a command that still runs. The command gets time to remove its unfinished output."""
+    """Stops a command that still runs. The command gets time to remove its unfinished output."""
     if child.poll() is not None:
         return
     child.terminate()
@@ -43,15 +43,16 @@ def end(child):
 
 
 def run(program, words, folder, cancelled=lambda: False):
-    """Runs a command in a folder. A generator that yields while the command runs, and returns its JSON report (--json).
+    """Runs a command in a folder. This generator yields while the command runs, and returns its JSON report (--json).
 
-    Raises CommandError and Cancelled. The command ends if the generator is closed.
+    Raises CommandError and Cancelled. If the generator is closed, the command is stopped.
     """
     environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTHON")}
     child = subprocess.Popen(
         [program, *words, "--json"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, cwd=folder,
-        encoding="utf-8", errors="replace",  # a message may contain the name of a file, which may be any bytes
+        # A message may contain the name of a file, which may consist of any bytes.
+        encoding="utf-8", errors="replace",
     )  # fmt: skip
     said = []
     reader = threading.Thread(target=lambda: said.extend(child.communicate()), daemon=True)

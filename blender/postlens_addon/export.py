@@ -1,6 +1,6 @@
-"""Exports the scene as Blender renders it to a glTF file: a mesh for every visible instance, with its modifiers, shape
-keys and armatures applied. Blender's exporter alone would write the meshes as they are in edit mode, and also hidden
-objects."""
+"""Exports the scene to a glTF file as Blender renders it. The file has a mesh for every visible instance, with its
+modifiers, shape keys and armatures applied. By itself, Blender's exporter would write the meshes as they are in edit
+mode, and would include hidden objects."""
 
 import json
 import struct
@@ -11,15 +11,15 @@ from mathutils import Matrix
 from .passes import is_holdout, kept, layer_of
 from .rendered import rendered
 
-# Types of objects that a render shows and that glTF has no equivalent for.
+# Types of objects that Blender renders and that have no equivalent in glTF.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# Largest difference between a matrix and the same matrix without shear, relative to the largest scale, that is treated
-# as rounding.
+# If a matrix differs from the same matrix without shear by at most this, relative to the largest scale, the
+# difference is treated as rounding.
 SHEAR = 1e-5
 
 
 class Copy:
-    """A scene of plain meshes, lights and a camera. `names`: names of the objects, by the names of their copies."""
+    """A scene of plain meshes, lights and a camera. `names` maps the names of the copies to those of the objects."""
 
     def __init__(self, layer):
         self.layer, self.scene = layer, bpy.data.scenes.new("postlens")
@@ -32,10 +32,10 @@ class Copy:
         self.names[thing.name] = name
 
     def mesh_of(self, thing, key):
-        """The mesh of an object. Objects that share their mesh and materials share the copy, too."""
+        """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material belongs either to the mesh or to the object. The slots contain both kinds.
+            # A material belongs either to the mesh or to the object. The object's slots contain both kinds.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -73,8 +73,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # All are removed by one call. Each single removal would search the whole file for users, and the removal of a
-        # scene would need a window.
+        # All of them are removed by one call, because each single removal would search the whole file for
+        # users. Removing a scene by itself would also need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
@@ -94,11 +94,12 @@ def rename_nodes(path, names):
 
 
 def export(scene, camera, path):
-    """Writes what Blender renders of a scene to a .glb file, with this camera alone. Returns one line for each kind of
-    content that postlens traces differently from what Blender renders."""
-    # After a script has opened a file, the context has no window until Blender's next event.
+    """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
+    content that postlens traces differently from Blender."""
+    # After a script has opened a file, the context has no window until Blender handles its next event.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # A 3D view with a local camera switches to the camera of the window's scene when that scene changes.
+    # If a 3D view has a local camera, it switches to the camera of the window's scene when that scene
+    # changes.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

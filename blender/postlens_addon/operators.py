@@ -13,15 +13,16 @@ IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
 # Seconds between two checks of the work in a window.
 TICK_S = 0.05
-# Events that are passed on while a run has changed the scene for its renders. They only move the view.
+# Events that only move the view. They are passed on while a run has changed the scene for its renders.
 LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
            "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
-# Height of Blender's status bar at a resolution scale of 1.
+# Height of Blender's status bar, in px, at a resolution scale of 1.
 STATUS_BAR_PX = 21
 
 
 def folder_of(scene):
-    """The folder for the files. Raises CommandError if it is relative to a file that was never saved."""
+    """Returns the folder for the files. Raises CommandError if the folder is relative to a Blender file that was never
+    saved."""
     folder = scene.postlens.folder
     if not folder:
         raise command.CommandError("no folder is set (expected where passes and pictures are written)")
@@ -50,8 +51,8 @@ def job_of(scene, animation):
 
 
 def is_harmless(context, event):
-    """Whether an event leaves the scene unchanged: it moves the view, or presses the stop button of a render in the
-    status bar."""
+    """Returns whether an event leaves the scene unchanged. Such events move the view, or press the stop button of a
+    render in the status bar."""
     if event.ctrl or event.alt or event.shift or event.oskey:
         return False
     height = STATUS_BAR_PX * context.preferences.system.ui_scale if context.screen.show_statusbar else 0
@@ -65,14 +66,15 @@ def areas(kind):
 def show(path, can_open=False):
     """Loads an image file and shows it in all image editors. Returns Blender's image.
 
-    `can_open`: opens the view that Blender's preferences choose for renders, if no image editor is open.
+    If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # The property distinguishes the image from a user's image of the same name.
+    # This property distinguishes the image of the add-on from a user's image of the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
         image.name, image[IMAGE] = IMAGE, True
-        image.use_view_as_render = True  # with the scene's view transform and exposure, as its render
+        # Shows the image with the scene's view transform and exposure, like a render.
+        image.use_view_as_render = True
     else:
         image.filepath = path
         image.reload()
@@ -132,15 +134,15 @@ class Pictures:
             area.tag_redraw()
 
     def step(self):
-        """Continues the work. Returns whether some of it remains."""
+        """Continues the work. Returns whether any work remains."""
         try:
             found = next(self.made)
         except StopIteration:
             return False
         if found:
             self.count += 1
-            # Only the last image opens a window. An earlier window would receive Esc instead of the window in which
-            # this operator runs.
+            # Only the last image opens a window. If an earlier image opened one, that window would receive
+            # the Esc key instead of the window in which this operator runs.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True
@@ -201,11 +203,11 @@ class Pictures:
         finally:
             if not more:
                 self.finish()
-        # The timers of other operators come as the same events.
+        # The timers of other operators cause the same events.
         return {"PASS_THROUGH" if more else "FINISHED"}
 
     def finish(self):
-        """Ends the work and puts the window and the scene back."""
+        """Ends the work, and restores the window and the scene."""
         self.made.close()
         Pictures.running, Pictures.said = None, ""
         # The timer and the workspace no longer exist if the window has been closed.

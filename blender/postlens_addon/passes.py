@@ -1,5 +1,5 @@
-"""Renders the input of postlens: a pinhole image with passes, and a second image from which near objects are
-omitted."""
+"""Renders the images that postlens uses: a pinhole image with passes, and a second image without the near
+objects."""
 
 import contextlib
 import math
@@ -12,15 +12,15 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin around the frame, as a fraction of the frame's shorter side. The light that the lens spreads into the
-# frame from beyond this margin is not rendered. It is estimated from the pixels within the margin.
+# Largest margin around the frame, as a fraction of the frame's shorter side. Light from beyond this margin
+# that the lens spreads into the frame is not rendered. It is estimated from the pixels within the margin.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
 
 
 def curves_of(thing, name):
-    """The animation curves and drivers of properties of this name in the data block of `thing`."""
+    """Returns the animation curves and drivers of properties with this name in the data block of `thing`."""
     animation = getattr(thing.id_data, "animation_data", None)  # collections, for example, have none
     if not animation:
         return []
@@ -31,12 +31,14 @@ def curves_of(thing, name):
 
 @contextlib.contextmanager
 def kept(*places):
-    """Restores properties after the body of the `with` statement. In the body they have the values that are set there,
-    even if they are animated. `places`: pairs of a Blender object and the names of its properties, in the order in
-    which they must be set. A file format, for example, comes before its colour depth, because the format determines
-    which depths exist. If a property cannot be restored, the others are restored nevertheless."""
+    """Restores properties after the body of the `with` statement. In the body, properties keep the values that are set
+    there, even if they are animated. If a property cannot be restored, the others are restored nevertheless.
+
+    `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
+    For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again, which would replace the values that the body has set.
+    # A render evaluates the animation again. Without muting, this would replace the values that the body has
+    # set.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -60,9 +62,9 @@ def is_holdout(thing, layer):
 
 
 def depths(scene, camera, depsgraph):
-    """Returns, for each object in front of the camera, the nearest and the farthest distance of the object and of all
-    instances that it makes or that are made of it. Hiding the object from camera rays hides all of them. A holdout,
-    where the image stays empty, must not be hidden, so it counts as infinitely far."""
+    """Returns the nearest and the farthest distance of each object in front of the camera. Instances that the object
+    makes, and instances of the object, are included, because hiding the object from camera rays hides them too. A
+    holdout (object that leaves the image empty) must not be hidden, so it counts as infinitely far away."""
     pose, layer, out = cameras.pose_of(camera, depsgraph), layer_of(scene), {}
     for instance in depsgraph.object_instances:
         if instance.object.type in SHAPES and instance.show_self:
@@ -77,8 +79,8 @@ def depths(scene, camera, depsgraph):
 
 
 def margin_px(camera, spans, lens, film):
-    """Number of pixels to render beyond the frame on each side. The lens spreads the light of these pixels into the
-    frame. `spans`: see `depths`."""
+    """Returns the number of pixels to render beyond the frame on each side. The lens spreads the light of these pixels
+    into the frame. `spans` is the result of `depths`."""
     nearest_m = max(camera.data.clip_start, min((near for near, _ in spans.values()), default=math.inf))
     nearest, farthest = lens.coc_radius_px(nearest_m, film), lens.coc_radius_px(math.inf, film)
     widest = int(WIDEST_MARGIN * min(film.width_px, film.height_px))
@@ -86,20 +88,20 @@ def margin_px(camera, spans, lens, film):
 
 
 def hidden_before(spans, distance_m):
-    """Objects that lie entirely nearer than `distance_m`. An object that extends beyond it, such as a floor, is not
-    returned. `spans`: see `depths`."""
+    """Returns the objects that are entirely nearer than `distance_m`. An object that extends beyond this distance, such
+    as a floor, is not returned. `spans` is the result of `depths`."""
     return [o for o, (_, far) in spans.items() if far < distance_m and o.visible_camera]
 
 
 def layer_of(scene):
-    """The view layer of which images are made: the first that is used for rendering."""
+    """Returns the view layer from which images are made. It is the first that is used for rendering."""
     return next((layer for layer in scene.view_layers if layer.use), scene.view_layers[0])
 
 
 @contextlib.contextmanager
 def pinhole(scene, camera, film, vectors):
-    """Within the body, the scene has a pinhole without shutter, the given film, a single view layer, and the passes
-    that postlens needs."""
+    """Within the body of the `with` statement, the scene has a pinhole without a shutter, the given film, a single view
+    layer, and the passes that postlens needs."""
     render, data, layer = scene.render, camera.data, layer_of(scene)
     linear = render.image_settings.linear_colorspace_settings
     image = ("file_format", "color_mode", "color_depth", "exr_codec", "color_management")
@@ -107,7 +109,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # Setting the file format replaces this name. If the name has no value, it cannot be restored.
+        # Setting the file format changes this name. If the name has no value, it cannot be restored.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -116,8 +118,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin changes that
-        # side, so the shift is converted.
+        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin
+        # changes the length of that side, so the shift is converted.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y
@@ -131,9 +133,9 @@ def pinhole(scene, camera, film, vectors):
         settings = render.image_settings
         settings.file_format, settings.color_mode = "OPEN_EXR_MULTILAYER", "RGBA"
         settings.color_depth, settings.exr_codec = "32", "ZIP"
-        # Colours of the scene's own output may have another colour space.
+        # The scene's own output may have another colour space.
         settings.color_management = "FOLLOW_SCENE"
-        # With this setting, Blender would render only the layer that the window shows.
+        # If this setting were True, Blender would render only the layer that the window shows.
         render.use_single_layer = False
         for other in scene.view_layers:
             other.use = other == layer
@@ -145,7 +147,7 @@ def pinhole(scene, camera, film, vectors):
 
 @contextlib.contextmanager
 def without_render_window():
-    """Keeps Blender from opening its render view when a render begins in the body."""
+    """Keeps Blender from opening its render view if a render begins in the body of the `with` statement."""
     preferences = bpy.context.preferences
     with kept((preferences.view, ("render_display_type",)), (preferences, ("is_dirty",))):
         preferences.view.render_display_type = "NONE"
@@ -153,7 +155,8 @@ def without_render_window():
 
 
 def render_job(scene):
-    """Renders as the Render menu does, in a thread of Blender. Yields while it runs; raises Cancelled if it is stopped."""
+    """Renders in a thread of Blender, as the Render menu does. Yields while the render runs. Raises Cancelled if the
+    render is stopped."""
     stopped = []
 
     def stop(*_):
@@ -173,9 +176,9 @@ def render_job(scene):
 
 
 def render_to(scene, path, in_window=False):
-    """Renders a still image and writes it to `path`. A generator; it yields while the render runs, if `in_window`.
+    """Renders a still image and writes it to `path`. With `in_window`, this generator yields while the render runs.
 
-    Raises RuntimeError with Blender's message, and Cancelled. `path` is either complete or as it was before.
+    Raises RuntimeError with Blender's message, and Cancelled. If it raises, the file at `path` is not changed.
     """
     os.makedirs(os.path.dirname(path), exist_ok=True)
     part = path + ".part"
@@ -197,7 +200,8 @@ def render_to(scene, path, in_window=False):
 
 @contextlib.contextmanager
 def without(objects):
-    """In the body, these objects are invisible to camera rays. Light, shadows and reflections still include them."""
+    """Within the body of the `with` statement, camera rays do not see these objects. Light, shadows and reflections
+    still include them."""
     with kept(*((o, ("visible_camera",)) for o in objects)):
         for o in objects:
             o.visible_camera = False

@@ -1,4 +1,4 @@
-"""Makes focused images of a Blender scene: renders the passes and runs the postlens commands, frame by frame."""
+"""Makes focused images of a Blender scene. For each frame, renders the passes and runs the postlens commands."""
 
 import contextlib
 import math
@@ -12,9 +12,9 @@ from . import camera as cameras
 from . import command, export, passes
 from .rendered import rendered
 
-# Share of a frame's displayed progress that each of its two renders takes.
+# Share of the displayed progress of a frame that each of its two renders takes.
 RENDER_SHARE = 0.4
-# Longest time, s, for which `survey` blocks Blender's window before it pauses.
+# Longest time, in seconds, for which `survey` blocks Blender's window before it pauses.
 SURVEY_S = 0.1
 
 
@@ -33,22 +33,24 @@ class Job:
     behind_distance_m: float = 0  # 0: the distance at which blur becomes visible
     only_lens_changes: bool = False
     cancelled: object = lambda: False
-    in_window: bool = False  # Blender's renders run in its own thread, and its window stays responsive
+    # Whether Blender renders in a thread of its own, so that its window stays responsive.
+    in_window: bool = False
     progress: object = lambda share, text: None
-    warnings: dict = field(default_factory=dict)  # texts and the first frame of each, None if it is of the scene
+    # For each text, the first frame with this warning, or None if it concerns the whole scene.
+    warnings: dict = field(default_factory=dict)
 
     def path(self, name, frame, ending=".exr"):
         return os.path.join(self.folder, f"{name}.{frame:04d}{ending}")
 
     def tell(self, frame, share, text):
-        """Reports the completed share of a frame, and the present step."""
+        """Reports the completed share of a frame, and the current step."""
         i, count = self.frames.index(frame), len(self.frames)
         self.progress((i + share) / count, f"frame {frame} ({i + 1} of {count}): {text}")
 
     def run(self, frame, words):
-        """Runs a command and keeps its warnings. A generator that yields while the command runs."""
-        # The program takes # and % in a path for placeholders of frame numbers. It therefore runs in the folder and
-        # gets only the names of the files.
+        """Runs a command and keeps its warnings. This generator yields while the command runs."""
+        # The program interprets # and % in a path as placeholders for frame numbers. It therefore runs in the
+        # folder, and is given only the names of the files.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)
@@ -62,7 +64,7 @@ class Job:
         return [text if frame is None else f"frame {frame}: {text}" for text, frame in self.warnings.items()]
 
     def pause(self):
-        """Lets Blender's window respond between two steps that each take little time. Raises Cancelled."""
+        """Lets Blender's window respond between two short steps. Raises Cancelled."""
         yield
         if self.cancelled():
             raise command.Cancelled()
@@ -79,9 +81,10 @@ class Passes:
 
 
 def exposure_of(scene):
-    """The middle of the exposure, in frames from the frame's own instant, and its duration, 0 without motion blur.
+    """Returns the middle of the exposure and its duration, in frames. The middle is relative to the frame's own
+    instant. The duration is 0 without motion blur.
 
-    Only Cycles writes motion vectors. Motion blur by another engine stays in its image."""
+    Only Cycles writes motion vectors. Other engines apply motion blur to the image themselves."""
     if scene.render.engine != "CYCLES" or not scene.render.use_motion_blur:
         return 0.0, 0.0
     duration = scene.render.motion_blur_shutter
@@ -89,8 +92,8 @@ def exposure_of(scene):
 
 
 def at_frame(job, frame):
-    """Sets the scene to the middle of a frame's exposure, where the depths are closest to those of the exposed image.
-    Returns the camera, lens and film."""
+    """Sets the scene to the middle of a frame's exposure, because the depths at this instant are closest to those of
+    the exposed image. Returns the camera, lens and film."""
     time_frames = frame + job.subframe + exposure_of(job.scene)[0]
     job.scene.frame_set(math.floor(time_frames), subframe=time_frames % 1)
     camera = job.scene.camera
@@ -104,14 +107,15 @@ def at_frame(job, frame):
 
 
 def depths_now(job, camera):
-    """The depths of what a render of the scene's current frame shows: see passes.depths."""
+    """Returns the depths of the objects that a render of the scene's current frame shows (passes.depths)."""
     return rendered(job.scene, lambda depsgraph: passes.depths(job.scene, camera, depsgraph))
 
 
 def survey(job):
-    """The margin, px, that suffices for the lenses of all frames, and the distance, m, at which the scene is split.
+    """Returns the margin, in px, that suffices for the lenses of all frames, and the distance, in m, at which the scene
+    is split.
 
-    Objects before that distance are left out of the second image. It is the farthest over all frames.
+    Objects nearer than that distance are left out of the second image. The distance is the largest over all frames.
     """
     margin, split, paused = 0, 0, time.monotonic()
     first = spans = None
@@ -160,8 +164,8 @@ def render_passes(job, frame, margin_px, split_m):
 
 
 def focus_words(job, made, lens, output, moved=""):
-    """Words of the focus command. `moved`: the front image after motion blur, which has a single layer and no depths or
-    ids."""
+    """Returns the words of the focus command. `moved` is the front image after motion blur. It has a single layer, and
+    no depths or ids."""
     film, margin = made.film, made.margin_px
     words = ["focus", moved or made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
     words += ["--film-distance", f"{film.distance_mm:.9g}", "--metres-per-unit", "1", "--z", "axial"]
@@ -176,8 +180,8 @@ def focus_words(job, made, lens, output, moved=""):
 
 
 def blur_motion(job, made, frame):
-    """Applies motion blur to the front image by its motion vectors, before the lens is applied. Returns the path of the
-    result."""
+    """Applies motion blur to the front image by its motion vectors. This is done before the lens is applied. Returns
+    the path of the result."""
     _, exposure = exposure_of(job.scene)
     smeared = job.path("moved", frame)
     words = ["motionblur", made.front, "-o", smeared, f"--shutter={-exposure / 2:.9g}:{exposure / 2:.9g}"]
@@ -197,11 +201,10 @@ def frame_kept(scene):
 
 
 def focus_frames(job):
-    """Makes the images. A generator that yields (frame, path) for each image, and None while a render or a command
-    runs.
+    """Makes the images. This generator yields (frame, path) for each image, and None while a render or a command runs.
 
-    Raises CameraError, CommandError, Cancelled, OSError and RuntimeError. If the generator is closed, the scene
-    is restored.
+    Raises CameraError, CommandError, Cancelled, OSError and RuntimeError. If the generator is closed, the scene is
+    restored.
     """
     with frame_kept(job.scene):
         margin, split = yield from survey(job)
@@ -221,7 +224,7 @@ def focus_frames(job):
 
 
 def trace_frames(job):
-    """Exports each frame as glTF, and traces and focuses it with postlens. A generator as focus_frames is."""
+    """Exports each frame as glTF, and traces and focuses it with postlens. This is a generator like focus_frames."""
     with frame_kept(job.scene):
         for frame in job.frames:
             job.tell(frame, 0, "exporting")

@@ -1,4 +1,4 @@
-"""Looks at a scene as Blender renders it. The viewport's dependency graph differs: it has other modifiers, numbers of
+"""Examines a scene as Blender renders it. The dependency graph of the viewport may have other modifiers, numbers of
 particles, curve resolutions and hidden objects."""
 
 import contextlib
@@ -7,8 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of the render slot for the empty images of `rendered`. Blender stores each render in a slot, so without one of
-# their own these images would replace the user's.
+# Name of the render slot for the empty images of `rendered`. Blender stores each render in a slot. Without a
+# slot of their own, these images would replace the user's last render.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")
@@ -16,8 +16,8 @@ HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "rend
 
 @contextlib.contextmanager
 def unnoticed():
-    """In the body, renders replace no image of an earlier render and call none of the user's handlers of renders, which
-    may save or send images."""
+    """Within the body of the `with` statement, renders do not replace the image of an earlier render. They also do not
+    call the user's render handlers, which may save or send images."""
     handlers = [getattr(bpy.app.handlers, name) for name in HANDLERS]
     before = [(functions, list(functions)) for functions in handlers]
     image = next((i for i in bpy.data.images if i.type == "RENDER_RESULT"), None)
@@ -43,7 +43,7 @@ def unnoticed():
 def rendered(scene, look):
     """Returns what `look` returns for the dependency graph of a render of the scene's current frame.
 
-    Blender makes this graph only for render engines. A temporary engine, which renders nothing, therefore calls `look`.
+    Blender makes this graph only for render engines. Therefore, a temporary engine that renders nothing calls `look`.
     The engine is removed afterwards, so that it does not appear in the user's list of engines.
     """
     found, errors, render = [], [], scene.render

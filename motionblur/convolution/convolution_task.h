@@ -1,5 +1,5 @@
-// Input of both methods of convolution: the nonzero parts of i1 (raster of an object) and i2 (raster of its
-// path), and the window of the result.
+// Input of both methods of convolution. It consists of the nonzero parts of i1 (raster of an object) and i2
+// (raster of its path), and of the window of the result.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace postlens {
 
-/// Columns [begin, end) of a row; empty where begin >= end.
+/// Columns [begin, end) of a row. The range is empty if begin >= end.
 struct ColumnRange {
     int begin = 0, end = 0;
     [[nodiscard]] bool is_empty() const { return begin >= end; }
@@ -19,15 +19,16 @@ struct ConvolutionTask {
     const PathRaster& i2;
     CellWindow source;              ///< bounding box of the object's nonzero cells, over all planes
     CellWindow path;                ///< bounding box of the path's nonzero cells
-    CellWindow out;                 ///< cells of the result that are wanted and that nonzero cells may reach
-    std::vector<ColumnRange> rows;  ///< per row of `source`, the range of its nonzero columns
+    CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
+    std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Creates the task of convolving a, the raster of an object, with b, the raster of its path. `out` is
-    /// empty if the result is 0 everywhere in `wanted`.
+    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. `out`
+    /// is empty if the result is 0 everywhere in `wanted`.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Row y of a plane of the object's raster. In the returned pointer p, p[x] is the cell in column x.
+    /// Returns row y of a plane of the object's raster, as a pointer p for which p[x] is the cell in column
+    /// x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -
@@ -38,10 +39,11 @@ struct ConvolutionTask {
     }
 };
 
-/// Creates planes of zeros over the window. All threads write them in parallel. Throws Error(out_of_memory).
+/// Creates planes of zeros over the window. The zeros are written by all threads. Throws
+/// Error(out_of_memory).
 [[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
-/// Window of the full convolution of rasters with windows a and b.
+/// Returns the window of the full convolution of two rasters with the windows `a` and `b`.
 [[nodiscard]] CellWindow full_window(const CellWindow& a, const CellWindow& b);
 [[nodiscard]] CellWindow window_of(const Planes& planes);
 [[nodiscard]] CellWindow window_of(const PathRaster& raster);

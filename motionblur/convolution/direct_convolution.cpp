@@ -10,18 +10,19 @@
 namespace postlens {
 namespace {
 
-/// Number of columns whose sums are in registers at the same time. They fill eight vector registers, half of
-/// the sixteen of AVX2.
+/// Number of columns whose sums are in registers at the same time. These sums fill eight of the sixteen
+/// vector registers of AVX2.
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of terms after which a float sum is added to a double sum. The number keeps the rounding error
+/// Number of terms that are summed as floats before the sum is added to a double. It keeps the rounding error
 /// below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// A run of equal weights costs about as much as this many cells. Shorter runs are processed cell by cell.
+/// Number of cells that cost about as much as one run of equal weights. Shorter runs are processed cell by
+/// cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. The limit is above 0, because weights are
-/// differences of accumulated light, which is rounded to 2^-53.
+/// Relative difference up to which two weights count as equal. Equal weights may differ slightly, because
+/// they are differences of accumulated light, which is rounded to 2^-53.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -31,14 +32,14 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double Doubles __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// Columns [begin, end) in a row of the path's raster, which all have the same weight.
+/// A run of cells with the same weight: the columns [begin, end) of a row of the path's raster.
 struct PathRun {
     int y, begin, end;
     double weight;
 };
 
-/// The path's raster as runs of equal weight, row by row. A run may be a single cell. `cost` is in units of
-/// the cost of a cell.
+/// The path's raster, divided into runs of equal weight, row by row. A run may be a single cell. The unit of
+/// `cost` is the cost of a cell.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -88,13 +89,13 @@ struct Orientation {
     bool is_transposed = false;
 };
 
-/// Chooses the direction of the runs. Runs lie along rows. If runs along columns would be cheaper, the whole
-/// convolution is transposed.
+/// Decides whether the runs lie along rows or along columns. If columns are cheaper, the whole convolution is
+/// transposed.
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Cost of transposing the object's raster and the result, in the unit of runs.cost: about as much as
-    // adding 12 cells of the path.
+    // Cost of transposing the object's raster and the result, in the unit of runs.cost. It is about the cost
+    // of 12 cells of the path.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }
@@ -118,14 +119,14 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of the path's raster: its weight, and the offset of the values to which the weight is applied.
-/// The offset is relative to the tile's position.
+/// One cell of the path's raster. It consists of a weight and of the offset of the values that the weight
+/// multiplies. The offset is relative to the tile's position.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of path cells with equal weight. The weight multiplies the difference of two running sums, at the
-/// offsets `high` and `low`. Offsets are relative to the tile's position.
+/// A run of path cells with equal weight. The weight multiplies the difference of two running sums. Their
+/// offsets `high` and `low` are relative to the tile's position.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -134,7 +135,7 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, and the ranges of its terms in the lists of cells and of runs.
+/// A row of the path's raster, with the ranges of its terms in the lists of cells and of runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -168,8 +169,8 @@ void add_runs(const double* running, std::ptrdiff_t at, const RunTerm* terms, st
     }
 }
 
-/// Direct convolution. It reads copies of the object's rows that are padded with zeros, so that a tile may
-/// read beyond the ends of a row.
+/// Direct convolution. It reads copies of the object's rows, which are padded with zeros so that a tile may
+/// extend beyond the ends of a row.
 class DirectConvolution {
   public:
     DirectConvolution(const ConvolutionTask& task, PathRuns runs)
@@ -187,8 +188,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each column of tiles is processed downwards, 64 rows in one task. The rows of i1 (the object's
-        // raster) that its tiles read then stay in the cache.
+        // Each column of tiles is processed downwards, 64 rows per task. The rows of i1 (the object's raster)
+        // that the tiles of a task read then stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -218,7 +219,7 @@ class DirectConvolution {
                 std::copy(task_.row(p, y) + c.begin, task_.row(p, y) + c.end,
                           values_[p].data() + r * stride_ + (c.begin - begin_));
                 if (!runs_.any_long) continue;
-                // running[i] is the sum of the values before i.
+                // running[i] is the sum of all values before index i.
                 const float* from = values_[p].data() + r * stride_;
                 double* running = running_[p].data() + r * stride_;
                 double sum = 0;
@@ -231,8 +232,8 @@ class DirectConvolution {
     }
 
     /// Lists the terms of the convolution, row by row of the path's raster. A short run of equal weights
-    /// becomes one CellTerm for each cell; a long run becomes one RunTerm. Offsets are relative to the tile's
-    /// position.
+    /// becomes one CellTerm for each of its cells, and a long run becomes one RunTerm. Offsets are relative
+    /// to the tile's position.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -323,17 +324,17 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Each term reads the nonzero columns of i1 (the object's raster) in whole tiles.
+    // Each term reads the nonzero columns of i1 (the object's raster), rounded up to whole tiles.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
     // The number of additions is proportional to the share of the full result that is wanted.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The costs were measured with `one_object/direct` in convolution_bench. The time for paths of 8 px gives
-    // the cost of copying the object's raster. Its increase to paths of 60 and 240 px at 45 degrees gives the
-    // cost of a cell. Paths along a row give the cost of running sums. A value of a large array costs more,
-    // because the system first has to provide memory.
+    // The costs come from measurements of `one_object/direct` in convolution_bench. Paths of 8 px give the
+    // cost of copying the object's raster. Longer paths at 45 degrees give the cost of a cell, and paths
+    // along a row give the cost of running sums. A value of a large array costs more, because the system
+    // first has to provide memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -16,19 +16,20 @@
 namespace postlens {
 namespace {
 
-/// One axis of the result, divided into `count` blocks of at most `length` cells. Each block needs transforms
-/// of `size` cells.
+/// One axis of the result, divided into `count` blocks of at most `length` cells. The transform of a block
+/// has `size` cells.
 struct AxisBlocks {
     int count = 1, length = 0, size = 0;
 };
 
-/// Ranges of cells along one axis: [s0, s1) of the source, [p0, p1) of the path, [o0, o1) of the result.
+/// Ranges of cells along one axis. [s0, s1) is the source, [p0, p1) the path, and [o0, o1) the result.
 struct Axis {
     int s0, s1, p0, p1, o0, o1;
 };
 
-/// Smallest size of a transform that computes the cells [x0, x1) of the result without wrap-around. Only the
-/// cells [a, b) of the source contribute. Convolved with the path, they cover [a + p0, b + p1 - 1).
+/// Returns the smallest size of a transform that computes the cells [x0, x1) of the result without
+/// wrap-around. Only the cells [a, b) of the source contribute to them. Convolved with the path, these cells
+/// cover [a + p0, b + p1 - 1).
 int needed_size(const Axis& axis, int x0, int x1) {
     const int a = std::max(axis.s0, x0 - axis.p1 + 1), b = std::min(axis.s1, x1 - axis.p0);
     if (a >= b) return 1;
@@ -44,7 +45,7 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // Real transforms of odd sizes take twice as long. Rows of whole vectors are fastest.
+    // Real transforms of odd sizes take twice as long. Rows that consist of whole vectors are fastest.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;
@@ -56,8 +57,8 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time per step of a transform, s. It was measured with `one_object/fft` in convolution_bench for 300 and
-    // more cells.
+    // Time per step of a transform, in seconds. It was measured with `one_object/fft` in convolution_bench
+    // for at least 300 cells.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }
@@ -87,8 +88,8 @@ struct Free {
     void operator()(void* p) const { fftwf_free(p); }
 };
 
-/// Allocates an array with FFTW's alignment. A plan of FFTW may only be applied to arrays that are aligned
-/// like those for which the plan was made.
+/// Allocates an array with FFTW's alignment. A plan of FFTW may only be applied to arrays with the same
+/// alignment as those for which it was made.
 template <typename T>
 std::unique_ptr<T[], Free> allocate(std::size_t count) {
     auto* p = static_cast<T*>(fftwf_malloc(count * sizeof(T)));
@@ -106,8 +107,8 @@ fftwf_complex* raw(std::complex<float>* p) {
     return reinterpret_cast<fftwf_complex*>(p);
 }
 
-/// Computes a *= b for complex numbers, stored as pairs of real and imaginary parts. Real and imaginary parts
-/// have separate loops. In a common loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
+/// Computes a *= b for complex numbers that are stored as pairs of a real and an imaginary part. Each part
+/// has its own loop. In a common loop, GCC 12 would use fused multiply-adds despite -ffp-contract=off, and
 /// results would depend on the processor.
 POSTLENS_MULTIVERSION
 void multiply(float* __restrict a, const float* __restrict b, std::size_t count) {
@@ -126,7 +127,7 @@ void multiply(float* __restrict a, const float* __restrict b, std::size_t count)
     }
 }
 
-/// The smallest of the values, or 0 if all values are positive.
+/// Returns the smallest of the values, or 0 if all values are positive.
 POSTLENS_MULTIVERSION
 float least_of(const float* values, std::size_t count) {
     float least = 0;
@@ -149,8 +150,8 @@ class FftConvolution {
         Buffers first = make_buffers();
         {
             const std::lock_guard lock(planner());
-            // FFTW's estimated plans are the same in every run. Measured plans may differ between runs, and
-            // results would then no longer be bit-identical.
+            // FFTW_ESTIMATE chooses the same plans in every run. Measured plans may differ between runs, and
+            // so would the last bits of the results.
             forward_ = fftwf_plan_dft_r2c_2d(y_.size, x_.size, first.cells.get(), raw(first.spectrum.get()),
                                              FFTW_ESTIMATE);
             backward_ = fftwf_plan_dft_c2r_2d(y_.size, x_.size, raw(first.spectrum.get()), first.cells.get(),
@@ -181,7 +182,7 @@ class FftConvolution {
     }
 
   private:
-    /// Lock for creating or destroying a plan of FFTW, which only one thread may do at a time.
+    /// This lock is held while a plan of FFTW is created or destroyed. Only one thread may do so at a time.
     static std::mutex& planner() {
         static std::mutex mutex;
         return mutex;
@@ -210,8 +211,8 @@ class FftConvolution {
         return static_cast<std::size_t>(((i % size) + size) % size);
     }
 
-    /// Transforms the path. Path cell (i, j) is stored at (i, j) modulo the transform's size. The weights
-    /// include the normalisation of the transforms.
+    /// Transforms the path. Cell (i, j) of the path is stored at (i, j) modulo the transform's size. The
+    /// weights include the normalisation of the transforms.
     void transform_path(Buffers& buffers) {
         float* cells = buffers.cells.get();
         std::fill_n(cells, width_ * height_, 0.0F);
@@ -224,7 +225,7 @@ class FftConvolution {
         path_ = std::move(buffers.spectrum);
     }
 
-    /// Computes, for each row of the result, the range of columns that nonzero cells of the object's raster
+    /// For each row of the result, computes the range of columns that nonzero cells of the object's raster
     /// reach.
     void lay_reach() {
         std::vector<ColumnRange> path_rows;
@@ -269,8 +270,8 @@ class FftConvolution {
     }
 
     /// Copies the part of the object's raster that contributes to a block of the result. The block's first
-    /// cell is at position 0; positions are modulo the transform's size. Returns true if no copied value is
-    /// negative.
+    /// cell is stored at position 0, and positions are modulo the transform's size. Returns whether all
+    /// copied values are at least 0.
     bool lay_source(std::size_t plane, const CellWindow& block, float* cells) const {
         std::fill_n(cells, width_ * height_, 0.0F);
         const CellWindow &s = task_.source, &p = task_.path;

@@ -1,4 +1,4 @@
-// Convolution by Fourier transforms.
+// Computes a convolution by Fourier transforms.
 #pragma once
 
 #include "motionblur/convolution/convolution_task.h"
@@ -8,10 +8,10 @@ namespace postlens {
 /// Writes the result for `task.out` into `result`, whose planes are 0 everywhere else.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
-/// Predicted time of one thread, s.
+/// Returns the predicted time of one thread, in seconds.
 [[nodiscard]] double fft_cost_s(const ConvolutionTask& task);
 
-/// Smallest product of powers of 2, 3, 5 and 7 that is at least n (n >= 1).
+/// Returns the smallest product of powers of 2, 3, 5 and 7 that is at least n. n must be at least 1.
 [[nodiscard]] int fast_fft_size(int n);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Reads rows of a sample file. Finds the quadtree leaves and the surfaces of each pixel from the records.
+// Reads rows of a sample file, and finds the quadtree leaves and surfaces of each pixel from the records.
 #pragma once
 
 #include <functional>
@@ -11,7 +11,8 @@ namespace postlens {
 
 /// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    int x_begin = 0, width = 0, y_begin = 0, y_end = 0;  ///< width: columns of the band, one more than pixels
+    /// Width is the number of columns of the band, one more than its pixels.
+    int x_begin = 0, width = 0, y_begin = 0, y_end = 0;
     PixelLeaves leaves;
     SampleSurfaces surfaces;
 
@@ -27,21 +28,21 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// Records of one instant in bands of `band_rows` rows of pixels. Each band also contains the row below, with
-/// the records on its lower border. Only the bands that are needed are in memory. These are few, because
-/// moving objects usually cover few rows of a frame.
+/// The records of one instant, in bands of `band_rows` rows of pixels. Each band also contains the row below,
+/// because the records on its lower border are stored there. Only the bands that are needed are kept in
+/// memory. Moving objects usually cover few rows of a frame, so these are few.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.
     explicit RecordBands(const SampleFileReader& file, std::size_t instant = 0);
 
-    /// Reads all bands one after another. Keeps those in memory for which `keep` returns true.
+    /// Reads all bands one after another. Keeps a band in memory if `keep` returns true for it.
     void read_all(const std::function<bool(const RecordBand&)>& keep);
-    /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory.
+    /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory yet.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// All bands of the recorded rows. A band that is not in memory has its range of rows and columns, but
-    /// neither records nor offsets.
+    /// Returns all bands of the recorded rows. A band that is not in memory has its range of rows and
+    /// columns, but no records and no offsets.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -53,15 +54,15 @@ class RecordBands {
 };
 
 /// Finds the surfaces of the bands that contain rows [y_begin, y_end). These bands must be in memory. The
-/// result has one element per band. Elements of all other bands are empty.
+/// result has one element per band. The elements of all other bands are empty.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 
-/// Finds the group to which an object id belongs. The objects of a group share a path.
+/// Finds the group to which an object belongs, by its id. The objects of a group share a path.
 class GroupTable {
   public:
     explicit GroupTable(const std::vector<MovingGroup>& groups);
-    /// Index of the id's group, or -1 if it belongs to none.
+    /// Returns the index of the id's group, or -1 if the id belongs to no group.
     [[nodiscard]] int operator()(std::uint32_t id) const {
         if (id < small_.size()) return small_[id];
         const auto found =

@@ -12,12 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Sums over the point samples of one pixel, for the static surfaces that lie between two moving groups which
-/// are neighbours in depth.
+/// Sums over the point samples of one pixel, for the static surfaces between two moving groups that are
+/// neighbours in depth.
 struct Between {
     std::array<double, 3> colour{};
-    /// `covered`: weight of the samples that show a surface in this interval of depth. `known`: weight of the
-    /// samples whose records reach to this interval.
+    /// `covered` is the weight of the samples that show a surface in this interval of depth. `known` is the
+    /// weight of the samples whose records reach this interval.
     double covered = 0, known = 0;
 };
 
@@ -63,8 +63,8 @@ class Composite {
                static_cast<std::size_t>(x);
     }
 
-    // Fills in light from an unrecorded background, with the colours of the farthest static surfaces around
-    // the pixel.
+    // Replaces light from an unrecorded background by the colours of the farthest static surfaces around the
+    // pixel.
     void fill() {
         Image farthest = still_;
         std::vector<float> known(out_.touched.size(), 1);
@@ -83,7 +83,7 @@ class Composite {
         }
     }
 
-    // Range of columns that the moving groups cover in row y.
+    // Returns the range of columns that the moving groups cover in row y.
     [[nodiscard]] std::pair<int, int> columns(int y) const {
         int begin = out_.image.width, end = 0;
         for (const auto* pictures : {&blurred_, &recorded_}) {
@@ -108,7 +108,8 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        std::size_t filled = between.size();  // interval of the last surface; between.size() if there is none
+        // Interval of depth that contains the last surface; between.size() if there is none.
+        std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {
             const LayerSurface& s = band.surfaces.surfaces[i];
@@ -177,9 +178,9 @@ class Composite {
     std::vector<double> depths_;  ///< inverse depths of the groups, 1/m, in descending order
 };
 
-/// Upper bound of a sum over pixels: the squared covariance between the nearer group's coverage and the
-/// farther group's light, for light of up to 1. If a group covers a pixel during the share c of the exposure,
-/// its coverage has the variance c (1 - c), and its light a variance of at most c.
+/// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
+/// group's light, summed over pixels, for light of up to 1. If a group covers a pixel during the share c of
+/// the exposure, the variance of its coverage is c (1 - c), and the variance of its light is at most c.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -1,5 +1,5 @@
-// Motion blur by convolution [potmesil1983]. The raster of every moving group is convolved with the raster of
-// its path. The results and the static surfaces are composited in the order of depth.
+// Motion blur by convolution [potmesil1983]. The raster of each moving group is convolved with the raster of
+// its path. The results and the static surfaces are composited in order of depth.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,9 @@
 
 namespace postlens {
 
-/// The error where two groups cross. Each pixel is composited as if the coverage by the nearer group were
-/// independent of the light of the farther group. That is wrong where both change during the exposure.
+/// The error in pixels where two groups cross. Each pixel is composited as if the coverage by the nearer
+/// group were independent of the light of the farther group. That is wrong if both change during the
+/// exposure.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
     /// Upper bound of the mean squared error over the pixels that the group touches, for light of up to 1.
@@ -22,19 +23,19 @@ struct Crossing {
 
 struct ConvolveBlur {
     Image image;                        ///< equal to `still` in pixels over which nothing moves
-    std::vector<std::uint8_t> touched;  ///< 1: a group moves over the pixel, or was recorded in it
+    std::vector<std::uint8_t> touched;  ///< 1 if a group moves over the pixel or was recorded in it
     std::vector<float> unknown;         ///< share of a pixel's light that comes from an unrecorded background
     std::vector<Crossing> crossings;    ///< one per group
 };
 
-/// Blurs groups of objects. The objects of a group share a path. `still`: pinhole image of the records.
-/// `groups`: nearest first. `across_per_px`: size of a pixel on the film (sample_surfaces.h). The raster of a
-/// group and the raster of its path have cells of the same size (cells_for). Quadtree leaves are drawn into
-/// the group's raster without resampling.
+/// Blurs groups of objects. The objects of a group share a path. `still` is the pinhole image of the records.
+/// `groups` are sorted from near to far. `across_per_px` is the size of a pixel on the film
+/// (sample_surfaces.h). The rasters of a group and of its path have cells of the same size (cells_for).
+/// Quadtree leaves are drawn into the group's raster without resampling.
 ///
-/// A pixel is composited front to back: the static surfaces in front of the nearest group, that group, the
-/// static surfaces behind it, and so on. The weight of a static surface is its coverage among the samples
-/// whose records reach to that depth.
+/// A pixel is composited front to back: first the static surfaces in front of the nearest group, then that
+/// group, then the static surfaces behind it, and so on. Only samples whose records reach a depth count
+/// there. The weight of a static surface is its coverage among these samples.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

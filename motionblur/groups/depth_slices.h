@@ -1,4 +1,4 @@
-// Divides a moving group with parallax into slices by depth. Each slice has its own raster and its own path.
+// Divides a moving group with parallax into depth slices. Each slice has its own raster and its own path.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -9,36 +9,38 @@
 
 namespace postlens {
 
-/// Largest number of depth slices. If the parallax needs more, the slices are farther apart.
+/// Largest number of depth slices. If the parallax needs more, the slices are spaced more widely.
 inline constexpr int most_slices = 64;
-/// Number of slices of a group with parallax, 2..most_slices.
+/// Returns the number of slices of a group with parallax, 2..most_slices.
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
 /// Measures the error of treating a group as one opaque surface. Parts at different depths move differently,
-/// so they uncover areas between them or come to overlap. The result is the largest area of this kind, as a
-/// fraction of the area in which the group was recorded. Depth edges whose sides separate by less than 0.5 px
-/// do not count.
+/// so areas between them are uncovered, or the parts come to overlap. Returns the largest total of such
+/// areas, as a fraction of the area in which the group was recorded. Depth edges whose sides separate by less
+/// than 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
-/// A direction in which a moving group's path extends. `low_px` and `high_px` are the smallest and the
-/// largest scalar product of path and direction.
+/// A direction in which a moving group's path extends. `low_px` and `high_px` are the smallest and largest
+/// position of the path along this direction.
 struct PathAxis {
     glm::dvec2 direction{1, 0};
     double low_px = 0, high_px = 0;
 };
 
-/// Returns the direction to the path's farthest point. If the path leaves this line by more than 1 px, the
-/// perpendicular direction follows. Returns nothing if the path does not move.
+/// Returns the direction from the recorded position to the path's farthest point. If the path leaves this
+/// line by more than 1 px, the perpendicular direction is returned as well. Returns nothing if the path does
+/// not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// Change of a surface's projected area along its path. A point at 1/z' moves by path(t) * (1/z') /
-/// path_inverse_z. Let G be the gradient of 1/z' per px on a piece of surface. At time t, the area of the
-/// piece is its recorded area times 1 + sum over the axes of rate * (path(t) . axis), with rate = G . axis /
-/// path_inverse_z, 1/px. This is exact for a translation parallel to the film.
+/// The change of a surface's projected area as it moves along its path. A point with inverse depth 1/z' moves
+/// by path(t) * (1/z') / path_inverse_z. Let G be the gradient of 1/z' over a piece of surface, per px. At
+/// time t, the recorded area of the piece is multiplied by 1 plus a sum over the axes. Each axis adds rate *
+/// (path(t) . axis), where the rate is G . axis / path_inverse_z, in 1/px. This is exact for a translation
+/// parallel to the film.
 ///
-/// If this area becomes negative, the piece has turned over and is no longer drawn. `area` and the rates then
-/// describe a linear function that falls to 0 at the end of the path and has the same integral as the
+/// If the area becomes negative, the piece has turned over and is no longer drawn. `area` and the rates then
+/// describe another linear function. It falls to 0 at the end of the path and has the same integral as the
 /// positive part.
 struct Stretch {
     double area = 1;
@@ -47,7 +49,7 @@ struct Stretch {
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
 /// Red, green, blue and coverage of a depth slice, as linear functions of the slice's position along the axes
-/// of the path. At time t the slice is `flat` plus the sum over the axes a of stretched[a] * (path(t) .
+/// of the path. At time t, the slice is the sum of `flat` and, for each axis a, of stretched[a] * (path(t) .
 /// direction of a - low_px of a).
 struct SliceRaster {
     Planes flat;
@@ -55,20 +57,21 @@ struct SliceRaster {
 };
 
 /// Slices at uniformly spaced inverse depths, from the farthest to the nearest. A surface between two slices
-/// is drawn into both with linear weights, so that the sum of all slices is the group.
+/// is drawn into both with linear weights. The sum of all slices is therefore the group.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px`: size of a pixel on the film
-    /// (sample_surfaces.h).
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is the size of a pixel on the
+    /// film (sample_surfaces.h).
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 
     [[nodiscard]] int count() const { return count_; }
     [[nodiscard]] const std::vector<PathAxis>& axes() const { return axes_; }
-    /// Factor by which the path of the whole group is multiplied to obtain the path of slice k.
+    /// Returns the factor by which the path of the whole group is multiplied to obtain the path of slice k.
     [[nodiscard]] double path_scale(int k) const;
     [[nodiscard]] SliceRaster draw(int k) const;
-    /// The window that all slices share: the cells that contain the group at the recorded instant.
+    /// Returns the window that all slices share. It consists of the cells that contain the group at the
+    /// recorded instant.
     [[nodiscard]] const CellWindow& window() const { return window_; }
 
   private:
@@ -76,14 +79,14 @@ class DepthSlices {
     struct Piece {
         int x = 0, y = 0, n = 1, slice = 0;
         float share = 0, r = 0, g = 0, b = 0;
-        float nearer = 0;  ///< 0..1: position between its slice and the next nearer one
-        float area = 1;    ///< Stretch::area plus the rates times low_px of their axes
+        float nearer = 0;  ///< from 0 to 1: position between its slice and the next nearer one
+        float area = 1;    ///< Stretch::area plus, for each axis, the rate times low_px
         std::array<float, 2> rate{};
     };
     struct BandPieces {
         std::vector<Piece> pieces;
         std::vector<std::uint32_t> order;  ///< indices into pieces, sorted by slice
-        std::vector<std::size_t> offsets;  ///< per slice, its first entry in `order`
+        std::vector<std::size_t> offsets;  ///< for each slice, its first entry in `order`
     };
 
     void collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const;

@@ -30,7 +30,8 @@ GroupPicture GroupBlur::whole(const Planes& i1, const MovingGroup& group) const 
 
 GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& group) const {
     GroupPicture out = nothing_over(slices, group);
-    std::vector<std::vector<double>> along;  // per axis and path point: position on the axis minus low_px
+    // For each axis and path point: position on the axis minus low_px.
+    std::vector<std::vector<double>> along;
     for (const PathAxis& axis : slices.axes()) {
         along.emplace_back();
         for (const PathPoint& p : group.path)
@@ -44,8 +45,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Where parts at different depths overlap, only one is visible, so coverage is limited to 1. Coverage of
-    // at most `rounding` results from sums that would be 0 without rounding.
+    // Where parts at different depths overlap, only one of them is visible, so coverage is limited to 1. Sums
+    // that would be 0 without rounding may yield a coverage of up to `rounding`.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};
@@ -57,7 +58,7 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
 
 Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path,
                             const std::vector<double>& values) const {
-    // The displacements, in cells, that move a part of the group's raster into the frame.
+    // The displacements, in cells, that bring a part of the group's raster into the frame.
     const CellWindow frame{0, width_ * cells_per_px_, 0, height_ * cells_per_px_};
     const CellWindow reach{frame.x_begin - (i1.x_begin + i1.width), frame.x_end - i1.x_begin,
                            frame.y_begin - (i1.y_begin + i1.height), frame.y_end - i1.y_begin};
@@ -66,7 +67,7 @@ Planes GroupBlur::convolved(const Planes& i1, const std::vector<PathPoint>& path
     return convolve(i1, i2, ConvolutionMethod::automatic, nullptr, frame);
 }
 
-// Creates an empty image of the part of the frame over which the moving group can pass.
+// Creates an empty image that covers the part of the frame over which the moving group can pass.
 GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGroup& group) const {
     glm::dvec2 low(0), high(0);
     for (const PathPoint& p : group.path) {
@@ -80,7 +81,7 @@ GroupPicture GroupBlur::nothing_over(const DepthSlices& slices, const MovingGrou
     const auto within = [](double px, int limit) {
         return static_cast<int>(std::clamp(px, 0.0, static_cast<double>(limit)));
     };
-    // The margin of 1 px covers the half cell that extends beyond a cell's centre.
+    // The margin of 1 px includes the half cell that extends beyond a cell's centre.
     GroupPicture out;
     out.x_begin = within(std::floor(w.x_begin / c + low.x) - 1, width_);
     out.x_end = std::max(out.x_begin, within(std::ceil(w.x_end / c + high.x) + 1, width_));

@@ -1,5 +1,5 @@
-// Motion blur of a moving group of objects. The group's raster is convolved with the raster of its path,
-// either for the whole group or for each of its depth slices.
+// Motion blur of a moving group of objects. The raster of the group is convolved with the raster of its path,
+// either as a whole or in depth slices.
 #pragma once
 
 #include "lens/shutter_curve.h"
@@ -8,19 +8,19 @@
 
 namespace postlens {
 
-/// Smaller coverages are treated as rounding errors of a Fourier transform.
+/// Coverage below this limit is treated as a rounding error of a Fourier transform.
 inline constexpr float least_coverage = 2e-6F;
 
 /// Keeps references to the exposure and the curve.
 class GroupBlur {
   public:
-    /// `width` and `height`: size of the frame, px.
+    /// `width` and `height` are the size of the frame in px.
     GroupBlur(int width, int height, int cells_per_px, const Exposure& exposure, const ShutterCurve& curve)
         : width_(width), height_(height), cells_per_px_(cells_per_px), exposure_(exposure), curve_(curve) {}
 
     /// Moves the whole group along its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Moves each depth slice of the group along its own path. Adds up the slices, which are parts of one
+    /// Moves each depth slice of the group along its own path, and adds up the slices. They are parts of one
     /// opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 

@@ -10,9 +10,10 @@
 namespace postlens {
 namespace {
 
-constexpr double axis_px = 0.02;      ///< a path this close to an axis counts as parallel to it, px
-constexpr double long_path_px = 64;   ///< from this length, px, a path along an axis only needs cells of 1 px
-constexpr double short_path_px = 24;  ///< below this, cells of 1/4 px are affordable and needed
+/// Distance from an axis, px, up to which a path counts as parallel to the axis.
+constexpr double axis_px = 0.02;
+constexpr double long_path_px = 64;  ///< length, px, from which a path along an axis needs cells of only 1 px
+constexpr double short_path_px = 24;  ///< length, px, below which cells of 1/4 px are needed and affordable
 constexpr double most_cells = 1 << 24;
 
 }  // namespace

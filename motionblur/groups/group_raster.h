@@ -1,5 +1,5 @@
-// Draws the unblurred raster of a moving group of objects (i1 in [potmesil1983]), and converts the raster's
-// cells to pixels.
+// Draws the unblurred raster of a moving group of objects (i1 in [potmesil1983]), and converts cells of the
+// raster to pixels.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// Premultiplied colour and coverage over a window of pixels: r, g, b, coverage.
+/// Red, green, blue and coverage over a window of pixels. The colours are premultiplied by the coverage.
 struct GroupPicture {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::array<float, 4>> rgba;
@@ -22,16 +22,18 @@ struct GroupPicture {
     }
 };
 
-/// Cells per px for a group. Short paths need finer cells, and so do paths that are not parallel to an axis.
+/// Returns the number of cells per px for a group. Short paths need finer cells, and so do paths that are not
+/// parallel to an axis.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Window of the cells that may contain a moving group's records, within the rows and columns of `bands`.
+/// Returns the window of the cells that may contain a moving group's records, within the rows and columns of
+/// `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The cells [x, x + n) x [y, y + n) that are covered by the quarter of a quadtree leaf at one of its
-/// corners. `share`: the fraction of each cell's area that the quarter covers. Sizes of leaves and cells are
-/// powers of 2, so a quarter covers whole cells or lies within one.
+/// The cells [x, x + n) x [y, y + n) that the quarter of a quadtree leaf at one of its corners covers.
+/// `share` is the fraction of each cell's area that the quarter covers. The sizes of leaves and cells are
+/// powers of 2, so a quarter either covers whole cells or lies within one cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -39,12 +41,13 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// The nearest surface at a point sample that belongs to moving group g, or nullptr.
+/// Returns the nearest surface at a point sample that belongs to moving group g, or nullptr if there is none.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 
 /// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows moving group g in at least one
-/// corner. `surfaces`: surface_of each corner. `window`: the group's cells (group_window).
+/// corner. `surfaces` contains surface_of each corner. `window` is the window of the group's cells
+/// (group_window).
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {
@@ -61,12 +64,12 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
     }
 }
 
-/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Every cell shows the nearest recorded
-/// surface of the group in this cell, from any layer.
+/// Draws the raster of moving group g, in cells of 1/cells_per_px px. Each cell shows the group's nearest
+/// recorded surface in this cell, from any layer.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 
-/// Converts a raster of cells to pixels. Each pixel of the frame gets the mean of its cells.
+/// Converts a raster of cells to pixels. Each pixel of the frame is the mean of its cells.
 [[nodiscard]] GroupPicture in_pixels(const Planes& cells, int cells_per_px, int width, int height);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Rule by which `auto` decides whether an object with parallax is convolved in slices of depth.
+// The rule by which the method `auto` decides whether an object with parallax is convolved in depth slices.
 #pragma once
 
 #include <string>
@@ -9,28 +9,29 @@
 
 namespace postlens {
 
-/// Bounding box, raster px, of the area over which a group moves, including its recorded position.
+/// Bounding box, in raster px, of the area over which a group moves. It includes the recorded position.
 struct PassedBox {
     glm::dvec2 low_px{0}, high_px{0};
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Fraction of the box's area in which a surface outside all moving groups lies between this group's nearest
-/// and farthest point. The order of depth is wrong there, because all slices of the group are composited at
-/// its mean depth.
+/// Returns the fraction of the area of the group's passed_box in which another surface lies between the
+/// group's nearest and farthest point. Surfaces of moving groups do not count. The order of depth is wrong in
+/// this area, because all slices of the group are composited at the group's mean depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns the reason why lightfield is the better method for groups[g], which has parallax, or an empty
-/// string if convolve is the better method. Reasons are: the group's parallax exceeds `most_parallax_px`;
-/// another object lies in the group's range of depth along its path; parts of the group uncover each other
-/// (torn_share).
+/// Returns the reason why lightfield is the better method for groups[g], which has parallax. Returns an empty
+/// string if convolve is the better method. Possible reasons are:
+/// - The group's parallax exceeds `most_parallax_px`.
+/// - Another object lies in the group's range of depth along its path.
+/// - Parts of the group uncover each other (torn_share).
 [[nodiscard]] std::string why_not_sliced(const std::vector<MovingGroup>& groups, std::size_t g,
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, px. With more parallax, there would be too many slices, or the slices would be
-/// too coarse.
+/// Largest accepted parallax, px. With more parallax, there would be too many slices, or they would be too
+/// coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

@@ -41,7 +41,7 @@ void check(Points points, double tolerance_px) {
     }
 }
 
-/// A cubic Bezier curve over the time span of the points [first, last]. The parameter u runs from 0 to 1.
+/// A cubic Bezier curve over the time from point `first` to point `last`. The parameter u runs from 0 to 1.
 struct Cubic {
     std::array<dvec2, 4> control{};
     [[nodiscard]] dvec2 at(double u) const {
@@ -51,20 +51,20 @@ struct Cubic {
     }
 };
 
-/// Least-squares cubic through the points [first, last]. If `start` is given, the cubic begins there. Returns
-/// nothing if its error exceeds the tolerance at any point.
+/// Fits a cubic to the points [first, last] by least squares. If `start` is given, the cubic begins there.
+/// Returns nothing if its distance from any point exceeds the tolerance.
 std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t last,
                                const std::optional<dvec2>& start, double tolerance_px) {
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are the differences of the control points from a straight line. A control point that too
-    // few points determine stays on the line.
+    // The unknowns are the differences of the control points from a straight line. If too few points
+    // determine a control point, it stays on the line.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
     const std::size_t count = std::min(last - first + 1, most_used);
-    glm::dmat4 normal(1e-9);  // regularisation, small against entries of about count / 10
+    glm::dmat4 normal(1e-9);  // regularisation, which is small compared with entries of about count / 10
     dvec4 right_x(0), right_y(0);
     for (std::size_t n = 0; n < count; ++n) {
         const std::size_t i = first + n * (last - first) / (count - 1);
@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Places segments one after another, beginning at the first point. Doubling and bisection find the longest
-/// segment whose points one cubic follows. `joined`: each segment begins where the previous one ends. Stops
-/// at `most` segments, even if they do not reach the last point.
+/// Places segments one after another, beginning at the first point. Each segment is as long as one cubic can
+/// follow its points, which is found by doubling and bisection. If `joined` is true, each segment begins
+/// where the previous one ends. Stops after `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -142,7 +142,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Knot times for `count` new segments. Where the given segments are short, the new segments are short too.
+/// Returns the times of knots for `count` new segments. The new segments are short where the given segments
+/// are short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -155,8 +156,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Knot times at the ends of the segments. A short segment between two long ones indicates that the velocity
-/// changes abruptly between two points. The short segment is replaced by one knot.
+/// Returns the times of knots at the ends of the segments. A short segment between two long ones indicates
+/// that the velocity changes abruptly between two points. One knot replaces such a segment.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -165,7 +166,7 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // A change of velocity gets its knot in the middle between the first two points of the short segment.
+        // The knot lies in the middle between the first two points of the short segment.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -183,7 +184,7 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// Path with one knot. Returns nothing if a point is farther from the knot than the tolerance.
+/// Returns a path of one knot, or nothing if the distance of a point from the knot exceeds the tolerance.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {
@@ -214,8 +215,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Lower limit of the number of segments: the number of cubics that follow the points within twice the
-    // tolerance, if the cubics need not join end to end. Hardly any path can be fitted with fewer segments.
+    // Lower limit of the number of segments. It is the number of cubics that follow the points within twice
+    // the tolerance if they need not join end to end. Hardly any path can be fitted with fewer segments.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

@@ -16,21 +16,20 @@ using glm::dvec2;
 /// Largest coordinate, in cells. Below this limit, a double resolves a thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in units of cells, and shifted by half a cell, so
-/// that cell i is [i, i + 1).
+/// A piece of a path with constant velocity. Positions are in cells, and are shifted by half a cell so that
+/// cell i is [i, i + 1).
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Value at a fraction of the piece; exactly 1 if both ends have the value 1.
+    /// Returns the value at a fraction of the piece. It is exactly 1 if both ends have the value 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
 };
 
-/// Follows a piece of the path along one axis. Stores the current cell and computes where the next cell
-/// begins.
+/// Follows a piece of the path along one axis. Stores the current cell and finds where the next cell begins.
 class Crossings {
   public:
     Crossings(double from, double to)
@@ -38,8 +37,8 @@ class Crossings {
 
     [[nodiscard]] double cell() const { return cell_; }
     [[nodiscard]] double count() const { return std::abs(last_ - cell_); }
-    /// Fraction of the piece at which the next cell begins; infinite in the last cell. The fraction is
-    /// computed from the position of the border, so rounding errors do not accumulate.
+    /// Returns the fraction of the piece at which the next cell begins, or infinity in the last cell. It is
+    /// computed from the position of the cell's border, so rounding errors do not accumulate.
     [[nodiscard]] double next() const {
         if (cell_ == last_) return std::numeric_limits<double>::infinity();
         return std::clamp(((way_ > 0 ? cell_ + 1 : cell_) - from_) / way_, 0.0, 1.0);
@@ -50,7 +49,7 @@ class Crossings {
     double from_, way_, cell_, last_;
 };
 
-/// Range from the smallest to the largest cell; initially empty.
+/// Range from the smallest to the largest cell. It is initially empty.
 struct Extent {
     double least = std::numeric_limits<double>::infinity();
     double greatest = -std::numeric_limits<double>::infinity();
@@ -61,9 +60,9 @@ struct Extent {
     [[nodiscard]] double length() const { return greatest - least + 1; }
 };
 
-/// Clips the piece to the window plus half a cell on every side. Returns false if nothing remains. Because of
-/// the margin, rounding cannot remove a part within the window. Parts outside the window are ignored when the
-/// piece is drawn.
+/// Clips the piece to the window plus a margin of half a cell on every side. Returns false if nothing
+/// remains. The margin ensures that rounding cannot remove a part within the window. Parts outside the window
+/// are ignored when the piece is drawn.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -88,7 +87,7 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
     // If an end of the piece is far outside the window, the rounding error of `mix` can exceed half a cell.
-    // Such ends are clamped to a position near the window.
+    // Such an end is clamped to a position near the window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -112,7 +111,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // The exposure is a single instant. The first point of the path at or after this instant is used.
+        // The exposure is a single instant. The first point of the path at or after it is used.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -222,10 +221,10 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path is in the present cell from `before` to `at`, the next crossing of a cell border. The
-            // cell gets the path's value at the middle of this time, which is exact if the shutter's
-            // transmission is constant. By rounding, `at` may be slightly before `before`; the light of such
-            // a negative time counts as 0.
+            // The path is in the current cell from `before` to `at`, where it crosses the next border of a
+            // cell. The cell gets the path's value at the middle of this time, which is exact if the
+            // shutter's transmission is constant. Rounding can place `at` slightly before `before`. The light
+            // of such a negative time counts as 0.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

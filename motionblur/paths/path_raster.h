@@ -1,5 +1,5 @@
-// Raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the light that arrives while
-// the path is in this cell.
+// The raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the light that arrives
+// while the path is in this cell.
 #pragma once
 
 #include <optional>
@@ -23,36 +23,38 @@ struct PathRaster {
     int cells_per_px = 1;
     std::vector<double> weight;  ///< row by row
 
-    /// Weight of cell (x, y), which must lie in the window: x_begin <= x < x_begin + width, y likewise.
+    /// Returns the weight of cell (x, y), which must lie in the window: x_begin <= x < x_begin + width, and
+    /// y_begin <= y < y_begin + height.
     [[nodiscard]] double at(int x, int y) const {
         return weight[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(width) +
                       static_cast<std::size_t>(x - x_begin)];
     }
 };
 
-/// Largest side, in cells, of the raster into which a motion path is drawn, and largest number of cell
-/// borders that the path may cross.
+/// Largest side, in cells, of the raster into which a path is drawn, and largest number of cell borders that
+/// the path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 
 /// Draws the raster of a path. Cell (i, j) contains the share of the shutter's light that arrives while the
 /// displacement lies in [i - 1/2, i + 1/2) x [j - 1/2, j + 1/2). The displacement is (path - `origin_px`) *
-/// cells_per_px, with cells_per_px >= 1. The result is exact for pieces of constant velocity: each piece is
-/// cut at the cells' borders, and the weight of a part is a difference of the shutter's accumulated light.
-/// The weights sum to 1. If open_s == close_s, there is one cell of weight 1. Before its first and after its
-/// last point the path does not move.
+/// cells_per_px, with cells_per_px >= 1. The weights of all cells sum to 1. The path does not move before its
+/// first and after its last point. If open_s == close_s, there is one cell of weight 1.
 ///
-/// `keep`: only these cells are computed, and the weights sum to the share of the light in them. The raster
-/// is empty if no light arrives in these cells. The time is bounded by the number of points times the sum of
-/// width and height of the window, for paths of any length.
+/// The result is exact for pieces of constant velocity. Each piece is cut at the borders of cells. The weight
+/// of a part is the light that the shutter transmits between the two ends of the part.
 ///
-/// `values`: one value per point, linear in time between the points. If present, each cell contains the
-/// integral of the value over the cell's light, instead of the light.
+/// With `keep`, only the cells in this window are computed, and the weights sum to the share of the light in
+/// them. The raster is empty if no light arrives there. The time is bounded by the number of points times the
+/// sum of the window's width and height, even for very long paths.
+///
+/// `values` contains one value per point, and is linear in time between the points. With `values`, each cell
+/// contains the integral of the value over the cell's light, instead of the light.
 ///
 /// Throws Error(wrong_arguments) for times out of order, for no points, and for positions that are not finite
-/// or more than 1e13 cells away. Also throws it if, after clipping to `keep`, the raster is longer than
-/// `most_path_cells` or the path has more crossings than `most_path_crossings`. Throws Error(out_of_memory)
-/// if the raster does not fit into memory.
+/// or more than 1e13 cells away. Throws the same error if, after clipping to `keep`, a side of the raster
+/// exceeds `most_path_cells` or the path has more crossings than `most_path_crossings`. Throws
+/// Error(out_of_memory) if the raster does not fit into memory.
 [[nodiscard]] PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, double open_s,
                                    double close_s, const ShutterCurve& curve, int cells_per_px,
                                    const std::optional<CellWindow>& keep = std::nullopt,

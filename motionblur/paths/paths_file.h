@@ -1,5 +1,5 @@
-// Reads PATHS.toml (docs/motion_paths.md): paths of moving objects, which replace the paths of the sample
-// file.
+// Reads PATHS.toml (docs/motion_paths.md). It contains paths of moving objects, which replace the paths of
+// the sample file.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@
 
 namespace postlens {
 
-/// Largest size of the file, bytes. A larger file is rejected before it is read.
+/// Largest size of the file, in bytes. A larger file is rejected before it is read.
 inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 
-/// Rigid motion in scene coordinates, m. There is at least one key; times increase.
+/// A rigid motion in scene coordinates, in m. There is at least one key, and the times of the keys increase.
 using RigidKeys = std::vector<TransformKey>;
 
-/// A motion and the objects that it moves. Only differences matter: at time t, an object is displaced by
-/// r'(t) - r'(time of the frame).
+/// A motion, and the objects that it moves. Only differences of the position r'(t) along the motion matter.
+/// At time t, an object is displaced by r'(t) - r'(time of the frame).
 struct ObjectPath {
     std::vector<std::uint32_t> ids;    ///< each is at least 1 and occurs once
     std::vector<std::string> objects;  ///< names in the sample file
@@ -30,18 +30,18 @@ struct ObjectPath {
     std::variant<ScreenPath, RigidKeys> motion;
 };
 
-/// Reads the file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ...", or "FILE: ..." if `path` is not a
-/// regular file.
+/// Reads the file. Throws Error(invalid_input) with the message "FILE:LINE:COLUMN: ...", or "FILE: ..." if
+/// `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// Returns the ids that each path moves, in the order of `paths`: the path's own ids and all ids with one of
-/// its names. Throws Error(invalid_input) "FILE:LINE: ..." for an id or a name that `names` (name by id) does
-/// not contain, and for an id that two paths move.
+/// Returns the ids that each path moves, in the order of `paths`. These are the ids that the path lists, and
+/// all ids with one of the names that it lists. Throws Error(invalid_input) "FILE:LINE: ..." for an id or a
+/// name that is not in `names` (name by id), and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 
-/// Returns the motion of the sample file's objects. For objects in `paths`, the path replaces the file's
-/// motion. Throws the errors of resolve_ids.
+/// Returns the motion of the sample file's objects. For objects in `paths`, the motion of the path replaces
+/// the file's motion. Throws the same errors as resolve_ids.
 [[nodiscard]] FrameMotion motion_of(const SampleHeader& header, const std::vector<ObjectPath>& paths);
 
 }  // namespace postlens

@@ -11,12 +11,12 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first least-squares problem. Each later round adds the point with the
-/// largest error in each segment.
+/// Number of points per segment in the first least-squares problem. Each later round adds the point of each
+/// segment that has the largest error.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// Residual of the least-squares problem: the difference between a segment and a point, in units of the
+/// Residual of the least-squares problem. It is the difference between a segment and a point, in units of the
 /// tolerance.
 struct Distance {
     double time_s;
@@ -37,7 +37,7 @@ struct Distance {
     }
 };
 
-/// Loss function: the square of a residual up to the tolerance, the fourth power above it.
+/// Loss function. Up to the tolerance it is the square of the residual, and above it the fourth power.
 class FourthPower : public ceres::LossFunction {
   public:
     void Evaluate(double s,
@@ -93,7 +93,7 @@ void solve(std::vector<PathKnot>& knots, std::span<const PathPoint> points,
     ceres::Solve(options, &problem, &summary);
 }
 
-/// Position at an instant, interpolated linearly between the points.
+/// Returns the position at an instant, interpolated linearly between the points.
 dvec2 place_at(std::span<const PathPoint> points, double time_s) {
     const auto after = std::upper_bound(points.begin() + 1, points.end() - 1, time_s,
                                         [](double t, const PathPoint& p) { return t < p.time_s; });
@@ -148,7 +148,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
               round > 1);
         if (!is_path(knots)) break;
         const ScreenPath path(PathKind::bezier, knots, "--fit-paths");
-        // Adds the point with the largest error in each segment to the least-squares problem.
+        // For each segment, adds the point with the largest error to the least-squares problem.
         std::vector<std::size_t> worst(knots.size() - 1, 0);
         std::vector<double> worst_px(knots.size() - 1, 0.0);
         for (std::size_t i = 0; i < scaled.size(); ++i) {
@@ -165,8 +165,7 @@ std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::
             best = knots;
             best_px = error_px;
         }
-        // The rounds end if the error is within the tolerance, is far above the tolerance, or no longer
-        // decreases.
+        // Stops if the error is within the tolerance, is far above it, or no longer decreases.
         if (error_px <= tolerance_px || (round >= 2 && (error_px > 8 * tolerance_px || gain > 0.995))) break;
         if (chosen.size() < scaled.size()) {
             for (std::size_t s = 0; s < worst.size(); ++s)

@@ -8,14 +8,16 @@
 
 namespace postlens {
 
-/// Largest distance between the path and the points at the times of the points, px.
+/// Returns the largest distance, in px, between the path and the points at the times of the points.
 [[nodiscard]] double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> points);
 
-/// Finds positions, handles and times of the knots of a Bezier path that minimise its largest distance from
-/// the points. `times_s`: initial times of the knots, at least 2, increasing; the first and the last are
-/// those of the points. Stops when the largest distance is at most `tolerance_px` or no longer decreases.
-/// Distances above the tolerance enter the loss with their fourth power, so that the largest ones dominate.
-/// Returns the best knots found.
+/// Finds the knots of a Bezier path that minimise the path's largest distance from the points. Positions,
+/// handles and times of the knots are optimised. `times_s` contains the initial times of at least 2 knots, in
+/// increasing order. The first and the last time are those of the first and last point.
+///
+/// Stops when the largest distance is at most `tolerance_px` or no longer decreases. Distances above the
+/// tolerance contribute their fourth power to the loss, so that the largest distances dominate. Returns the
+/// best knots that were found.
 [[nodiscard]] std::vector<PathKnot> refine_path(std::span<const PathPoint> points,
                                                 const std::vector<double>& times_s, double tolerance_px);
 

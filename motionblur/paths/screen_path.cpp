@@ -44,8 +44,8 @@ void check(const std::vector<PathKnot>& knots, const std::string& source) {
     }
 }
 
-// Computes the handles of the equivalent Bezier curve. A handle is the knot's velocity times a third of the
-// time to the neighbouring knot.
+// Computes the handles of the equivalent Bezier curve. A handle is the velocity at its knot times a third of
+// the time to the neighbouring knot.
 void lay_catmull_rom_handles(std::vector<PathKnot>& knots) {
     const std::size_t last = knots.size() - 1;
     for (std::size_t i = 0; i <= last; ++i) {
@@ -79,10 +79,10 @@ void require_order(double open_s, double close_s, double tolerance_px) {
 }
 
 // Instants at which a piece is tested, as fractions of its duration. No two of them are symmetric about the
-// middle. A function that turns or returns symmetrically within a piece is therefore detected too.
+// middle. The tests therefore also detect a function that turns or returns symmetrically within a piece.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Fraction of the tolerance that the tests allow. The fraction is below 1, because at a kink between two test
-// instants the error can be 1 / 0.79 times the largest error that the tests find.
+// Fraction of the tolerance that the tests allow. It is below 1, because at a kink between two test instants
+// the error can be 1 / 0.79 times the largest error that the tests find.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace
@@ -114,9 +114,9 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // The error of a chord over a step h of the parameter is at most c h^2 / 8, where c is the curve's
-    // largest acceleration (per square of the parameter). The acceleration of a cubic is linear, so it is
-    // largest at an end of the segment.
+    // The error of a chord over a step h of the parameter is at most c h^2 / 8. Here c is the curve's largest
+    // acceleration, per square of the parameter. The acceleration of a cubic is linear, so its maximum is at
+    // an end of the segment.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;
@@ -182,7 +182,7 @@ std::vector<PathPoint> flatten(const std::function<glm::dvec2(double)>& at, std:
                    tested_tolerance * tolerance_px;
         });
     };
-    // All pieces are halved once before any piece is halved again, so that the limit on the number of points
+    // All pieces are halved once before any piece is halved again. The limit on the number of points then
     // affects all pieces equally.
     for (int halving = 0; halving < most_halvings && pieces.size() < most_path_points; ++halving) {
         std::vector<Piece> next;

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Static pixels are used as the background of moving pixels only if they are at least this share of the
-/// image.
+/// Smallest share of the image that must be static. Otherwise, static pixels are not used as the background
+/// of moving pixels.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -30,9 +30,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, and overlap of neighbouring patches, px. A patch is a planar part
-/// of the image that is reprojected as a whole. The overlap is smaller than the distance of the views' sample
-/// positions from the sides of a pixel.
+/// Largest error of a reprojected position, px, and width of the overlap of neighbouring patches, px. A patch
+/// is a planar part of the image that is reprojected as a whole. The overlap is smaller than the distance of
+/// sample positions from the sides of a pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -56,8 +56,8 @@ PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const Ve
     return field;
 }
 
-/// Per pixel, 1 where the image does not move, otherwise 0. Empty if too small a share of the image is
-/// static.
+/// Returns 1 for each pixel that does not move, and 0 for all others. Returns an empty list if too small a
+/// share of the image is static.
 std::vector<float> what_stands_still(const VectorFrame& frame) {
     std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                               1);
@@ -76,9 +76,10 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Computes an image of the background, which replaces light that no view determines. Moving pixels (`weight`
-/// 0) get colours from the static pixels around them (`weight` 1). If `weight` is empty, the background is
-/// the image of the views; pixels that no view determines get colours from the pixels around them.
+/// Returns an image of the background, which replaces light that no view determines. `weight` is 1 for static
+/// pixels and 0 for moving pixels. The background of moving pixels is interpolated from the static pixels
+/// around them. If `weight` is empty, the image of the views is the background, and pixels that no view
+/// determines are interpolated from the pixels around them.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -114,8 +115,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // Without static pixels, the background that moving pixels uncover is interpolated from the views.
-        // The views of the whole image are then needed, so that a crop does not change the result.
+        // If there are no static pixels, the background that moving pixels uncover is interpolated from the
+        // views. The views of the whole image are then needed, so that a crop does not change the result.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

@@ -1,4 +1,4 @@
-// Motion blur of another program's image, using its motion vectors.
+// Motion blur of an image that another program rendered, by the image's motion vectors.
 #pragma once
 
 #include "motionblur/motion_blur.h"
@@ -7,18 +7,21 @@
 namespace postlens {
 
 struct VectorBlurSettings {
-    Exposure exposure;  ///< in frames: 0 is the instant of the image, 1 that of the next frame
+    Exposure exposure;  ///< in frames: 0 is the instant of the image, and 1 that of the next frame
     ShutterCurve curve = ShutterCurve::box();
-    std::optional<int> views;  ///< number of instants, 1..most_views; absent: from the longest displacement
+    /// Number of instants, 1..most_views; if absent, it depends on the longest displacement.
+    std::optional<int> views;
     std::optional<Crop> crop;  ///< as in MotionBlurSettings
 };
 
-/// Blurs an image by its motion vectors: averages views (reprojections of the image) at many instants. Every
-/// pixel moves along a straight line at its own constant velocity. Surfaces that this motion uncovers are not
-/// in the image; they are filled from the pixels around them, with the warning "uncovered". If nothing moves,
-/// or if the exposure is the instant 0, the result is bit-identical to the image. For any number of threads,
-/// results are bit-identical. Throws Error(wrong_arguments) for settings out of range, and
-/// Error(out_of_memory).
+/// Blurs an image by its motion vectors. The result is the mean of views, which are reprojections of the
+/// image to many instants. Every pixel moves along a straight line at its own constant velocity. Surfaces
+/// that this motion uncovers are not in the image. They are filled from the pixels around them, with the
+/// warning "uncovered".
+///
+/// If nothing moves, or if the exposure is the instant 0, the result is bit-identical to the image. The
+/// result is bit-identical for any number of threads. Throws Error(wrong_arguments) for settings out of
+/// range, and Error(out_of_memory).
 [[nodiscard]] MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings& settings);
 
 }  // namespace postlens

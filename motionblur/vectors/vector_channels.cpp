@@ -11,7 +11,7 @@ namespace {
 
 /// Channel names and scale of the vectors that a program writes.
 struct Convention {
-    std::string_view word;  ///< name of the pass; empty: any pass, only in a separate file
+    std::string_view word;  ///< name of the pass; if empty, any pass matches, but only in a separate file
     const char *u, *v;
     glm::dvec2 scale;
 };
@@ -20,7 +20,8 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
-                                // Position in this frame minus position in the next frame; W points upwards.
+                                // The vector is the position in this frame minus the position in the next
+                                // frame. W points upwards.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};
@@ -42,7 +43,8 @@ VectorChannels named(const ForeignFile& file, const ChannelGroup& own, const Vec
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
         const ForeignPart& part = file.parts()[i];
         if (!may_hold(file, i) || !part.has(u) || !part.has(v)) continue;
-        // The file part with the colours is preferred, then a part of the same stereo view, then any part.
+        // The part of the file that contains the colours comes first, then parts of the same stereo view,
+        // then all others.
         const auto better = [&](std::size_t one, std::size_t other) {
             const auto order = [&](std::size_t k) {
                 return std::pair(k != own.part, file.parts()[k].view != file.parts()[own.part].view);

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double longest_vector = 1e6;  ///< largest accepted length of a vector, px
 /// Largest number of pixels in the data window and the display window together. Each pixel has four vertices,
-/// whose number must fit into 32 bits.
+/// and the number of vertices must fit into 32 bits.
 constexpr std::uint64_t most_pixels = 1U << 29U;
 
 class Reader {
@@ -60,7 +60,7 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Pixels that are missing in one of the file's parts do not move and are infinitely far.
+        // Pixels that are missing in one of the file's parts do not move and are infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -89,14 +89,15 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and of their motion vectors. If no colours are requested, the first
-    /// colours in the file are used. If those have no motion vectors, the colours that have some are used.
+    /// Finds the channels of the colours and of their motion vectors. If the user requests no colours, the
+    /// first colours of the file are used. If these have no motion vectors, colours that have motion vectors
+    /// are used instead.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
         colours_ = find_foreign_channels(file_, choice);
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no vectors. `other` is the group of channels with vectors.
+            // The first colours have no vectors. `other` is the group of channels that has vectors.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -128,7 +129,7 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Name with which the option --layer selects the colours of a group.
+    /// Returns the name by which the option --layer selects the colours of a group.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];
@@ -143,7 +144,7 @@ class Reader {
         return std::nullopt;
     }
 
-    /// Warns of vectors that may be encoded as colours. In such an encoding, 0.5 means no motion.
+    /// Warns if the vectors may be encoded as colours. In such an encoding, 0.5 means no motion.
     void warn_of_offset(VectorFrame& out) const {
         if (vectors_.offset != glm::dvec2(0, 0) || out.pixels.empty()) return;
         std::size_t in_the_middle = 0;
@@ -188,7 +189,8 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= ForeignDepths::nothing_z ? 0 : 1 / z;
         } else {
-            // Without depth, faster pixels count as nearer. Any increasing function of the speed would do.
+            // Without depth, faster pixels count as nearer. Any increasing function of the speed would give
+            // this order.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

@@ -1,4 +1,4 @@
-// A flat OpenEXR image of another program, with forward motion vectors and possibly depth.
+// A flat OpenEXR image that another program rendered, with forward motion vectors and possibly depth.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@ namespace postlens {
 
 /// Values of one pixel in the file.
 struct VectorPixel {
-    std::array<float, 3> rgb{};       ///< scene-linear; premultiplied if the file has an alpha
-    float inverse_z = 0;              ///< 1 / depth in the file's unit; 0: infinitely far
+    std::array<float, 3> rgb{};       ///< scene-linear, and premultiplied if the file has alpha
+    float inverse_z = 0;              ///< 1 / depth in the file's unit; 0 if infinitely far
     float right_px = 0, down_px = 0;  ///< displacement from this frame to the next
-    std::uint32_t id = 0;             ///< id of the surface; 0: not in the file
+    std::uint32_t id = 0;             ///< id of the surface; 0 if the file has none
     [[nodiscard]] bool still() const { return right_px == 0 && down_px == 0; }
 };
 
@@ -31,9 +31,10 @@ struct VectorFrame {
     bool has_z = false, has_alpha = false;
     double largest_px = 0;  ///< length of the longest vector
     std::string u_name, v_name;
-    std::string id_name;                ///< channel of the ids; empty: no ids
-    std::vector<std::string> problems;  ///< one line for each kind of ids in the file that is not used
-    std::vector<std::string> assumed;   ///< one line for each assumption about the file
+    std::string id_name;  ///< channel of the ids; empty if there are no ids
+    /// One line for each kind of ids that the file contains but that is not used.
+    std::vector<std::string> problems;
+    std::vector<std::string> assumed;  ///< one line for each assumption about the file
 
     [[nodiscard]] const VectorPixel& at(int x, int y) const {
         return pixels[static_cast<std::size_t>(y - y_begin) * static_cast<std::size_t>(x_end - x_begin) +
@@ -42,20 +43,21 @@ struct VectorFrame {
     [[nodiscard]] bool stores(int x, int y) const {
         return x >= x_begin && x < x_end && y >= y_begin && y < y_end;
     }
-    /// The image in the display window. Pixels that the file does not store are black.
+    /// Returns the image in the display window. Pixels that the file does not store are black.
     [[nodiscard]] Image picture() const;
 };
 
-/// Reads an image with motion vectors. Colours come from the part that `choice` selects
-/// (pictures/foreign/foreign_channels.h); of a stereo file, the hero view is used. Vectors, alpha, depth and
-/// ids may come from any part. Depth increases with distance. Pixels whose depth is 0 or at least 1e9, or
-/// whose alpha is 0, are background, infinitely far. Without depth, pixels that move faster on the raster
-/// count as nearer. Ids come from the first rank of a Cryptomatte or from an id channel.
+/// Reads an image with motion vectors. `choice` selects the part of the file from which the colours come
+/// (pictures/foreign/foreign_channels.h). Of a stereo file, the hero view is used. Vectors, alpha, depth and
+/// ids may come from any part. Ids come from the first rank of a Cryptomatte or from an id channel.
 ///
-/// Throws Error(invalid_input) for other kinds of files and for windows out of bounds (sides of 65536 px,
-/// 65536 px between the windows). Also throws it, with the pixel's position, for colours and vectors that are
-/// not finite, vectors longer than 1e6 px, and negative depths. Throws Error(out_of_memory) before memory is
-/// allocated.
+/// Depth increases with distance. A pixel is infinitely far background if its depth is 0 or at least 1e9, or
+/// if its alpha is 0. If there is no depth, pixels that move faster on the raster count as nearer.
+///
+/// Throws Error(invalid_input) for other kinds of files, for windows with sides above 65536 px, and for
+/// windows more than 65536 px apart. Throws the same error, with the pixel's position, for colours and
+/// vectors that are not finite, for vectors longer than 1e6 px, and for negative depths. Throws
+/// Error(out_of_memory) before memory is allocated.
 [[nodiscard]] VectorFrame read_vector_frame(const std::filesystem::path& path, const VectorChoice& vectors,
                                             const ForeignChoice& choice = {});
 

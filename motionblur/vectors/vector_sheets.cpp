@@ -12,9 +12,9 @@ namespace {
 constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F, nearly_equal_px = 0.25F;
 
 constexpr int edge = SheetMesh::square_px;
-constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four of W
+constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four entries of the matrix W
 
-/// The surfaces (sheets) of one square of the raster. Their indices start at 0 in each square.
+/// The sheets (surfaces) of one square of the raster. Indices start at 0 in each square.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -36,8 +36,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory per stored pixel: cells of sheets and of patches. The total is doubled because arrays grow;
-        // squares without stored pixels add their sheets.
+        // Memory for a stored pixel: cells of sheets and of patches. The total is doubled because arrays
+        // grow. Squares without stored pixels add the memory of their sheets.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,8 +59,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. All squares of the raster in which the file
-    /// stores no pixel share these cells.
+    /// Adds the cells of one black square of edge x edge px. All squares of the raster without stored pixels
+    /// share these cells.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -113,8 +113,8 @@ class SheetMaker {
                 }
             }
         }
-        // A sheet is a connected set of pixels of one kind, either moving or static. Their depths are close
-        // to the depth of the first pixel.
+        // A sheet is a connected set of pixels that all move or are all static. Their depths are close to the
+        // depth of the first pixel.
         std::vector<glm::ivec2> open, found;
         for (int i = 0; i < edge * edge; ++i) {
             const Cell& first = cells[static_cast<std::size_t>(i)];
@@ -178,8 +178,9 @@ class SheetMaker {
         }
     }
 
-    /// Velocity of a corner of a pixel. It is the mean over those of the four pixels around the corner that
-    /// belong to the same surface as this pixel. `dx`, `dy`: -1 or 1, the side of the corner.
+    /// Returns the velocity of a corner of a pixel. It is the mean velocity of those of the four pixels
+    /// around the corner that belong to the same surface as this pixel. `dx` and `dy` are -1 or 1 and select
+    /// the corner.
     [[nodiscard]] glm::vec2 corner(int x, int y, const VectorPixel& p, int dx, int dy) const {
         const auto joined = [&](const VectorPixel* a, const VectorPixel* b) {
             return a != nullptr && b != nullptr && one_surface(*a, *b, frame_.has_z);
@@ -188,7 +189,7 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The sum begins with the upper left pixel for all pixels at the corner, so that their sums are
+        // The sum begins with the upper left pixel for all pixels at the corner. Their sums are therefore
         // bit-identical.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
@@ -213,7 +214,7 @@ class SheetMaker {
                    cells = static_cast<std::uint32_t>(mesh_.fine.size()),
                    texels = static_cast<std::uint32_t>(mesh_.texels.size());
         for (Sheet s : square.sheets) {
-            if (!square.cells.empty()) s.first_cell += cells;  // else the shared black cells
+            if (!square.cells.empty()) s.first_cell += cells;  // otherwise the shared black cells
             mesh_.sheets.push_back(s);
         }
         for (const std::uint32_t c : square.cells)

@@ -1,4 +1,5 @@
-// Converts an image with motion vectors to sheets: connected surfaces whose pixels have velocities.
+// Converts an image with motion vectors to sheets. A sheet is a connected surface whose pixels have
+// velocities.
 #pragma once
 
 #include "motionblur/vectors/vector_frame.h"
@@ -9,24 +10,26 @@ namespace postlens {
 /// Object ids of the sheets that `vector_sheets` creates.
 inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
-/// Converts an image with motion vectors to sheets (connected surfaces within squares of the raster). A pixel
-/// is the mean over its square, so every pixel becomes a cell with one colour and one depth. The views'
-/// sample positions are distributed over the pixel. Static pixels therefore keep their exact values, and
-/// moving edges between pixels have the right coverage.
+/// Converts an image with motion vectors to sheets, which are connected surfaces within squares of the
+/// raster. A pixel is the mean over its square, so every pixel becomes a cell with one colour and one depth.
+/// The views' sample positions are distributed over the pixel. Static pixels therefore keep their exact
+/// values, and moving edges between pixels have the right coverage.
 ///
-/// At a pixel corner, the pixels that belong to one surface share the mean of their vectors, so that no
-/// cracks open in a surface that rotates or grows. Different surfaces separate. Pixels of the display window
-/// that the file does not store are black, static and infinitely far.
+/// At a corner shared by several pixels, those that belong to one surface get the mean of their vectors. This
+/// prevents cracks in a surface that rotates or grows. Different surfaces may separate. Pixels of the display
+/// window that the file does not store are black, static and infinitely far away.
 ///
-/// A cell's W contains its velocity v, px per frame to the right and down, as (-v.x 0; -v.y 0). The view from
-/// the lens point (t, 0) (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws
-/// Error(out_of_memory).
+/// The velocity v of a cell, in px per frame to the right and down, is stored as the matrix W = (-v.x 0; -v.y
+/// 0). W determines how the image of the cell moves with the lens point. The view from the lens point (t, 0)
+/// (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws Error(out_of_memory).
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
-/// Whether two neighbouring pixels belong to one surface. Their vectors must agree within 2 px or 10 % of the
-/// longer one, and their depths within 2 %. If both pixels have ids, equal ids replace equal depths. Without
-/// depths and ids, only the vectors are compared. Vectors within 0.25 px of each other are sufficient at any
-/// depths; this keeps a floor near the horizon in one piece, although its depth changes steeply.
+/// Returns whether two neighbouring pixels belong to one surface. Their vectors must agree within 2 px or 10
+/// % of the longer one, and their depths within 2 %. If both pixels have ids, the ids must be equal instead
+/// of the depths. If there are no depths and no ids, only the vectors are compared.
+///
+/// If the vectors agree within 0.25 px, depths and ids may differ. This keeps a floor near the horizon in one
+/// piece, although its depth changes steeply.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-"""Runs commands with options from Python: keyword arguments are converted to the words of a command line."""
+"""Runs commands from Python. Keyword arguments are converted to the words of a command line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _units = ("_m", "_mm", "_um", "_nm", "_px", "_s")
 
 
 def option_name(keyword: str) -> str:
-    """Returns the option for a keyword, for example `--focus` for `focus_m`: options have no units in their names."""
+    """Returns the option for a keyword. Options have no units in their names, so `focus_m` becomes `--focus`."""
     for unit in _units:
         if keyword.endswith(unit):
             keyword = keyword[: -len(unit)]
@@ -35,7 +35,7 @@ def option_name(keyword: str) -> str:
 
 
 def whole(what: str, text: str) -> str:
-    """Returns the text. The commands end a text at its first NUL, so a text with a NUL is an error."""
+    """Returns the text unchanged. Raises ArgumentError if it contains a NUL, where the commands would end the text."""
     if "\0" in text:
         raise ArgumentError(f"{what}: contains a NUL (got {text!r}; expected none)")
     return text
@@ -60,9 +60,9 @@ def _text(keyword: str, value: object) -> str:
 
 
 def words_of(options: Mapping[str, object]) -> list[str]:
-    """Returns the command-line words of options. None and False yield no words, True a flag without a value.
+    """Returns the command-line words of options. None and False yield no words. True yields a flag without a value.
 
-    Flags are last, so that an option that needs a value takes none of the other words for it.
+    Flags come last. Otherwise an option that needs a value could take another word for its value.
     """
     words: list[str] = []
     flags: list[str] = []
@@ -97,9 +97,9 @@ def path_text(what: str, path: object) -> str:
 
 
 def _in_keywords(text: str, options: Mapping[str, object]) -> str:
-    """Replaces the options in an error message by keywords: `--focus: ...` becomes `focus_m: ...`.
+    """Replaces the options in an error message by keywords. `--focus: ...` becomes `focus_m: ...`.
 
-    `--help` remains, because it is a word for the command line.
+    `--help` is not replaced, because it exists only on the command line.
     """
     keywords = {option_name(keyword): keyword for keyword in options}
 
@@ -114,7 +114,7 @@ _folder = os.path.dirname(__file__)
 
 
 def _users_level() -> int:
-    """Returns the stacklevel with which warnings.warn reports the line of the user's code that called this package."""
+    """Returns the stacklevel for warnings.warn. Warnings then report the line of the user's code that called us."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _folder:
         level, frame = level + 1, frame.f_back
@@ -132,9 +132,9 @@ def run_words(
 ) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
     """Runs a command in this process. Returns its report and the pictures that it does not write to files.
 
-    `options` are keyword arguments; their words are appended to `words`. Errors and warnings contain keywords instead
-    of options, and what `file_names` calls a file instead of its path. Without `pictures_stay`, pictures need an
-    output.
+    `options` are keyword arguments, whose words are appended to `words`. If they are given, errors and warnings
+    contain keywords instead of options. `file_names` maps paths to the names that appear in texts instead. If
+    `pictures_stay` is False, every picture must be written to a file.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")
@@ -153,7 +153,7 @@ def run_words(
         return text if options is None else _in_keywords(text, options)
 
     try:
-        # Names of files need not be UTF-8.
+        # Names of files may contain bytes that are not UTF-8.
         outcome = _postlens.run([os.fsencode(word) for word in words], int(threads), progress, kept, pictures_stay)
     except Error as error:
         raise error_of(error.exit_code, say(str(error))) from None

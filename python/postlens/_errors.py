@@ -10,7 +10,7 @@ class Error(Exception):
 
 
 class ArgumentError(Error, ValueError):
-    """An argument is out of range, unknown, missing, or cannot be combined with another."""
+    """An argument is out of range, unknown or missing, or it cannot be combined with another argument."""
 
     exit_code = 2
 
@@ -28,7 +28,7 @@ class OutputError(Error, OSError):
 
 
 class OutOfMemoryError(Error, MemoryError):
-    """The work needs more memory than is available. This is mostly detected before the work begins."""
+    """The work needs more memory than is available. In most cases, the error is raised before the work begins."""
 
     exit_code = 5
 
@@ -40,8 +40,11 @@ class Cancelled(Error):
 
 
 class PostlensWarning(UserWarning):
-    """A warning of a command, for example about an assumption. `code` is one word, as in the command's JSON. `share` is
-    the fraction of the pixels that the warning concerns, or 0 if it is not known."""
+    """A warning of a command, for example about an assumption that it makes.
+
+    `code` is one word that identifies the kind of warning, as in the command's JSON report. `share` is the fraction of
+    the pixels that the warning concerns, or 0 if it is not known.
+    """
 
     def __init__(self, text: str, code: str = "", share: float = 0.0) -> None:
         super().__init__(text)

@@ -1,4 +1,4 @@
-"""Frames: sample files and pictures of other programs, from which pictures are made."""
+"""Frames: sample files, or pictures of other programs. Pictures are made from them."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ def picture_of(
     options: dict[str, Any],
     kept: Optional["_postlens.KeptFrame"] = None,
 ) -> Picture:
-    """Runs a command and returns its picture in memory. `options` are the caller's arguments, as locals() returns
-    them."""
+    """Runs a command and returns its picture, which stays in memory. `options` are the caller's arguments, in the form
+    in which locals() returns them."""
     asked = {k: v for k, v in options.items() if k not in _not_options}
     report, pictures = run_words(words, asked, options["threads"], options["progress"], kept)
     made = [Picture(array, stops, report, passes) for array, stops, passes in pictures]
@@ -35,7 +35,7 @@ def picture_of(
 
 
 def _version(path: str) -> Optional[tuple[int, int, int, int]]:
-    """Returns a value that differs if another file has replaced this one. None if there is no file."""
+    """Returns a value that identifies the present version of a file, or None if there is no file."""
     try:
         status = os.stat(path)
     except OSError:
@@ -44,10 +44,10 @@ def _version(path: str) -> Optional[tuple[int, int, int, int]]:
 
 
 class Frame:
-    """A sample file, or a picture of another program with depth, from which pictures are made.
+    """A sample file, or a picture of another program that has depth. Pictures are made from it.
 
-    The records stay in memory, and all pictures use them. A frame makes one picture at a time. Several frames can make
-    pictures at the same time in several threads.
+    The records stay in memory and are used for all pictures. A frame makes one picture at a time. Several frames can
+    make pictures in several threads at the same time.
     """
 
     def __init__(self, path: PathLike, *, salvage: bool = False) -> None:
@@ -84,8 +84,8 @@ class Frame:
         return f"<postlens.Frame {self._path!r} {self.width}x{self.height}>"
 
     def _check_file(self) -> None:
-        """Raises InputError if another file has taken the place of the one that was opened. The records of a file that
-        was removed are still in memory."""
+        """Raises InputError if another file has replaced the file that was opened. A removed file is no error, because
+        its records are still in memory."""
         now = _version(self._path)
         if now is not None and now != self._file:
             raise InputError(f"{self._path}: has changed since it was opened (expected it to be opened again)")
@@ -103,7 +103,7 @@ class Frame:
         threads: int = 0,
         progress: Progress = None,
     ) -> Picture:
-        """Computes the pinhole picture from the records, without rays. Arguments are as in focus()."""
+        """Computes the picture through a pinhole from the records, without rays. Arguments are as in focus()."""
         return picture_of(self._words("image"), locals(), self._kept)
 
     def focus(
@@ -155,24 +155,27 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a lens.
 
-        f_number: f-number n; math.inf for a pinhole. Default: that of the file.
-        focus_m, focus_at: the focus distance, m, or the pixel (x, y) to focus on.
-        focal_length_mm: focal length F. It does not change the field of view, unless framing="lens".
+        f_number: the f-number, or math.inf for a pinhole. The default is the f-number in the file.
+        focus_m, focus_at: the focus distance in m, or the pixel (x, y) to focus on.
+        focal_length_mm: the focal length. It does not change the field of view, unless framing="lens".
         method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole".
         views: number of lens points to which the methods "lightfield" and "hybrid" reproject the records.
-        target_db: the PSNR, dB, that "auto" must reach.
-        scene: the scene from which the frame was traced. Rays then replace view samples that the records do not
+        target_db: the PSNR, in dB, that "auto" must reach.
+        scene: the scene from which the frame was traced. With a scene, rays replace samples that the records do not
             determine, and the error of the picture is measured (Picture.stated_db).
         impulse: the image of a point that is out of focus: "disc", "polygon:6", "image:aperture.png", "lens:FILE", ...
-        crop: (x, y, width, height), px. exposure: stops or "auto".
-        behind: pictures of the same camera that lie behind this one, nearest first; behind_layer: their layer.
+        crop: the rectangle to compute, (x, y, width, height) in px.
+        exposure: stops or "auto".
+        behind: pictures of the same camera that lie behind this one, nearest first.
+        behind_layer: the layer of the pictures in `behind`.
         holdout, keep_sharp, matte: objects in a picture of another program, by name, number or mask file.
-        focus_offset: offset of the focus by object, m. passes: any of "coc", "sides", "cryptomatte", "error"; they are
-            returned in Picture.passes.
-        layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px, z:
-            how to read a picture of another program, see docs/inputs.md.
-        threads: number of threads; 0: all. progress: function that is called as progress(fraction, seconds_left) during
-            the work. If it raises an exception, the work stops and the exception is raised here.
+        focus_offset: for each object, an offset of its focus, in m.
+        passes: any of "coc", "sides", "cryptomatte", "error". They are returned in Picture.passes.
+        layer, depth_channel, depth_encoding, depth_file, ids, ids_file, film_width_mm, film_distance_mm, overscan_px,
+            z: how to read a picture of another program, see docs/inputs.md.
+        threads: number of threads, or 0 for all.
+        progress: a function that is called as progress(fraction, seconds_left) during the work. If it raises an
+            exception, the work stops and the exception is raised here.
 
         Returns a Picture. Raises ArgumentError, InputError or OutOfMemoryError with the command's message.
         """
@@ -210,8 +213,10 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a lens and an open shutter.
 
-        shutter: (open, close), s on the scene's clock; default: the exposure in the file. shutter_curve: "box",
-        "triangle" or a file. paths: a file with the motion of objects. Other arguments are as in focus().
+        shutter: (open, close), in seconds on the scene's clock. The default is the exposure in the file.
+        shutter_curve: "box", "triangle" or a file.
+        paths: a file with the motion of objects.
+        Other arguments are as in focus().
         """
         return picture_of(self._words("shoot"), locals(), self._kept)
 
@@ -248,8 +253,9 @@ class Frame:
     ) -> Picture:
         """Makes the picture through a pinhole and an open shutter.
 
-        shutter: (open, close), s on the scene's clock. For a picture with motion vectors the unit is a frame: 0 is
-            this frame, 1 the next. method: "convolve", "lightfield" or "auto".
+        shutter: (open, close), in seconds on the scene's clock. For a picture with motion vectors, the unit is a frame:
+            0 is this frame, and 1 is the next.
+        method: "convolve", "lightfield" or "auto".
         vectors, vector_scale, vector_offset, vectors_file: how to read motion vectors, see docs/motion_vectors.md.
         Other arguments are as in focus().
         """
@@ -265,9 +271,11 @@ class Frame:
         shutter: Union[Span, Sequence[Span], None] = None,
         **options: Any,
     ) -> Iterator[Picture]:
-        """Yields a picture for every combination of the values. The values of the last argument change fastest. The
-        records stay in memory between pictures. Other options are those of focus(), or of shoot() if a shutter is
-        given. Picture.geometry contains the settings of each picture."""
+        """Yields a picture for every combination of the values. The values of the last argument change fastest.
+
+        The records stay in memory between pictures. Other options are those of focus(), or those of shoot() if a
+        shutter is given. Picture.geometry contains the settings of each picture.
+        """
         if isinstance(shutter, tuple) and len(shutter) == 2 and not isinstance(shutter[0], (tuple, list)):
             shutter = [shutter]  # type: ignore[list-item]
         axes: dict[str, Sequence[Any]] = {}
@@ -289,8 +297,8 @@ class Frame:
         return pictures()
 
     def records(self, *, key: int = 0) -> "_postlens.Records":
-        """Reads the records of one of the recorded instants; 0 is the frame's own. Returns numpy columns that are
-        views of one array, so nothing is copied. Colours are radiance."""
+        """Reads the records of the recorded instant number `key`. Number 0 is the frame's own instant. Returns numpy
+        columns, which are views of one array and are not copied. Colours are radiance."""
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, numbers.Integral) or not 0 <= key < 2**31:
@@ -299,15 +307,18 @@ class Frame:
         return _postlens.read_records(self._path, int(key), self._salvage)
 
     def tree_at(self, x: float, y: float, **options: Any) -> Report:
-        """Returns the shading trees at a pixel, as `postlens records --json` does: its point samples with their
-        weights, each with its nodes. A node has path, id, name, z' and W. It also has a CoC if the arguments or
-        the file define the lens."""
+        """Returns the shading trees at a pixel, in the form of `postlens records --json`.
+
+        The report lists the point samples of the pixel with their weights, and for each sample the nodes of its shading
+        tree. A node has path, id, name, z' (depth) and W. If the arguments or the file define the lens, it also has the
+        diameter of its circle of confusion.
+        """
         return run_words(self._words("records"), {"at": (x, y), **options})[0]
 
 
 def open(path: PathLike, *, salvage: bool = False) -> Frame:
-    """Opens a sample file, or an OpenEXR picture of another program. salvage: read the undamaged rows of a damaged
-    sample file."""
+    """Opens a sample file, or an OpenEXR picture of another program. With `salvage`, the undamaged rows of a damaged
+    sample file are read."""
     return Frame(path, salvage=salvage)
 
 
@@ -344,11 +355,12 @@ def trace(
     """Traces a scene through a pinhole, once for all lenses.
 
     output: the sample file to write. Without it, a temporary file is written, which is removed with the Frame.
-    size: (width, height), px; default: that of the camera.
+    size: (width, height) in px. The default is the size that the camera states.
     for_f_number, for_shutter: the smallest f-number and the shutter for which the records must suffice.
-    for_focus_m: the focus distance for which overscan_px="auto" and plan make the records suffice.
-    for_rays: pictures will be made with rays (the argument scene of Frame.focus), for which coarse records suffice.
-    plan: choose subdivision, hidden layers, overscan and recorded instants for target_db.
+    for_focus_m: the focus distance for which overscan_px="auto" and `plan` make the records suffice.
+    for_rays: whether pictures will be made with rays (the argument `scene` of Frame.focus). Coarse records then
+        suffice.
+    plan: chooses subdivision, hidden layers, overscan and recorded instants for target_db.
     `postlens trace --help` describes the other arguments.
 
     Returns the Frame. Its trace_report is the report of `postlens trace --json`.
@@ -408,8 +420,10 @@ def render(
 ) -> Picture:
     """Renders the reference by distributed rays over lens and time.
 
-    spp: samples per pixel. halves: also keep two pictures of independent halves of the samples (Picture.halves). Their
-    difference measures the noise. Other arguments are as in Frame.focus() and trace().
+    spp: samples per pixel.
+    halves: also keeps two pictures of independent halves of the samples (Picture.halves). Their difference measures the
+        noise.
+    Other arguments are as in Frame.focus() and trace().
     """
     options = dict(locals())
     return picture_of(["render", path_text("scene", options.pop("scene"))], options)

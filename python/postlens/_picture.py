@@ -1,4 +1,4 @@
-"""Pictures: arrays with their exposure, report and further channels."""
+"""Pictures: arrays of pixels with their exposure, report and further channels."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _geometry_keys = (
 
 
 def pixels_of(what: str, values: object) -> Array:
-    """Converts an array of floats of any precision and order to (height, width, 3 or 4) float32 in C order."""
+    """Converts an array of shape (height, width, 3 or 4) to float32 in C order. Its values must be floats."""
     if isinstance(values, np.ma.MaskedArray) and np.any(values.mask):
         raise ArgumentError(f"{what}: has masked values (got a masked array; expected e.g. its filled(0))")
     array = np.asarray(values)
@@ -38,11 +38,13 @@ def pixels_of(what: str, values: object) -> Array:
 class Picture:
     """A picture that postlens has made or read.
 
-    array: float32 (height, width, 3), or 4 with alpha; scene-linear, radiance times 2^exposure_stops; row 0
-        at the top. It may be changed. Picture(array) copies the array only if it is not float32 in C order.
-    exposure_stops: the exposure of the array; None if it is not known, as for a PNG file of another program.
+    array: float32 of shape (height, width, 3), or (height, width, 4) with alpha. The values are scene-linear: radiance
+        times 2^exposure_stops. Row 0 is at the top. The array may be changed. Picture(array) copies it only if it is
+        not float32 in C order.
+    exposure_stops: the exposure of the array, or None if it is not known, as for a PNG file of another program.
     report: the JSON report of the command (--json), as a dict.
-    passes: further channels by name, float32 (height, width). The ids of a Cryptomatte are the bits of the floats.
+    passes: further channels by name, float32 of shape (height, width). The ids of a Cryptomatte are stored as the bits
+        of the floats.
     """
 
     def __init__(
@@ -60,20 +62,20 @@ class Picture:
 
     @property
     def stated_db(self) -> Optional[float]:
-        """PSNR against the exact picture, dB. It is measured with rays while the picture is made (methods hybrid and
-        auto with a scene). None if it was not measured."""
+        """PSNR against the exact picture, in dB, or None if it was not measured. The methods hybrid and auto measure it
+        with rays while they make the picture, if a scene is given."""
         return self.report.get("stated_db")
 
     @property
     def stated_range_db(self) -> Optional[tuple[float, float]]:
-        """The 95 % confidence interval of stated_db, dB. None if the error was not measured."""
+        """The 95 % confidence interval of stated_db, in dB, or None if the error was not measured."""
         low, high = self.report.get("stated_low_db"), self.report.get("stated_high_db")
         return None if low is None else (low, float("inf") if high is None else high)
 
     @property
     def target_met(self) -> bool:
-        """False if the picture does not reach target_db. With strict=True, also False if the sample file does not
-        suffice."""
+        """False if the picture does not reach target_db. With strict=True, also False if the records of the sample file
+        do not suffice for the picture."""
         return bool(self.report.get("exit_code", 0) == 0)
 
     @property
@@ -83,7 +85,7 @@ class Picture:
 
     @property
     def geometry(self) -> dict[str, Any]:
-        """The lens, shutter and method with which the picture was made. Names of values include their units."""
+        """The lens, shutter and method with which the picture was made, by name. Names include units."""
         return {key: self.report[key] for key in _geometry_keys if self.report.get(key) is not None}
 
     @property
@@ -91,7 +93,10 @@ class Picture:
         return self.array.shape
 
     def save(self, path: PathLike) -> None:
-        """Writes .exr (scene-linear), or .png, .tif or .jpg (sRGB, clamped). A failure leaves no incomplete file."""
+        """Writes the picture as .exr (scene-linear), or as .png, .tif or .jpg (sRGB, clamped).
+
+        If writing fails, no incomplete file remains.
+        """
         stops = self.exposure_stops
         if stops is not None and not (isinstance(stops, numbers.Real) and -100 <= stops <= 100):
             raise ArgumentError(f"exposure_stops: out of range (got {stops!r}; expected -100 to 100, or None)")
@@ -159,12 +164,13 @@ def compare(
     """Measures the error of a picture against its reference: PSNR, RMSE, relMSE, SSIM and FLIP.
 
     image, reference: a Picture, an array (height, width, 3 or 4) of floats, or a file.
-    noise: an independent render of the reference. If given, the noise of the reference is subtracted from the error.
-    pinhole: the picture without a lens. If given, errors of only the pixels that the lens changes are added.
-    map, side_by_side: image files to write; both show the differences.
-    exposure: the exposure at which all pictures are compared, stops or "auto"; default: that of the reference.
+    noise: an independent render of the reference. With it, the noise of the reference is subtracted from the error.
+    pinhole: the picture without a lens. With it, the report also states the error of the pixels that the lens changes.
+    map, side_by_side: image files to write, which show the differences.
+    exposure: the exposure at which all pictures are compared, in stops or "auto". The default is the exposure of the
+        reference.
 
-    Returns a dict with psnr_db, rmse, relmse, ssim, flip and more, as `postlens compare --json` does.
+    Returns a dict with psnr_db, rmse, relmse, ssim, flip and more: the report of `postlens compare --json`.
     Raises ArgumentError for wrong shapes or types, and InputError for unequal sizes.
     """
     with _AsFiles() as files:

@@ -1,4 +1,4 @@
-"""What postlens' Python code is made of."""
+"""The extension module on which the public Python API is built."""
 
 import os
 from typing import Any, Callable, Optional, Union

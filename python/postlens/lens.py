@@ -19,8 +19,8 @@ def coc(
     coc_limit_mm: Optional[float] = None,
     pixel_pitch_um: Optional[float] = None,
 ) -> Report:
-    """Returns coc_mm and coc_px, the circle of confusion of a point at depth_m, and the depth of field (Potmesil and
-    Chakravarty 1981)."""
+    """Returns the diameter of the circle of confusion of a point at depth_m, as coc_mm and coc_px. The formula is that
+    of Potmesil and Chakravarty (1981). Also returns the depth of field."""
     return run_words(["lens", "coc"], locals())[0]
 
 
@@ -32,7 +32,8 @@ def dof(
     coc_limit_mm: Optional[float] = None,
     pixel_pitch_um: Optional[float] = None,
 ) -> Report:
-    """Returns the range of depths that appear sharp: near_m, far_m (None: infinity) and hyperfocal_m."""
+    """Returns the range of depths that appear sharp, from near_m to far_m, and hyperfocal_m. If the range extends to
+    infinity, far_m is None."""
     return run_words(["lens", "dof"], locals())[0]
 
 
@@ -50,7 +51,8 @@ def psf(
     cats_eye: Optional[float] = None,
     spherical: Optional[float] = None,
 ) -> Picture:
-    """Returns the impulse response (image of one scene point): energy per pixel, the same in all three channels."""
+    """Returns the impulse response, which is the image of one scene point. Its values are the energy per pixel, and are
+    the same in all three channels."""
     options: dict[str, Any] = dict(locals())
     with tempfile.TemporaryDirectory(prefix="postlens-") as folder:
         path = os.path.join(folder, "psf.exr")
@@ -71,8 +73,8 @@ def prescription(
     film_width_mm: Optional[float] = None,
     output: Optional[PathLike] = None,
 ) -> Report:
-    """Returns focal lengths, pupils and more of a lens prescription (.dat, .zmx, .seq, .toml). output: file for its
-    drawing."""
+    """Returns focal lengths, pupils and more of a lens prescription (.dat, .zmx, .seq, .toml). If `output` is given, a
+    drawing of the lens is written to this file."""
     options = dict(locals())
     words = ["lens", "show", path_text("path", options.pop("path"))]
     return run_words(words, options)[0]

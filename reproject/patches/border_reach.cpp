@@ -82,7 +82,7 @@ void BorderReach::Side::widen(const TimeSpanViews& span, const LensReach& lens) 
         const auto begin = span.first.use->motions[cell.motion_class](from),
                    end = span.last.use->motions[cell.motion_class](from);
         if (!begin && !end) continue;
-        if (!begin || !end) {  // the cell passes the camera's plane, so it may be anywhere
+        if (!begin || !end) {  // the cell moves through the plane of the camera, so it may be anywhere
             deepest_px = sideways_px = farthest_px;
             continue;
         }
@@ -131,12 +131,12 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
                    last = static_cast<std::ptrdiff_t>(std::ceil(end + reach - side.first));
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
-        // Marks the pixels in which the view may see a surface of the depth of `s` beyond the border.
-        // `along`: position of the border cell along the side, as the view sees it.
+        // Marks the pixels in which the view may see a surface that continues beyond the border at the depth
+        // of `s`. `along` is the position along the side at which the view sees the border cell.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
-            // The range is extended by one pixel at both ends, since the surface may continue obliquely to
-            // the border.
+            // The range is extended by one pixel at both ends, because the surface may continue at an angle
+            // to the border.
             const int a0 = std::max(0, static_cast<int>(std::ceil(along - 1 - begin - sample_along))),
                       a1 = std::min(static_cast<int>(end - begin) - 1,
                                     static_cast<int>(std::floor(along + 1 - begin - sample_along)));
@@ -159,8 +159,8 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
             const Seen s = see(side, static_cast<std::size_t>(i), view, use);
             if (s.any) mark_cell(s, s.along);
         }
-        // Beyond the corners of the raster, the border is assumed to continue with the depth of its first or
-        // last cell.
+        // Beyond the corners of the raster, the border is assumed to continue at the depth of the side's
+        // first or last cell.
         const auto mark_beyond = [&](std::ptrdiff_t corner, std::ptrdiff_t from, std::ptrdiff_t to) {
             const Seen s = see(side, static_cast<std::size_t>(corner), view, use);
             if (!s.any || !(std::abs(s.along) < farthest_px)) return;

@@ -13,14 +13,14 @@
 
 namespace postlens {
 
-/// Finds the pixels in which views may see surfaces from beyond the border of the recorded pixels. A surface
-/// at the border is assumed to continue beyond it, at the nearest depth that is recorded at this point of the
-/// border.
+/// Finds the pixels in which views may see surfaces from beyond the border of the recorded pixels. Each
+/// surface at the border is assumed to continue beyond it, at the nearest depth that is recorded at that
+/// point of the border.
 class BorderReach {
   public:
-    /// `instant`: index of the recorded instant whose directly visible patches are `primary`.
+    /// `instant` is the index of the recorded instant to which the patches of `primary` belong.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
-    /// Whether a view may see a surface from beyond the border anywhere in the tile.
+    /// Returns whether a view may see a surface from beyond the border anywhere in the tile.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
     /// Sets SeenTile::maybe_inverse_z in the pixels where the view may see a surface from beyond the border.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
@@ -40,24 +40,24 @@ class BorderReach {
     };
     /// One side of the raster.
     struct Side {
-        bool across = false;  ///< true: left or right side; false: top or bottom
-        bool after = false;   ///< true: right or bottom side
-        int first = 0;        ///< raster px of the first cell, along the side
+        bool across = false;  ///< whether this is the left or right side
+        bool after = false;   ///< whether this is the right or bottom side
+        int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in any view, of a pixel at this side of the raster, px: into the raster
-        /// (`deepest_px`) and along the side (`sideways_px`).
+        /// Largest displacement, in px, of a pixel at this side of the raster in any view. `deepest_px` is
+        /// the displacement into the raster, and `sideways_px` is the displacement along the side.
         double deepest_px = 0, sideways_px = 0;
-        /// Enlarges `deepest_px` and `sideways_px` so that they include a displacement of a pixel at this
-        /// side by `moved_px`. The true displacement may differ from `moved_px` by up to `around_px`.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px` of a pixel at this
+        /// side. The true displacement may differ from `moved_px` by up to `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` for every pixel at this side that shows a moving object,
-        /// in all views of a time span.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacements, in all views of a time span,
+        /// of every pixel at this side that shows a moving object.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Position in a view of the centre of pixel `i` of a side of the raster (Side::cells), raster px:
-    /// measured along this side, and perpendicular to it.
+    /// Where a view sees the centre of pixel `i` of a side (Side::cells), in raster px. `along` is measured
+    /// along the side, `across` perpendicular to it.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

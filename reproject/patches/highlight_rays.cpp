@@ -8,11 +8,12 @@
 namespace postlens {
 namespace {
 
-/// Rays per pixel. Most pixels see either all light of a highlight or none, so few rays suffice. A first
-/// round of few rays finds the pixels in which rays differ; these pixels get many rays. The first round is
-/// not used for the result, because the mean of rays that agree only by chance would be wrong.
+/// Numbers of rays per pixel. Most pixels see either all light of a highlight or none, so few rays suffice
+/// there. A first round with few rays finds the pixels in which the rays differ. In a second round, these
+/// pixels get many rays, and all others get few. Only the second round enters the result, because the mean of
+/// rays that agree only by chance would be wrong.
 constexpr int few_rays = 4, many_rays = 28;
-/// Two rays differ if their light differs by more than this factor.
+/// Two rays differ if the light of one is less than that of the other by more than this fraction.
 constexpr double differing = 1e-3;
 
 }  // namespace
@@ -63,7 +64,7 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // The seed makes the lines of each pixel, set, range of views and round independent.
+        // The seed makes the lines independent between pixels, sets, ranges of views and rounds.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
         seed = mix64(seed ^ static_cast<std::uint64_t>(round));

@@ -11,14 +11,15 @@
 
 namespace postlens {
 
-/// Checks the highlights in the pixels of a tile. A view's ray rarely hits a small light, so its residual
-/// says nothing about highlights. Therefore rays are aimed at the recorded highlights, through the lens
-/// points from which their light should reach the pixel (Lights::aim). They show whether it does: a surface
-/// that is not recorded may hide a highlight, or a mirror may not show it where W predicts.
+/// Checks the highlights in the pixels of a tile. A view's ray rarely hits a small light, so the view's
+/// residual says nothing about highlights. Therefore, additional rays are aimed at the recorded highlights,
+/// through the lens points from which their light should reach the pixel (Lights::aim). The light may fail to
+/// arrive: a surface that is not recorded may hide the highlight, or a mirror may not show it where the
+/// matrix W predicts it.
 class CheckedHighlights {
   public:
-    /// Sets the members of `checks` that describe highlights, per pixel of the tile. `light`: the result of
-    /// Lights::add.
+    /// Sets the members of `checks` that describe highlights, for each pixel of the tile. `light` is the
+    /// result of Lights::add.
     void check(const PatchField& field, const PatchViews& set, const TilePlace& at,
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 

@@ -1,5 +1,5 @@
-// Bounds of the distortion of a patch (nearly planar part of a surface) by motion. The bounds limit the
-// patch's size and the error of its depth plane.
+// Computes bounds of the distortion of a patch (nearly planar part of a surface) by motion. The bounds limit
+// the patch's size and the error of its depth plane.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace postlens {
 
-/// Function object for PatchLens::motion. It computes bounds of the distortion of a part of a surface by the
-/// motions in all views.
+/// A function object for PatchLens::motion. It computes bounds of the distortion of a part of a surface that
+/// the motions in all views cause.
 struct StrainOfMotions {
-    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions).
-    /// `strain_views` views, spread uniformly over the shutter, are enough.
+    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions). It is
+    /// sufficient to use `strain_views` views that are spread uniformly over the shutter.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 
-    /// The maximum over the views; 0 if the object does not move.
+    /// Returns the maximum over the views, or 0 if the object does not move.
     [[nodiscard]] MotionStrain operator()(const SheetKey& key, const RasterPoint& middle,
                                           const glm::dvec2& slope, const glm::dvec2& reach) const;
 };

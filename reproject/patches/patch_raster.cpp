@@ -10,18 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Smallest determinant of the affine map of a patch into a view. With a smaller one, the patch is seen
-/// edge-on and covers no sample.
+/// Smallest determinant of the affine map of a patch into a view. If the determinant is smaller, the patch is
+/// seen edge-on and covers no sample.
 constexpr double smallest_area = 1e-6;
 
-/// Number of samples of a row that are processed together: few_lanes if the patch covers at most few_lanes
-/// samples in every row, otherwise most_lanes.
+/// Number of samples of a row that are processed together. It is few_lanes if the patch covers at most
+/// few_lanes samples in every row, and most_lanes otherwise.
 constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
-/// Samples (i, j) of a tile that a patch (nearly planar part of a surface) may cover, and the data needed to
-/// draw them. Sample i of row j lies at `first(j) + i * by` in the patch's coordinates. Positions are
-/// computed from i rather than step by step, so that dividing a row differently does not change rounding.
+/// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
+/// coordinates, sample i of row j lies at `first(j) + i * by`. This position is computed directly from i, not
+/// step by step, so that rounding does not depend on how a row is divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -42,13 +42,14 @@ struct Run {
     }
 };
 
-/// Samples of a row: index of the cell, position in the cell, and inverse depth of each.
+/// Some neighbouring samples of a row. Each has the index of its cell, its position in the cell, and its
+/// inverse depth.
 struct Lanes {
     alignas(64) std::array<std::int32_t, most_lanes> cell;
     alignas(64) std::array<float, most_lanes> x, y, z;
 };
 
-/// The arrays of a SeenTile, from some pixel on.
+/// The arrays of a SeenTile, beginning at some pixel.
 struct Seen {
     float* z;
     std::uint32_t* texel;
@@ -59,8 +60,8 @@ Seen seen_in(SeenTile& tile) {
     return {tile.inverse_z.data(), tile.texel.data(), tile.maybe_inverse_z.data()};
 }
 
-/// Element n is 1 << n. This is a table because some instruction sets cannot shift each lane by a different
-/// number of bits.
+/// Element n is 1 << n. A table is used because some instruction sets cannot shift each lane (element of a
+/// vector) by a different number of bits.
 alignas(64) constexpr std::uint32_t bit[most_lanes] = {
     1,       1U << 1, 1U << 2,  1U << 3,  1U << 4,  1U << 5,  1U << 6,  1U << 7,
     1U << 8, 1U << 9, 1U << 10, 1U << 11, 1U << 12, 1U << 13, 1U << 14, 1U << 15};
@@ -68,8 +69,9 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 // These functions are inlined into functions that are compiled for several instruction sets.
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
-/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a mask: bit n
-/// is set if sample begin + n lies in the patch and is nearer than there[n], the inverse depth drawn so far.
+/// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.
+/// Bit n is set if sample begin + n lies in the patch and is nearer than what has been drawn there so far,
+/// which has the inverse depth there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -100,7 +102,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a mask of the samples that need a node whose parent is the object `id` (WantedPixels::in).
+/// Returns a bit mask of the samples that need a node reflected or transmitted by the object `id`
+/// (WantedPixels::in).
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -109,8 +112,8 @@ POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::u
     return found;
 }
 
-/// Descends a quadtree from `node` to the leaf (undivided cell) that contains the position (x, y), 0 to 1
-/// within the cell.
+/// Descends a quadtree from `node` to the leaf (undivided cell) that contains the position (x, y). The
+/// position is relative to the cell, from 0 to 1.
 POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x, float y) {
     for (int level = 0; level < run.depth && (node & SheetNode::leaf) == 0; ++level) {
         x *= 2;
@@ -123,8 +126,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples whose bit is set in `found` and whose leaf in the patch's quadtree is not empty. The
-/// loop is scalar: about half of the bits are 0, and a SIMD gather of sixteen samples is not faster.
+/// Draws the samples whose bit is set in `found`, unless their leaf in the patch's quadtree is empty. The
+/// loop is scalar, because a SIMD gather of sixteen samples is not faster when half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));
@@ -183,7 +186,7 @@ POSTLENS_MULTIVERSION void draw_rows_in(const Run& run, const std::uint32_t* in,
     }
 }
 
-/// Bounding box of some pixels of a tile, which are added row by row.
+/// Bounding box of pixels of a tile. The pixels are added row by row.
 class PartOfPixels {
   public:
     void add(int x, int y) {
@@ -198,7 +201,7 @@ class PartOfPixels {
     TilePart part_{SeenTile::edge, 0, 0, 0};
 };
 
-/// The samples of a part of a tile that a patch may cover. Returns nothing if the patch covers no sample.
+/// Returns the samples of a part of a tile that a patch may cover, or nothing if it covers no sample.
 std::optional<Run> run_of(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place,
                           const TilePlace& tile, const TilePart& part) {
     const RasterRect rect = covered(patch, place);
@@ -294,8 +297,7 @@ void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& 
     if (!(torn <= largest_torn_px) || !(std::abs(glm::determinant(m)) > smallest_area)) return;
     const std::uint32_t parent_id = mesh.sheet(patch).key.parent_id;
     // Every row is drawn from the tile's left border, although pixels are only wanted from part.x_begin on.
-    // Sample positions depend, by rounding, on the first sample of the row, so they would differ slightly if
-    // rows began elsewhere.
+    // If rows began elsewhere, rounding would change the positions of samples slightly.
     const auto run =
         run_of(mesh, patch, place, tile, {0, wanted.part.x_end, wanted.part.y_begin, wanted.part.y_end});
     if (!run) return;

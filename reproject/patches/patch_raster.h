@@ -1,5 +1,5 @@
-// Rasterises patches (nearly planar parts of surfaces) into a tile of the image with a depth test, one sample
-// per pixel.
+// Rasterises patches (nearly planar parts of surfaces) into a tile of the image with a depth test. Each pixel
+// has one sample.
 #pragma once
 
 #include <algorithm>
@@ -13,23 +13,23 @@ namespace postlens {
 
 struct TilePlace;
 
-/// The nearest surface that one view sees in each pixel of a tile.
+/// The nearest surface in each pixel of a tile, as one view sees it.
 struct SeenTile {
     static constexpr int edge = 64;  ///< px
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel`, for nodes seen by reflection or transmission. It is set if the node was drawn by a
-    /// patch with nonlinear W (Patch::bent), which is reprojected inaccurately.
+    /// Bit of `texel` for nodes seen by reflection or transmission. The bit is set if the patch of the node
+    /// has a nonlinear matrix W (Patch::bent), so that its reprojection is inaccurate.
     static constexpr std::uint32_t bent = 0x80000000U;
 
-    /// SIMD kernels read 16 values at a time, and may therefore read beyond the end of the last row.
+    /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
     static constexpr std::size_t slack = 16;
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may or may not cover the pixel (SheetNode::maybe). Only set
-    /// if this surface is nearer than all surfaces drawn before.
+    /// Inverse depth of the nearest surface that may or may not cover the pixel (SheetNode::maybe). It is
+    /// only set if this surface is nearer than all surfaces that were drawn before it.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -39,20 +39,20 @@ struct SeenTile {
     }
     /// Clears only the pixels in use.
     void clear(const TilePlace& at);
-    /// Whether the visible surface may be hidden by a surface whose edge the records do not resolve.
+    /// Whether a surface whose edge the records do not resolve may hide the visible surface.
     [[nodiscard]] bool may_be_hidden(std::size_t pixel) const {
         return maybe_inverse_z[pixel] > inverse_z[pixel];
     }
 };
 
-/// Position of a tile on the raster, the pixels in use, and the sample position within each pixel.
+/// Position of a tile on the raster, number of its pixels in use, and sample position within each pixel.
 struct TilePlace {
     int x = 0, y = 0;                                     ///< raster px of the first pixel
     int width = SeenTile::edge, height = SeenTile::edge;  ///< pixels in use
     glm::dvec2 sample{0.5};                               ///< px
 };
 
-/// Sets `values` in the pixels in use. A row of `values` has SeenTile::edge elements.
+/// Sets `values` to `value` in the pixels in use. A row of `values` has SeenTile::edge elements.
 template <typename Values>
 void fill_pixels(const TilePlace& at, Values& values, const typename Values::value_type& value) {
     for (int y = 0; y < at.height; ++y) std::fill_n(values.begin() + y * SeenTile::edge, at.width, value);
@@ -64,7 +64,7 @@ inline void SeenTile::clear(const TilePlace& at) {
     fill_pixels(at, maybe_inverse_z, nothing);
 }
 
-/// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, counted from its corner.
+/// The pixels [x_begin, x_end) x [y_begin, y_end) of a tile, relative to the tile's corner.
 struct TilePart {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     [[nodiscard]] bool empty() const { return x_begin >= x_end || y_begin >= y_end; }
@@ -77,7 +77,8 @@ struct TilePart {
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
-    /// Whether any non-empty block overlaps the rectangle [x0, x1] x [y0, y1], in px from the tile's corner.
+    /// Returns whether a non-empty block overlaps the rectangle [x0, x1] x [y0, y1]. Coordinates are in px
+    /// from the tile's corner.
     [[nodiscard]] bool any_in(float x0, float x1, float y0, float y1) const {
         constexpr auto end = static_cast<float>(SeenTile::edge);
         if (!(x1 >= 0 && x0 < end && y1 >= 0 && y0 < end)) return false;
@@ -98,45 +99,47 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch at `place`. In each pixel the nearest surface is kept; among equally near surfaces, the
-/// first one drawn. A patch that shows its back is not drawn, because its back is not recorded.
+/// Draws a patch at `place`. Each pixel keeps the nearest surface. If surfaces are equally near, the pixel
+/// keeps the one that was drawn first. A patch that would show its back is not drawn, because its back is not
+/// recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a reflected or transmitted surface is needed, and the objects that reflect or transmit
-/// it.
+/// The pixels in which a reflected or transmitted surface is needed, with the objects that reflect or
+/// transmit it.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
-        in{};       ///< for each pixel that needs a node, id of the object that reflects or transmits it
-    TilePart part;  ///< bounding box of these pixels; empty: no pixel needs a node
+        in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
+    TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether some pixels need a shading-tree node whose parent node is missing. There, `in` contains
-    /// in_gap(id), where id belongs to the nearest ancestor of the node that the view sees.
+    /// Whether some pixels need a shading-tree node whose parent node is missing. For such a pixel, `in`
+    /// contains in_gap(id), where id is the object of the node's nearest ancestor that the view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Finds the pixels of `part` in which a node of `in` (the nodes that the view sees on the parent path) has a
-/// separately drawn child node for the bounce `bounce` (child_bit), and writes them to `wanted`. The texels
-/// of `in` belong to `in_mesh`. `part` must contain all pixels that have such child nodes. The pixels found
-/// are cleared in `out`. All other pixels in the rows of `part` get an infinite inverse depth, so that
-/// nothing is drawn there.
+/// Finds the pixels of `part` that need a separately drawn node, and writes them to `wanted`. `in` contains
+/// the nodes of the parent path that the view sees. A pixel needs the node if the texel of its parent node
+/// has a child node for the bounce `bounce` (child_bit). The texels of `in` belong to `in_mesh`. `part` must
+/// contain all pixels with such texels. The pixels that are found are cleared in `out`. All other pixels in
+/// the rows of `part` get an infinite inverse depth, so that nothing is drawn there.
 ///
-/// Where a parent node is needed, but missing in `in`, the view may still see its child. For these pixels
+/// A parent node may be needed but missing in `in`. The view may still see its child. For such a pixel,
 /// `around` returns the id of the missing node's nearest ancestor that the view sees. Without `around`, these
 /// pixels are left out.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Bounding box of those pixels of a tile that show a surface with reflected or transmitted child nodes, if
-/// these nodes are drawn separately from the surface.
+/// Returns the bounding box of the pixels of a tile that show a surface with separately drawn reflected or
+/// transmitted nodes.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch of reflected or transmitted nodes with a depth test. Only pixels are drawn that need a node
-/// of the object that reflects or transmits the patch. The patch may be mirror-inverted. A patch is not drawn
-/// if the view stretches a raster px to more than `largest_torn_px`. A patch with nonlinear W (Patch::bent)
-/// is not drawn in pixels where the parent node is missing (WantedPixels::any_gaps). `out` must come from
-/// find_wanted.
+/// Draws a patch of reflected or transmitted nodes with a depth test. Pixels are drawn only if they need a
+/// node of the object that reflects or transmits the patch. The patch may be mirror-inverted.
+///
+/// The patch is not drawn if the view stretches a raster px to more than `largest_torn_px`. A patch with a
+/// nonlinear matrix W (Patch::bent) is not drawn in pixels whose parent node is missing
+/// (WantedPixels::any_gaps). `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

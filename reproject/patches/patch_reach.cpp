@@ -15,8 +15,8 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Largest deviation of an entry of the matrix W from its value at the patch's centre: |slope| times half
-    // the extent, summed over both axes.
+    // Returns the largest deviation of an entry of the matrix W from its value at the patch's centre. It is
+    // the sum over both axes of |slope| times half the extent.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };
@@ -27,7 +27,7 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     out.xy = static_cast<float>(middle(xy));
     out.yx = static_cast<float>(middle(yx));
     out.yy = static_cast<float>(middle(yy));
-    // A margin, px, for the overlap of neighbouring patches and for the rounding error of float.
+    // Returns a margin, in px, for the overlap of neighbouring patches and for the rounding error of floats.
     const auto margin = [&](double at, float by_x, float by_y) {
         return 0.25 + 1e-6 * (std::abs(at) + shift_px + std::abs(static_cast<double>(by_x)) * farthest_px.x +
                               std::abs(static_cast<double>(by_y)) * farthest_px.y);

@@ -1,4 +1,4 @@
-// A fast test that excludes patches (planar parts of surfaces) outside a tile before their maps are computed.
+// Excludes patches that lie outside a tile by a fast test, before their maps into the view are computed.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Bounds of the position of an unmoving patch in any view: the patch's centre, which is an affine function
-/// of the lens point, and half of the patch's largest extent over all lens points.
+/// Bounds of the position of a static patch in any view. The patch's centre is an affine function of the lens
+/// point. Half of the largest extent of the patch over all lens points is added around the centre.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m
@@ -16,13 +16,13 @@ struct PatchReach {
 
     struct Bounds {
         float x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< raster px
-        /// Whether these bounds are disjoint from the rectangle [left, right] x [top, bottom].
+        /// Returns whether these bounds lie outside the rectangle [left, right] x [top, bottom].
         [[nodiscard]] bool misses(float left, float right, float top, float bottom) const {
             return x1 < left || x0 > right || y1 < top || y0 > bottom;
         }
     };
-    /// Bounding rectangle of the patch in one view. `lens` is LensShift::lens_px. `shift` is the shift of a
-    /// surface at infinity (W = 0), px.
+    /// Returns the bounding rectangle of the patch in one view. `lens` is LensShift::lens_px. `shift` is the
+    /// shift, in px, of a surface at infinity (W = 0).
     [[nodiscard]] Bounds bounds(const glm::vec2& lens, const glm::vec2& shift) const {
         const float at_x = x + shift.x - (xx * lens.x + xy * lens.y),
                     at_y = y + shift.y - (yx * lens.x + yy * lens.y);
@@ -30,8 +30,8 @@ struct PatchReach {
     }
 };
 
-/// Computes the bounds of a patch. `farthest_px`: largest |x| and |y| of LensShift::lens_px over all views.
-/// `shift_px`: largest shift of a surface at infinity, px.
+/// Computes the bounds of a patch. `farthest_px` is the largest |x| and |y| of LensShift::lens_px over all
+/// views. `shift_px` is the largest shift, in px, of a surface at infinity.
 [[nodiscard]] PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dvec2& farthest_px,
                                      double shift_px);
 

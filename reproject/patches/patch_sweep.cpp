@@ -72,14 +72,15 @@ void PatchSweep::add_span(const PatchMesh& mesh, const Patch& patch, std::size_t
     const RasterRect first = lies(span.first), last = single ? first : lies(span.last);
     const auto any = [](const RasterRect& r) { return r.x_min <= r.x_max; };
     if (!any(first) && !any(last)) return;
-    if (any(first) != any(last)) {  // the patch passes the camera's plane, so it may be anywhere
+    if (any(first) != any(last)) {  // the patch moves through the plane of the camera, so it may be anywhere
         constexpr double far = 1e9;
         out.add({-far, far, -far, far});
         return;
     }
     const double x = std::max(std::abs(first.x_min - last.x_min), std::abs(first.x_max - last.x_max)),
                  y = std::max(std::abs(first.y_min - last.y_min), std::abs(first.y_max - last.y_max));
-    // A curved path may leave the line between both positions in any direction (TimeSpanViews).
+    // A curved path may leave the line between both positions in any direction. The distance of the positions
+    // is an upper bound (TimeSpanViews).
     const double away = glm::length(glm::dvec2(x, y));
     out.add({std::min(first.x_min, last.x_min) - away, std::max(first.x_max, last.x_max) + away,
              std::min(first.y_min, last.y_min) - away, std::max(first.y_max, last.y_max) + away});

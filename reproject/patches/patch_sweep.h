@@ -1,4 +1,4 @@
-// Bounding rectangles of patches over all views.
+// Computes rectangles that contain a patch in all views.
 #pragma once
 
 #include <vector>
@@ -10,27 +10,29 @@
 
 namespace postlens {
 
-/// Motion class of a patch; objects of one class move alike. A patch of reflected or transmitted nodes has
-/// the class of the object that reflects or transmits it.
+/// Returns the motion class of a patch. All objects of a class move alike. Reflected and transmitted nodes
+/// have the class of the object that reflects or transmits them.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
-/// Computes rectangles that contain a patch (planar part of a surface) in all views of a field and for all
-/// lens points within `lens_reach_px`.
+/// Computes bounding rectangles of patches (planar parts of surfaces). The rectangle of a patch contains the
+/// patch in all views of a field and for all lens points within `lens_reach_px`.
 class PatchSweep {
   public:
-    /// Keeps a reference to `field`. Uses its `motion_class` and `lens_reach_px`, and the views of its sets.
+    /// Keeps a reference to `field`. Uses `field.motion_class`, `field.lens_reach_px`, and the views of the
+    /// field's sets.
     explicit PatchSweep(const PatchField& field);
-    /// Rectangle of a patch, raster px; empty if no view uses the instant.
+    /// Returns the bounding rectangle of a patch, in raster px. It is empty if no view uses the instant.
     [[nodiscard]] RasterRect of(const PatchMesh& mesh, const Patch& patch, std::size_t instant) const;
 
   private:
-    /// Bounding box of the lens's shifts (LensShift) in all views. The position of an unmoving patch is an
-    /// affine function of the shift, so its positions at the corners of this box bound all its positions.
+    /// Bounding box of the lens's shifts (LensShift) in all views. The position of a static patch is an
+    /// affine function of the shift. Its positions at the corners of this box therefore bound all its
+    /// positions.
     struct Box {
         LensShift low, high;
         std::vector<TimeSpanViews> spans;  ///< only if a motion class moves
         bool any = false;
-        std::vector<std::uint8_t> moves;  ///< per class of objects: whether it moves in any view
+        std::vector<std::uint8_t> moves;  ///< for each class of objects, whether it moves in any view
     };
     void note(const PatchView& view);
     /// Calls `add` with the box's corners.

@@ -10,16 +10,18 @@
 namespace postlens {
 namespace {
 
-/// Largest error of a cell's reprojected position, seen from the lens's rim, as a fraction of the CoC radius.
+/// Largest error of a cell's reprojected position for a lens point on the rim of the lens, as a fraction of
+/// the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// Limit for the distance by which depth tests move a patch of a hidden surface back (Patch::back_per_m), as
-/// a fraction of its inverse depth 1/z'.
+/// Depth tests move a patch of a hidden surface back (Patch::back_per_m). This is the largest such distance,
+/// as a fraction of the patch's inverse depth 1/z'.
 constexpr double most_back = 0.02;
-/// If the smaller semi-axis of the circle of confusion exceeds this, px, each pixel of a surface is drawn as
-/// a uniform square (SheetMesh::coarse). The square adds only 1/12 px^2 to the blur's variance of 9 px^2.
+/// Smaller semi-axis of the circle of confusion, px, from which each pixel of a surface is drawn as a uniform
+/// square (SheetMesh::coarse). The square hardly increases the blur: it adds 1/12 px^2 to a variance of 9
+/// px^2.
 constexpr double coarse_from_px = 6;
 
-/// Fits planes to the cells of a patch by least squares. The origin of the planes is the corner of the patch.
+/// Fits planes to the cells of a patch by least squares. The planes have their origin at the patch's corner.
 /// Each cell contributes the values of its plane at the four points (+-1/4, +-1/4) from its centre. All sums
 /// over these points are written in closed form.
 template <std::size_t values>
@@ -51,8 +53,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// The largest difference between the fitted planes and the exact planes at the four points of the pixel
-    /// (x, y).
+    /// Returns the largest difference between the fitted planes and the exact planes at the four points of
+    /// the pixel (x, y).
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -72,10 +74,10 @@ class Fit {
     }
 
   private:
-    static constexpr double quarter = 0.25;              ///< px, distance of the points from the centre
-    static constexpr double spread = quarter * quarter;  ///< px^2, variance of the points along an axis
+    static constexpr double quarter = 0.25;              ///< distance of the points from the centre, px
+    static constexpr double spread = quarter * quarter;  ///< variance of the points along an axis, px^2
     static constexpr std::size_t first_moving =
-        values == 1 ? 0 : 1;  ///< first value that affects positions; if W is stored, 1/z' has no effect
+        values == 1 ? 0 : 1;  ///< first value that affects positions; 1/z' does not if W is stored
     double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0;
     std::array<double, values> v_{}, vx_{}, vy_{};
     std::array<std::array<double, 3>, values> plane_{};
@@ -104,7 +106,7 @@ class Cutter {
         return s.first_cell + static_cast<std::size_t>(y) * static_cast<std::size_t>(s.width) +
                static_cast<std::size_t>(x);
     }
-    /// Visits the cells of a rectangle until `visit` returns false; returns whether it visited all.
+    /// Visits the cells of a rectangle until `visit` returns false. Returns whether all cells were visited.
     template <typename Visit>
     bool each_cell(int x0, int y0, int width, int height, const Visit& visit) const {
         for (int y = y0; y < y0 + height; ++y) {
@@ -159,8 +161,8 @@ class Cutter {
 
     [[nodiscard]] MotionStrain motion_of(int x0, int y0, int width, int height,
                                          const Fit<values>& fit) const {
-        // A reflected or transmitted surface moves with the object that reflects or transmits it, so its own
-        // depth does not affect its position.
+        // A reflected or transmitted surface moves with the object that reflects or transmits it. Its own
+        // depth therefore does not affect its position.
         if (values != 1 || !lens_.motion) return {};
         const Sheet& s = sheets_.sheets[sheet_];
         const glm::dvec2 half(width / 2.0, height / 2.0);
@@ -182,8 +184,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // The negated comparison also marks an infinite error as nonlinear, even if bend_px_m2 is 0
-                // and the product is NaN.
+                // The negated comparison also marks an infinite error as nonlinear. If bend_px_m2 is 0, the
+                // product is then NaN.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -193,8 +195,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // `within` is unbounded for a very small aperture, so the value is limited to a fraction of the
-            // patch's 1/z'.
+            // If the aperture is very small, `within` is unbounded. The value is therefore limited to a
+            // fraction of the patch's 1/z'.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -205,7 +207,7 @@ class Cutter {
     PatchLens lens_;
     PatchMesh& out_;
     std::uint32_t sheet_ = 0;
-    std::vector<double> blur_px_;  ///< per cell of the sheet, PatchLens::least_blur_px
+    std::vector<double> blur_px_;  ///< PatchLens::least_blur_px of each cell of the sheet
 };
 
 }  // namespace
@@ -220,10 +222,10 @@ PatchLens patch_lens(const FocusGeometry& geometry) {
 }
 
 double PatchLens::least_blur_px(const Mat2& w) const {
-    // The smaller singular value of I/s - W.
+    // Computes the smaller singular value of I/s - W.
     const double a = inverse_focus_per_m - static_cast<double>(w.xx), b = -static_cast<double>(w.xy),
                  c = -static_cast<double>(w.yx), d = inverse_focus_per_m - static_cast<double>(w.yy);
-    // Not std::hypot, which is slower. Nothing overflows here, and this runs for every cell.
+    // std::hypot is slower, and is not needed because nothing overflows here. This runs for every cell.
     const double sum = std::sqrt((a + d) * (a + d) + (b - c) * (b - c)),
                  difference = std::sqrt((a - d) * (a - d) + (b + c) * (b + c));
     return radius_px_m * std::abs(sum - difference) / 2;
@@ -311,7 +313,8 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
 
 namespace {
 
-/// Inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes along x and y.
+/// Returns the inverse depth 1/z' of a part of a patch: its value at the part's corner and its slopes along x
+/// and y.
 glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& part) {
     const CellPlane& plane = mesh.planes[whole.first_plane];
     const glm::dvec2 slope(plane.x, plane.y);
@@ -320,9 +323,9 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// Pixel p is reached through the lens point q = L (p - at). A surface point with raster position x and
-// inverse depth w appears at p = x + (s - w) q, where s is the inverse focus distance. It follows that x - at
-// = C (p - at) with C = I - (s - w) L, where w depends on x.
+// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at). A surface point
+// with raster position x and inverse depth w appears at p = x + (s - w) q, where s is the inverse focus
+// distance. Hence x - at = C (p - at) with C = I - (s - w) L, where w depends on x.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

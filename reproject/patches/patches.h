@@ -1,5 +1,5 @@
-// Divides the recorded surfaces into patches. A patch is nearly planar, so an affine map can reproject it to
-// a view.
+// Divides the recorded surfaces into patches. A patch is so nearly planar that an affine map can reproject it
+// to a view.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace postlens {
 
-/// Upper bounds of the distortion of a part of a surface by several motions.
+/// Upper bounds of the distortion of a part of a surface that several motions cause.
 struct MotionStrain {
     double px_m = 0;     ///< RasterTangent::by_depth
     double bend_px = 0;  ///< RasterTangent::bend_px
@@ -27,77 +27,79 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted node is drawn as part of its parent node if the two positions, seen from
-    /// the lens's rim, differ by at most this, px. Otherwise it is drawn separately. If negative, it is
-    /// always drawn separately; with all_follow, never.
+    /// A reflected or transmitted node can be drawn as part of its parent node. This is done if their
+    /// displacements, for lens points on the rim of the lens, differ by at most this, px. If the value is
+    /// negative, nodes are always drawn separately. If it is all_follow, they never are.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    double exact_px = 0.1;  ///< largest error of a cell's position in a view, px; blurred cells may have more
+    /// Largest error, px, of a cell's position in a view. It may be larger for blurred cells.
+    double exact_px = 0.1;
     /// Distance, px, by which a patch is drawn beyond its sides. The overlap prevents cracks between
-    /// neighbours with different planes.
+    /// neighbouring patches with different planes.
     double overlap_px = 0.02;
-    /// Returns upper bounds of the distortion of a part of a surface by the motion in any view. `middle`,
-    /// `slope` and `reach` are the arguments of RasterMap::tangent. If empty, nothing moves.
+    /// Returns upper bounds of the distortion of a part of a surface by the motions in all views. `middle`,
+    /// `slope` and `reach` are the arguments of RasterMap::tangent. If the function is empty, nothing moves.
     std::function<MotionStrain(const SheetKey& key, const RasterPoint& middle, const glm::dvec2& slope,
                                const glm::dvec2& reach)>
         motion;
 
-    /// Smaller semi-axis, px, of the CoC ellipse of a shading-tree node whose matrix W (2x2, generalises
-    /// 1/z') is `w`.
+    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. The circle is
+    /// an ellipse if the node's 2x2 matrix W, given as `w`, is not isotropic.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest error of a reprojection by a nonlinear W, px, at which the records still count as determining the
+/// Largest reprojection error caused by a nonlinear matrix W, px, at which the records still determine the
 /// sample of a view. Patches with a larger error are marked as nonlinear (Patch::bent).
 inline constexpr double most_bend_px = 0.5;
 
-/// Part of a sheet (one surface within a square of the raster): the pixels [x, x + width) x [y, y + height)
-/// of the sheet.
+/// A part of a sheet: the pixels [x, x + width) x [y, y + height) of the sheet. A sheet is one surface within
+/// a square of the raster.
 struct Patch {
     std::uint32_t sheet = 0;
     std::uint8_t x = 0, y = 0, width = 0, height = 0;
-    bool coarse = false;            ///< blurred over several pixels: uses SheetMesh::coarse
-    bool bent = false;              ///< nonlinear W: its error exceeds most_bend_px somewhere
-    std::uint8_t depth = 0;         ///< levels of its quadtrees that are used
+    bool coarse = false;            ///< whether it is blurred over several pixels and uses SheetMesh::coarse
+    bool bent = false;              ///< whether the error of a nonlinear W exceeds most_bend_px
+    std::uint8_t depth = 0;         ///< number of levels of its quadtrees that are used
     std::uint32_t first_plane = 0;  ///< index into PatchMesh::planes
     float back_per_m = 0;           ///< amount, 1/m, by which depth tests reduce the patch's 1/z'
 };
 
-/// The affine map of a patch into a view. The point (x, y), in px from the patch's corner, moves to the
+/// The affine map of a patch into a view. It maps the point (x, y), in px from the patch's corner, to the
 /// raster position `from + move * (x, y)`.
 struct PatchPlace {
     glm::dmat2 move{1};
     glm::dvec2 from{0};
-    glm::dvec3 inverse_z{0};  ///< in the view: value at the patch's corner, slopes along x and y
+    glm::dvec3 inverse_z{0};  ///< in the view: value at the patch's corner, and slopes along x and y
 };
 
 struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, `sheets->values` planes with origin at the patch's corner: 1/z' and, if W is stored,
-    /// the entries xx, xy, yx and yy of W.
+    /// For each patch, `sheets->values` planes with origin at the patch's corner. The first is 1/z'. If the
+    /// matrix W is stored, its entries xx, xy, yx and yy follow.
     std::vector<CellPlane> planes;
-    /// For each sheet, the bits (child_bit) of those reflected or transmitted child nodes that are drawn as
-    /// part of the sheet. All others are drawn separately (PatchLens::follow_px).
+    /// For each sheet, the bits (child_bit) of the reflected or transmitted nodes that are drawn as part of
+    /// the sheet. All other nodes are drawn separately (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Bits (child_bit) of a texel's reflected and transmitted child nodes that are drawn separately. A texel
-    /// is the recorded colour of one quadtree leaf.
+    /// Returns the bits (child_bit) of a texel's reflected and transmitted nodes that are drawn separately. A
+    /// texel is the recorded colour of one quadtree leaf.
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Whether an edge crosses the texel's quadtree leaf, in the texel's own node or in a child node that is
-    /// drawn as part of it. The colours at the leaf's corners then do not determine the leaf's colour.
+    /// Returns whether an edge crosses the quadtree leaf of a texel. The edge may also be in a reflected or
+    /// transmitted node that is drawn as part of the texel. If so, the colours at the leaf's corners do not
+    /// determine the leaf's colour.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Radiance of the reflected and transmitted child nodes that are drawn as part of the texel (recorded
-    /// colour of a quadtree leaf).
+    /// Returns the radiance of the reflected and transmitted nodes that are drawn as part of the texel
+    /// (recorded colour of a quadtree leaf).
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -109,50 +111,50 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Radiance of a texel (recorded colour of a quadtree leaf), including the reflected and transmitted
-    /// child nodes that are drawn as part of it.
+    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), including the reflected and
+    /// transmitted nodes that are drawn as part of it.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
         return {t.r + more[0], t.g + more[1], t.b + more[2]};
     }
-    /// Id of the object to which a texel (recorded colour of a quadtree leaf) belongs.
+    /// Returns the id of the object to which a texel (recorded colour of a quadtree leaf) belongs.
     [[nodiscard]] std::uint32_t id_of(std::uint32_t texel) const {
         return sheets->sheets[sheets->texels[texel].sheet()].key.id;
     }
     [[nodiscard]] const Sheet& sheet(const Patch& p) const { return sheets->sheets[p.sheet]; }
-    /// Upper left corner of a patch, raster px.
+    /// Returns the upper left corner of a patch, in raster px.
     [[nodiscard]] glm::dvec2 corner(const Patch& p) const { return {sheet(p).x + p.x, sheet(p).y + p.y}; }
 };
 
-/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible. The
-/// position error of a patch's pixels in any view is at most PatchLens::exact_px or 1/50 of the CoC radius,
-/// whichever is larger. A patch has at least one raster pixel. The result is deterministic.
+/// Divides sheets (surfaces within squares of the raster) into patches that are as large as possible. In any
+/// view, the position error of a patch's pixels is at most PatchLens::exact_px or 1/50 of the radius of the
+/// circle of confusion, whichever is larger. The smallest patch is one raster pixel. The result is
+/// deterministic.
 ///
-/// A surface closely behind another one (SheetKey::hidden), such as the cap of an open cylinder, must not
-/// show through it. Depth tests therefore move its patches back by Patch::back_per_m, the sum of the largest
+/// A surface closely behind another one (SheetKey::hidden) must not show through it. Depth tests therefore
+/// move the patches of the rear surface back by Patch::back_per_m. This distance is the sum of the largest
 /// depth errors of two planes.
 [[nodiscard]] PatchMesh cut_patches(const SheetMesh& sheets, const PatchLens& lens);
 
-/// Computes the affine map of a patch (planar part of a surface) into a view. `motion`, linearised at the
-/// patch's centre, is applied first, and then the shift by the lens. Returns false if the patch would lie
-/// behind the camera.
+/// Computes the affine map of a patch into a view. The map first applies `motion`, linearised at the patch's
+/// centre, and then the shift by the lens. Returns false if the patch would lie behind the camera.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& motion,
                                const LensShift& lens, PatchPlace& out);
 
-/// The rays from one scene point to all pixels of its CoC. Each of these rays passes through a different lens
-/// point.
+/// The rays from one scene point to all pixels of its circle of confusion. Each ray passes through a
+/// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to raster position `at + d` passes through the lens point with LensShift::lens_px =
+    /// The ray to the raster position `at + d` passes through the lens point whose LensShift::lens_px is
     /// lens_px_per_px * d.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
 
-/// Maps a directly visible patch to the pixels whose `rays` from the scene point the patch blocks. If the
-/// patch is nearer than the scene point, it hides the point from all pixels that the mapped patch covers. The
-/// map is linearised at the patch's centre. Returns false if the map is singular.
+/// Maps a directly visible patch to the pixels whose rays from the scene point pass through the patch. If the
+/// patch is nearer than the scene point, it hides the point from all these pixels. The map is linearised at
+/// the patch's centre. Returns false if the map is singular.
 [[nodiscard]] bool place_patch(const PatchMesh& mesh, const Patch& patch, const PointRays& rays,
                                PatchPlace& out);
 struct PlacedPatch {
@@ -160,13 +162,13 @@ struct PlacedPatch {
     PatchPlace place;
 };
 /// Appends the maps of those parts of a patch whose inverse depth 1/z' exceeds `nearest_per_m`. `light_per_m`
-/// is the scene point's 1/z' and at most `nearest_per_m`. The map is singular at the scene point's depth, so
-/// the patch is divided more finely near it: within a part of several pixels, 1/z' - `light_per_m` varies by
-/// at most a factor of two.
+/// is 1/z' of the scene point, and must not exceed `nearest_per_m`. The map is singular at the depth of the
+/// scene point, so the patch is divided more finely near that depth. Within a part of several pixels, 1/z' -
+/// `light_per_m` varies by at most a factor of two.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 
-/// Bounding rectangle of a patch in a view, raster px.
+/// Returns the bounding rectangle of a patch in a view, in raster px.
 [[nodiscard]] RasterRect covered(const Patch& patch, const PatchPlace& place);
 
 }  // namespace postlens

@@ -1,4 +1,4 @@
-// Sums, per pixel of a tile, the radiance of directly visible surfaces over all views.
+// For each pixel of a tile, sums the radiance of directly visible surfaces over all views.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// For each pixel of a tile, two weighted sums over views: radiance (r, g, b) times the view's weight, and
-/// the weight itself.
+/// Weighted sums over views for each pixel of a tile. The first three are the radiance (r, g, b) times the
+/// view's weight. The fourth is the weight.
 using LightSums = std::array<std::array<double, 4>, SeenTile::pixels>;
 /// A list of pixels of a tile.
 struct PixelList {
@@ -20,9 +20,9 @@ struct PixelList {
     [[nodiscard]] auto end() const { return pixels.begin() + static_cast<std::ptrdiff_t>(count); }
 };
 
-/// Adds the colours of the texels (recorded squares of surfaces) that a view sees in the first `width` x
-/// `height` pixels of the tile. `with_children` receives the pixels whose texel has reflected or transmitted
-/// child nodes.
+/// Adds the colours of the texels that a view sees in the first `width` x `height` pixels of the tile. A
+/// texel is the recorded colour of one quadtree leaf. `with_children` receives the pixels whose texel has
+/// reflected or transmitted nodes.
 void add_seen_light(std::span<const Texel> texels, const SeenTile& seen, int width, int height, double weight,
                     LightSums& sums, PixelList& with_children);
 

@@ -19,10 +19,10 @@ int tiles(int px) {
     return (px + SeenTile::edge - 1) / SeenTile::edge;
 }
 
-/// Orders the patches of a tile by path, and those of one path from near to far.
+/// Sort key that orders the patches of a tile by path, and those of one path from near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
-    // The bits of floats that are not negative are in the order of their values. Negative floats are
-    // reversed.
+    // The bit patterns of non-negative floats have the same order as their values. Negative floats have the
+    // reverse order.
     const auto bits = std::bit_cast<std::uint32_t>(mesh.planes[patch.first_plane].value + 0.0F);
     constexpr std::uint32_t sign = 0x80000000U;
     const std::uint32_t ascending = (bits & sign) != 0 ? ~bits : bits | sign;
@@ -59,8 +59,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving object is also assigned to the tiles in which it was recorded, because mark_recorded
-            // marks its pixels there.
+            // A moving object is also assigned to the tiles in which it was recorded. mark_recorded marks its
+            // pixels there.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));
@@ -71,7 +71,7 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         return static_cast<int>(
             std::clamp(std::floor((px - first) / SeenTile::edge), -1.0, static_cast<double>(count)));
     };
-    // Pixel of a tile, or the tile's first or last pixel if `px` is outside.
+    // Returns the pixel of a tile that contains `px`, or the tile's first or last pixel if `px` is outside.
     const auto pixel_of = [](double px, int first, int tile) {
         return static_cast<std::uint8_t>(
             std::clamp(std::floor(px - first - tile * SeenTile::edge), 0.0, SeenTile::edge - 1.0));

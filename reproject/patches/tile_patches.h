@@ -21,7 +21,8 @@ struct TilePatches {
     std::vector<std::uint32_t> motion_class;
 };
 
-/// The patches [begin, end), which share one path (sequence of reflections and transmissions from the eye).
+/// The patches [begin, end) of a tile. They share one path (sequence of reflections and transmissions from
+/// the eye).
 struct PatchChain {
     NodePath path;
     std::size_t begin = 0, end = 0;
@@ -30,7 +31,7 @@ struct PatchChain {
 /// All patches that any view of any set may show in a rectangle of a tile.
 struct GatheredTile {
     std::vector<TilePatches> primary, deeper;     ///< per instant
-    std::vector<std::vector<PatchChain>> chains;  ///< per instant, the chains of `deeper`
+    std::vector<std::vector<PatchChain>> chains;  ///< for each instant, the chains of `deeper`
     std::vector<NodePath> paths;                  ///< paths of all chains
 };
 
@@ -38,30 +39,30 @@ class PatchBins {
   public:
     /// Keeps a reference to `field`.
     PatchBins(const PatchField& field, const MotionMarks& marks);
-    /// Number of tiles in a row, and of their rows.
+    /// Number of tiles in a row, and number of rows of tiles.
     [[nodiscard]] int columns() const { return columns_; }
     [[nodiscard]] int rows() const { return rows_; }
-    /// Whether an instant has patches of reflected and transmitted nodes.
+    /// Returns whether any instant has patches of reflected and transmitted nodes.
     [[nodiscard]] bool trees() const { return trees_; }
-    /// Indices of those patches of an instant that are directly visible, not reflected or transmitted, and
-    /// that may appear in a tile in at least one view.
+    /// Returns the indices of those directly visible patches of an instant that may appear in a tile in at
+    /// least one view.
     [[nodiscard]] const std::vector<std::uint32_t>& primary(std::size_t instant, std::size_t tile) const {
         return primary_[instant][tile].patches;
     }
-    /// Copies those directly visible patches of a tile that may appear in a rectangle of it. `out` then has
-    /// no chains.
+    /// Copies the directly visible patches of a tile that may appear in the given rectangle. Afterwards `out`
+    /// has no chains.
     void gather(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
-    /// Whether more than `most` reflected and transmitted patches of an instant may appear in a rectangle of
-    /// a tile.
+    /// Returns whether more than `most` reflected and transmitted patches of an instant may appear in a
+    /// rectangle of a tile.
     [[nodiscard]] bool has_more_deeper(std::size_t tile, const TilePart& rect, std::size_t most) const;
-    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile, after `gather`.
-    /// The chains and paths are those of the whole tile, also if they have no patches in the rectangle. A
-    /// view that needs a node of such a path then counts as unknown.
+    /// Copies the reflected and transmitted patches that may appear in a rectangle of a tile. Call it after
+    /// `gather`. The chains and paths are those of the whole tile, even if they have no patches in the
+    /// rectangle. A view that needs a node of such a path then counts as unknown.
     void gather_chains(std::size_t tile, const TilePart& rect, GatheredTile& out) const;
 
   private:
-    /// The patches that some view may show in a tile, and the pixels of the tile in which it may show each of
-    /// them.
+    /// The patches that may appear in a tile in some view. For each of them, the pixels of the tile in which
+    /// it may appear are stored.
     struct Bin {
         struct Pixels {
             std::uint8_t x_first, x_last, y_first, y_last;
@@ -74,18 +75,20 @@ class PatchBins {
         std::vector<PatchChain> chains;  ///< runs of `patches`, in ascending order of their paths
     };
     using Bins = std::vector<Bin>;  ///< per tile
-    /// For each tile, the patches that reach it in some view. They are sorted by path, so that parents come
-    /// first. Within a path the nearest come first, so that hidden pixels fail the depth test early.
+    /// Returns, for each tile, the patches that reach it in some view. They are sorted by path, so that
+    /// parents come first. The patches of a path are sorted from near to far, so that hidden pixels fail the
+    /// depth test early.
     [[nodiscard]] Bins sorted(const PatchMesh& mesh, std::size_t instant, const MotionMarks& marks,
                               const PatchSweep& sweep) const;
     /// Removes all patches from `out`.
     static void begin(const PatchMesh& mesh, TilePatches& out);
-    /// Appends a patch to contiguous memory, because every view reads all patches of the rectangle.
+    /// Appends a patch. Patches are copied to contiguous memory because every view reads all patches of the
+    /// rectangle.
     void add(const PatchMesh& mesh, std::uint32_t patch, TilePatches& out) const;
 
     const PatchField& field_;
     int columns_, rows_;
-    glm::dvec2 farthest_px_{0};     ///< per axis, largest lens point, as LensShift::lens_px
+    glm::dvec2 farthest_px_{0};     ///< for each axis, the largest |LensShift::lens_px|
     double farthest_shift_px_ = 0;  ///< largest shift of a point at infinity in a view, px
     bool trees_ = false;
     std::vector<Bins> primary_, deeper_;  ///< per instant

@@ -1,4 +1,4 @@
-// Groups views by time, so that the positions of moving surfaces in many views can be bounded quickly.
+// Groups views by time, so that bounds of the positions of moving surfaces can be computed quickly.
 #pragma once
 
 #include <cstddef>
@@ -8,9 +8,10 @@
 
 namespace postlens {
 
-/// The earliest and the latest view within a time span of 1/64 of the exposure. Both are the same if the span
-/// has one view. In the other views of the span, a moving surface lies near the line between its positions in
-/// these two views. A curved path leaves this line by less than the distance of the two positions.
+/// The earliest and the latest view within a time span of 1/64 of the exposure. They are the same view if the
+/// span contains only one. In the other views of the span, a moving surface lies near the line between its
+/// positions in these two views. A curved path leaves this line by less than the distance between the two
+/// positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;
@@ -19,8 +20,9 @@ struct TimeSpanViews {
     ViewUse first, last;
 };
 
-/// Returns the spans of all views that use the records of `instant` and have motions. Views of sets without
-/// rays do not store their instant, so each is a span of its own. The result points into `field`.
+/// Returns the time spans of all views that use the records of `instant` and have motions. Views of sets
+/// without rays do not store their instant, so each of these views gets a span of its own. The result points
+/// into `field`.
 [[nodiscard]] std::vector<TimeSpanViews> time_spans(const PatchField& field, std::size_t instant);
 
 }  // namespace postlens

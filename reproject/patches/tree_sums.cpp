@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// If at least this fraction of the views that need a reflected or transmitted node have it, their mean
-/// radiance replaces the node in the other views. If fewer have it, the radiance seen from the pinhole is
-/// blended in.
+/// Fraction of the views that must have a reflected or transmitted node, among those that need it. If enough
+/// views have the node, their mean radiance replaces it in the other views. Otherwise, the radiance seen from
+/// the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,9 +84,9 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // The node of a reflected or transmitted surface has the id of the object that reflects or transmits
-        // it. In a pixel without its parent node in the shading tree, the node is drawn only if the nearest
-        // ancestor in this pixel lies on that object.
+        // A reflected or transmitted node stores the id of the object that reflects or transmits it. In a
+        // pixel whose parent node is missing, the node is drawn only if the nearest ancestor that the view
+        // sees lies on that object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -220,8 +220,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // For views that miss the parent node in the shading tree, the mean of the other views also replaces
-        // this child node, unless the view has the child node nevertheless.
+        // Some views have neither the parent node nor this node. The mean of the other views replaces this
+        // node in them too.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

@@ -1,5 +1,5 @@
-// Sums the radiance that views see by reflection and transmission, for each pixel of a tile and each sequence
-// of reflections and transmissions.
+// Sums the radiance that views see by reflection and transmission. There is one sum for each pixel of a tile
+// and each sequence of reflections and transmissions.
 #pragma once
 
 #include <array>
@@ -11,59 +11,61 @@
 
 namespace postlens {
 
-/// Call order for each view of a tile: begin_use; then, for each path, begin_chain and drawing; then `add`
-/// for each pixel. After all views: end_views, then sum_up for each pixel.
+/// For each view of a tile, call begin_use. Then, for each path (sequence of reflections and transmissions),
+/// call begin_chain and draw the nodes. Then call `add` for each pixel. After all views, call end_views, and
+/// then sum_up for each pixel.
 ///
-/// If a node that a view needs was not recorded, the mean of the other views replaces it. If hardly any view
-/// has the node, the radiance seen from the pinhole replaces it.
+/// If a view needs a node that was not recorded, the mean of the other views replaces the node. If hardly any
+/// view has the node, the radiance seen from the pinhole replaces it.
 ///
-/// A view may lack a node although it has the node's children. For example, the far side of a glass ball is
-/// seen through a caustic and has no valid W, but the scene behind the ball has one. Inside one object, nodes
-/// are therefore also drawn where their parent node is needed but missing.
+/// A view may lack a node although it has the node's children. For example, the far side of a glass ball may
+/// have no valid matrix W (motion with the lens point), while the scene behind the ball has one. Inside one
+/// object, nodes are therefore also drawn where their parent node is needed but missing.
 class TreeSums {
   public:
-    /// `paths`: all paths that may occur, in any order; repetitions are allowed. `at`: the pixels in use.
+    /// `paths` contains all paths that may occur, in any order and possibly repeated. `at` describes the
+    /// pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
-    /// Starts a view, or one of its two recorded instants. `primary` contains the directly visible surfaces
-    /// of the view and must stay valid until all pixels are added.
+    /// Starts a view, or one of the two recorded instants of a view. `primary` contains the directly visible
+    /// surfaces of the view. It must stay valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Returns the cleared tile into which the shading-tree nodes of `path` are drawn. Draw the nodes of the
-    /// parent path first. `wanted` receives the pixels that need a node of `path`. Returns null if no pixel
+    /// Returns the cleared tile into which the nodes of `path` are to be drawn. The nodes of the parent path
+    /// must be drawn first. `wanted` receives the pixels that need a node of `path`. Returns null if no pixel
     /// needs one, or if `path` was not passed to `begin`.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Whether the records determine the reflected and transmitted light of pixel k. This requires, for every
-    /// separately drawn node, that the view sees the node, that no edge crosses its leaf, and that its W is
-    /// linear (Patch::bent is false).
+    /// Returns whether the records determine the reflected and transmitted light of pixel k. They do if every
+    /// separately drawn node meets three conditions: the view sees the node, no edge crosses the node's leaf,
+    /// and the node's matrix W is linear (Patch::bent is false).
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Radiance of the shading-tree nodes of pixel k that are drawn separately from their parents. Requires
-    /// sure(k).
+    /// Returns the radiance of the separately drawn nodes of pixel k. Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
-    /// Adds to the sums the shading-tree nodes of pixel k that are drawn separately from their parents.
+    /// Adds the separately drawn nodes of pixel k to the sums.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the shading-tree nodes of all views to `sum`, which is a pixel's radiance times `weight`. Returns
-    /// the weight of nodes that are not recorded. Nodes that are dim in the whole tile count less. If views
-    /// lack child nodes, nodes that were drawn with a nonlinear W (Patch::bent) count as not recorded as
-    /// well.
+    /// Adds the nodes of all views to `sum`, which contains a pixel's radiance times `weight`. Returns the
+    /// weight of the nodes that are not recorded. Nodes that are dim in the whole tile count less. If views
+    /// lack child nodes, nodes that were drawn with a nonlinear matrix W (Patch::bent) also count as not
+    /// recorded.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        std::array<double, 3> seen{};  ///< weight times radiance, with child nodes drawn as part of the node
+        /// Weight times radiance, including child nodes that are drawn as part of the node.
+        std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
         double known = 0, wanted = 0;  ///< weight of the views that have the node, and of those that need it
         double beside = 0;             ///< weight of views that miss the node, but have its descendants
         double alone = 0;              ///< weight of views that have the node, but miss its parent
-        double bent = 0;               ///< part of `known` drawn by patches with nonlinear W
+        double bent = 0;               ///< part of `known` that patches with nonlinear W have drawn
         double total = 0;              ///< weight that the node gets after all views, set by sum_up
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
-    using Children = std::array<std::uint32_t, 2>;  ///< per bounce, an index into chains_, or no_chain
-    /// The nodes that share one path (sequence of reflections and transmissions from the eye), in the tile.
+    using Children = std::array<std::uint32_t, 2>;  ///< for each bounce, an index into chains_, or no_chain
+    /// The nodes of a tile that share one path (sequence of reflections and transmissions from the eye).
     struct Chain {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
@@ -71,10 +73,10 @@ class TreeSums {
         TilePart part;  ///< part of `seen` in which nodes may be drawn; if empty, `seen` is not valid
         Children children{no_chain, no_chain};
         std::unique_ptr<SeenTile> seen;
-        bool used = false;       ///< whether anything was added to `sums`; if not, their values are undefined
+        bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a shading-tree node of this path in the tile. From end_views on, it also
-        /// includes the radiance of the node's descendants.
+        /// Largest radiance of a node of this path in the tile. After end_views, it also includes the
+        /// radiance of the node's descendants.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -84,15 +86,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the recorded descendants of a shading-tree node that is itself missing in pixel k. Returns
-    /// whether the node has any descendants there.
+    /// Adds the recorded descendants of a node that is itself missing in pixel k. Returns whether the node
+    /// has any recorded descendants there.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Id of the object that should reflect or transmit the node of a path in pixel k. This is the object of
-    /// the nearest ancestor of the node that the view sees.
+    /// Returns the id of the object that should reflect or transmit the node of a path in pixel k. It is the
+    /// object of the node's nearest ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// The sums of pixel k, which are cleared at the first use of the chain in a tile. The parents of a used
-    /// chain are used as well, because nodes are added after their parents.
+    /// Returns the sums of pixel k. They are cleared when the chain is first used in a tile. This also makes
+    /// the parents of the chain used, because nodes are added after their parents.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -5,9 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Recorded area, px^2, of a pixel of the view that shows a surface parallel to the film at `p`. `motion` is
-/// that from the recorded instant to the view's. Returns nothing where the camera of the recorded instant
-/// does not see `p`.
+/// Returns the area, in px^2, that was recorded for a pixel of the view, if the pixel shows a surface
+/// parallel to the film at `p`. `motion` leads from the recorded instant to the view's instant. Returns
+/// nothing if the camera of the recorded instant does not see `p`.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -18,8 +18,8 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
     return at->by_x.x * at->by_y.y - at->by_x.y * at->by_y.x;
 }
 
-/// Whether the records determine the directly visible surface in pixel `k` of the view `shown`. A view is
-/// made from one or two recorded instants. `u` is the index of the one that is tested.
+/// Returns whether the records determine the directly visible surface in pixel `k` of the view `shown`. A
+/// view is made from one or two recorded instants. `u` is the index of the one that is tested.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);
@@ -64,8 +64,8 @@ void RaySamples::find_doubtful(const ShownView& shown, bool parents) {
         const std::size_t row = static_cast<std::size_t>(y) * SeenTile::edge;
         for (std::size_t k = row; k < row + static_cast<std::size_t>(shown.at.width); ++k) {
             const std::uint32_t number = seen.texel[k];
-            // As in add_seen_light, every pixel is written, but only doubtful ones are counted: a branch
-            // would often be mispredicted.
+            // Every pixel is written, but only doubtful ones are counted. A branch would often be
+            // mispredicted.
             doubtful_.pixels[count] = static_cast<std::uint16_t>(k);
             count += all || number == SeenTile::no_texel || seen.may_be_hidden(k) ||
                              (texels[number].info & doubts) != 0

@@ -1,4 +1,4 @@
-// Divides the quadtree leaves of a square of the raster into pieces that each show one surface.
+// Divides the quadtree leaves of a square of the raster into pieces. Each piece shows one surface.
 #pragma once
 
 #include <array>
@@ -13,39 +13,41 @@
 
 namespace postlens {
 
-/// The pixels of a square of the raster: the columns [first_pixel, last_pixel) in the first `rows` rows of
-/// the band from which the quadtree leaves were found.
+/// The pixels of a square of the raster. They are the columns [first_pixel, last_pixel) of the first `rows`
+/// rows of a band. The quadtree leaves were found from the records of this band.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
     int x = 0, y = 0;  ///< raster px
 };
 
-/// A quadtree leaf (undivided cell) that shows one surface, or a quarter of a leaf.
+/// A quadtree leaf (undivided cell) that shows one surface, or a quarter of such a cell.
 struct LeafPiece {
     std::uint32_t key = 0;   ///< index into SheetKeys::keys
     std::uint32_t leaf = 0;  ///< index into PixelLeaves::leaves
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    int corners = 4;  ///< 4: node[] are the leaf's corners; 1: only node[0], at (at_x, at_y) px in the cell
+    /// 4 if node[] are the leaf's corners; 1 if only node[0] is used, at (at_x, at_y) px in the cell.
+    int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    bool maybe = false;            ///< SheetNode::maybe: the surface of node[0] may extend into this quarter
+    /// Whether it is unknown if the surface of node[0] covers this quarter (SheetNode::maybe).
+    bool maybe = false;
 };
 
 /// Divides quadtree leaves into pieces. If all four corners of a leaf see one surface, the leaf is one piece.
-/// If a corner sees another surface, or the depth is discontinuous, each corner gets the adjacent quarter of
-/// the leaf.
+/// If a corner sees another surface, or if the depth is discontinuous, the leaf is divided into quarters.
+/// Each corner then gets the adjacent quarter.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
     LeafPieces(const PixelLeaves& leaves, const SampleTrees& trees, const SheetKeys& keys,
                const SampleHeader& header);
-    /// Replaces the pieces by those of a square.
+    /// Replaces the pieces by the pieces of a square.
     void collect(const SheetSquare& square);
-    /// Calls take(key, pieces) for each surface of the square, by ascending key. The surface's pieces have
-    /// the same order as their quadtree leaves. Must be called once after each `collect`.
+    /// Calls take(key, pieces) for each surface of the square, in ascending order of keys. The pieces of a
+    /// surface have the same order as their quadtree leaves. Must be called once after each `collect`.
     template <typename Take>
     void each_surface(const Take& take) {
         std::uint32_t begin = 0;
@@ -56,25 +58,26 @@ class LeafPieces {
             begin = end;
         }
     }
-    /// Whether depths between `low` and `high`, 1/m, within a square of `size` px may belong to one surface.
+    /// Returns whether one surface may have depths from `low` to `high`, in 1/m, within a square of `size`
+    /// px.
     [[nodiscard]] bool continuous(float low, float high, float size) const {
         return is_one_surface(low, high, static_cast<double>(size) * per_px_, perspective_);
     }
 
   private:
-    /// A surface (SheetKey) may have several shading-tree nodes at a corner of a quadtree leaf. The n-th
-    /// group of a surface contains the n-th nearest node at each corner.
+    /// A surface (SheetKey) may have several nodes at a corner of a quadtree leaf. The n-th group of a
+    /// surface contains the n-th nearest node at each corner.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
         std::array<std::uint32_t, 4> corners{};
     };
-    /// `index`: into PixelLeaves::leaves.
+    /// `index` is an index into PixelLeaves::leaves.
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// What a corner of a quadtree leaf shows besides a given surface. `before`: a nearer surface. `behind`:
-    /// a farther surface, and not the given one. `here`: the given surface.
+    /// What a corner of a quadtree leaf shows, compared with a given surface. `before` means a nearer
+    /// surface, `behind` means another surface that is farther, and `here` means the given surface.
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -92,9 +95,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface: `key_pieces_` contains the number of its pieces, and later the end of its pieces in
-    /// sorted_; `key_group_` contains its first Group at the current quadtree leaf. After use, both are reset
-    /// to 0 and to `none`.
+    /// For each surface, `key_pieces_` contains the number of its pieces. After sorting, it contains the end
+    /// of the surface's pieces in sorted_. `key_group_` contains the surface's first Group at the current
+    /// quadtree leaf. After use, `key_pieces_` is reset to 0 and `key_group_` to `none`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

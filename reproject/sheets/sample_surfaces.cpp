@@ -7,11 +7,10 @@ namespace postlens {
 namespace {
 
 /// Largest slope of a surface relative to the film, as a tangent. If the slope between two samples is larger,
-/// the samples belong to two surfaces, one behind the other.
+/// the samples belong to two different surfaces.
 constexpr double steepest_slope = 40;
 
-/// Combines the shading-tree nodes of one sample and layer into a surface. Returns false if no node is seen
-/// directly.
+/// Combines the nodes of one sample and layer into a surface. Returns false if no node is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -32,7 +31,7 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The surface's slope is the depth difference dz divided by the width, both at the nearer end. dz / z is
+    // The slope is the depth difference dz divided by the width, both measured at the nearer end. dz / z is
     // the relative difference of 1/z, and the width is z times the tangent `across`.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
@@ -46,9 +45,9 @@ double across_per_px(const SampleHeader& h) {
 
 namespace {
 
-/// Calls take(visible, first, last) for each run of records with the same sample and layer, in ascending
-/// order of layers, and done() after each sample. `visible` is the sample's first record of layer 0 (surfaces
-/// visible from the pinhole). Skips records at positions without a sample of layer 0.
+/// Groups records into runs that have the same sample and layer. Calls take(visible, first, last) for each
+/// run, in ascending order of layers, and done() after each sample. `visible` is the sample's first record of
+/// layer 0 (surfaces visible from the pinhole). Records at positions without a sample of layer 0 are skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -62,8 +61,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     const Record* records = band.records.data();
     for (std::size_t k = 0; k < pixels; ++k) {
         const std::uint32_t begin = points.offsets[k], end = points.offsets[k + 1];
-        // A pixel's records of layer 0 come first, then those of the deeper layers. Within a layer, records
-        // are sorted by (y, x).
+        // The records of layer 0 of a pixel come first, followed by those of the deeper layers. Within a
+        // layer, records are sorted by (y, x).
         const PointSample& last = points.samples[end - 1];
         const Record* r = records + last.first_record + last.record_count;
         const Record* pixel_end = records + band.offsets[first_pixel + k + 1];
@@ -93,8 +92,8 @@ void for_each_layer(const RecordBand& band, const PointSamples& points, int y_be
     }
 }
 
-/// Returns the record with the given path (reflections and transmissions from the eye) among [first, last),
-/// or null.
+/// Returns the record in [first, last) that has the given path (reflections and transmissions from the eye),
+/// or null if there is none.
 const Record* node_at(const Record* first, const Record* last, NodePath path) {
     const Record* found = std::lower_bound(
         first, last, path, [](const Record& r, NodePath p) { return r.path.bits() < p.bits(); });
@@ -117,8 +116,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// Finds for each shading-tree node in [first, last) the index of its parent node. A node whose parent is
-/// missing from this range gets its own index.
+/// For each node in [first, last), finds the index of its parent node. If the parent is missing from this
+/// range, the node gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);
@@ -129,20 +128,20 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Matrix W of a shading-tree node. A node that is seen directly has W = I / z'.
+/// Returns the matrix W of a shading-tree node. A node at depth z' that is seen directly has W = I / z'.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
 
-/// Difference between the matrices a and b: the greater singular value of a - b.
+/// Returns the difference between two matrices: the greater singular value of a - b.
 float departure(const Mat2& a, const Mat2& b) {
     const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
-/// Adds the radiance and the marks of each shading-tree node to TreeSurface::below and marks_below of all its
-/// ancestors. Raises TreeSurface::strays of each ancestor to the difference between the node's matrix W and
-/// the ancestor's, if that is larger.
+/// Adds the radiance and the marks of each node to those of all its ancestors (TreeSurface::below and
+/// marks_below). Raises TreeSurface::strays of each ancestor to the difference between the matrix W of the
+/// node and that of the ancestor, if the difference is larger.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -170,7 +169,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
         trees->offsets.assign(1, 0);
         trees->any_below = false;
     }
-    // Growing the lists step by step would touch several times the memory.
+    // Memory is reserved at once. Growing the lists step by step would touch several times as much memory.
     const std::size_t first_pixel = band.pixel(band.x_begin, y_begin);
     const std::size_t most =
         band.offsets[first_pixel + points.offsets.size() - 1] - band.offsets[first_pixel];
@@ -215,7 +214,8 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    const Record* end = visible;  // end of the tree of layer 0: the next position or layer
+                    // End of the tree of layer 0, where the next position or layer begins.
+                    const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());
                 }

@@ -1,5 +1,6 @@
-// Converts records to surfaces, in one of two forms. The first form has one surface for each point sample and
-// layer, with the radiance of the whole shading tree. The second has one surface for each node of the tree.
+// Converts records to surfaces, in one of two forms. In the first form, each point sample has one surface per
+// layer, with the radiance of the whole shading tree. In the second form, each node of the shading tree is a
+// surface.
 #pragma once
 
 #include <array>
@@ -11,10 +12,10 @@
 
 namespace postlens {
 
-/// One layer of a point sample: depth and id of the surface that the eye ray hits, and radiance of the whole
-/// shading tree.
+/// One layer of a point sample. It has the depth and id of the surface that the eye ray hits, and the
+/// radiance of the whole shading tree.
 struct LayerSurface {
-    float inverse_z = 0;  ///< 1/m; 0: infinitely far
+    float inverse_z = 0;  ///< 1/m; 0 if infinitely far
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;
 };
@@ -30,55 +31,55 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// For each of the two children, the marks of all nodes in its subtree.
+    /// For each of the two children (reflected and transmitted), the union of the marks in its subtree.
     std::array<std::uint8_t, 2> marks_below{};
-    /// Radiance of the whole subtree of the reflected child node, and of the whole subtree of the transmitted
-    /// child node.
+    /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, the largest difference between the matrix W of a node in the child's
-    /// subtree and that of this node (spectral norm, 1/m). Infinity if a node of the subtree is brighter than
-    /// the argument `bright_above` of find_trees.
+    /// For each of the two children, the largest difference between the matrix W of a node in its subtree and
+    /// the W of this node (spectral norm, 1/m). It is infinity if a node of the subtree is brighter than
+    /// `bright_above`, the argument of find_trees.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Whether two samples can lie on one surface. They can if the surface through both makes an angle of at most
-/// 88.6 degrees with the film; a sphere reaches this angle half a pixel inside its outline. `across` is the
-/// distance of the samples on the film, as a tangent (perspective) or in m (orthographic).
+/// Returns whether two samples can lie on one surface. They can if a plane surface through both is inclined
+/// to the film by at most 88.6 degrees. A sphere reaches this angle half a pixel inside its outline. `across`
+/// is the distance of the samples on the film: a tangent for a perspective camera, and in m for an
+/// orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
-/// Size of a pixel in the unit of the argument `across` of is_one_surface: a tangent (perspective) or m
-/// (orthographic).
+/// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
+/// perspective camera, and m for an orthographic one.
 [[nodiscard]] double across_per_px(const SampleHeader& header);
 
-/// The surfaces of some point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of `surfaces`,
-/// nearest layer first.
+/// The surfaces of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of `surfaces`,
+/// sorted from the nearest layer to the farthest.
 struct SampleSurfaces {
     std::vector<LayerSurface> surfaces;
     std::vector<std::uint32_t> offsets;
 };
 
-/// Finds the surfaces that the point samples `points` show: one in each layer (0: visible from the pinhole;
-/// n: the n-th surface behind it). Skips layers without a primary node (the surface that the eye ray itself
-/// hits). `points` were read from the rows of `band` from y_begin on.
+/// Finds the surfaces that the samples `points` show, one in each layer. Layer 0 is visible from the pinhole,
+/// and layer n is the n-th surface behind it. A layer is skipped if it has no primary node (surface that the
+/// eye ray itself hits). `points` were read from the rows of `band` from y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
-/// The shading-tree nodes of some point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of
-/// `nodes`, nearest layer first. Within a layer, nodes are sorted by path.
+/// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of
+/// `nodes`, sorted from the nearest layer to the farthest. Within a layer, nodes are sorted by path.
 struct SampleTrees {
     std::vector<TreeSurface> nodes;
     std::vector<std::uint32_t> offsets;
-    bool any_below = false;  ///< false: all `below` are black
+    bool any_below = false;  ///< false if all `below` are black
 };
 
-/// Finds the surfaces of the samples `points`, one for each node. Primary nodes of all layers are stored in
-/// `primary`, reflected and transmitted nodes in `deeper`. `points` were read from the rows of `band` from
-/// y_begin on.
+/// Finds the surfaces of the samples `points`, one for each node of their shading trees. Primary nodes of all
+/// layers go to `primary`, and reflected and transmitted nodes go to `deeper`. `points` were read from the
+/// rows of `band` from y_begin on.
 ///
 /// A layer without a primary node contains surfaces that are hidden within a reflection or refraction of
-/// layer 0. Of these, only nodes with a recorded parent are used. Nodes brighter than `bright_above` in any
-/// channel are never drawn as part of their parent (TreeSurface::strays).
+/// layer 0. A node of such a layer is only used if its parent is recorded. A node that is brighter than
+/// `bright_above` in any channel is never drawn as part of its parent (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

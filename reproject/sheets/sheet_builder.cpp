@@ -60,22 +60,23 @@ bool SheetBuilder::is_unsure_below(const LeafPiece& piece) const {
     return false;
 }
 
-// The contrast of [mitchell1987]. `trace` uses it to decide which pixels to divide.
+// Whether the contrast, defined as in [mitchell1987], exceeds the threshold. `trace` divides pixels by the
+// same rule.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);
 }
 
 void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
-    // The parts of a pixel that belong to different surfaces, because their depths differ too much. Each part
-    // has its range of 1/z'.
+    // A part of a pixel that belongs to one surface, with its range of 1/z'. A pixel has several parts if the
+    // depths in it differ too much for one surface.
     struct Part {
         float low = 0, high = 0;
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Two nodes at one corner are two surfaces, however little their depths differ. The pieces of a leaf are
-    // consecutive in `pieces`.
+    // Two nodes at one corner always belong to two surfaces, even if their depths hardly differ. The pieces
+    // of a leaf are consecutive in `pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -259,7 +260,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // A recorded piece takes precedence over a piece that only marks where the surface may extend to
+        // A recorded piece takes precedence over a piece into which the surface only may extend
         // (LeafPiece::maybe).
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
@@ -274,9 +275,9 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // Quadtree leaves of one surface are already in quadtree order, so the leaves of a subtree are
-        // consecutive. The partition is only needed where two surfaces lie one behind the other, because
-        // their leaves alternate.
+        // The quadtree leaves of one surface are already in quadtree order, so the leaves of a subtree are
+        // consecutive. If one surface lies behind another, their leaves alternate, and the partition is
+        // needed.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());
@@ -290,7 +291,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
     // Fits planes around the cell's centre by least squares. A regularisation (ridge) term limits slopes that
-    // the samples barely determine.
+    // the samples hardly determine.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

@@ -1,5 +1,5 @@
-// Builds the sheets of one square of the raster from quadtree leaves. A sheet is one of the surfaces in the
-// square.
+// Builds the sheets of one square of the raster from quadtree leaves. Each surface in the square becomes a
+// sheet.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 namespace postlens {
 
 /// Builds sheets from the samples at the corners of quadtree leaves. If all four corners of a leaf see one
-/// surface, the leaf gets the mean of their colours. If a corner sees another surface, or the depth is
-/// discontinuous, each corner gets the adjacent quarter of the leaf. Parts of one object whose depths differ
-/// too much for one surface become different sheets.
+/// surface, the colour of the leaf is the mean of their colours. If a corner sees another surface, or if the
+/// depth is discontinuous, each corner gives its colour to the adjacent quarter of the leaf. Parts of one
+/// object become different sheets if their depths differ too much for one surface.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -27,14 +27,14 @@ class SheetBuilder {
     void build(const SheetSquare& square);
 
   private:
-    /// Whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or texture
-    /// must cross the leaf.
+    /// Returns whether the colours at the quadtree leaf's corners differ so much that the edge of a shadow or
+    /// texture must cross the leaf.
     [[nodiscard]] bool has_contrast(const LeafPiece& piece) const;
-    /// The marks that the records at all corners have (RecordMark), for example because their texture is
-    /// finer than the samples.
+    /// Returns the marks that the records at all corners share (RecordMark). A mark may say, for example,
+    /// that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Whether the light that the surface reflects or transmits has contrast between the corners, or marks at
-    /// all of them.
+    /// Returns whether the light that the surface reflects or transmits has contrast between the corners, or
+    /// has marks at all of them.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);
@@ -44,8 +44,8 @@ class SheetBuilder {
     std::uint32_t add_texel(std::size_t sheet, const LeafPiece& piece);
     template <std::size_t values>
     void fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const;
-    /// Assigns the highlights from index `first_light` on to the texel (colour of a leaf) that was added
-    /// last. `area` is the area of this texel, px^2.
+    /// Assigns the highlights with indices from `first_light` on to the texel (colour of a leaf) that was
+    /// added last. `area` is the area of this texel in px^2.
     void note_bright(std::size_t first_light, float area);
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }

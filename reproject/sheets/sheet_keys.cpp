@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest relative difference of 1/z' at which a surface counts as closely behind another. The planes fitted
-/// to the surfaces have depth errors of about 1 %, so surfaces that are farther apart keep their order.
+/// Largest relative difference of 1/z' at which a surface counts as closely behind another. Surfaces that are
+/// farther apart keep their order, because the planes fitted to them have depth errors of only about 1 %.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {
@@ -27,7 +27,7 @@ void find_sheet_keys(const SampleTrees& trees, SheetKeys& out) {
     out.keys.clear();
     out.of_node.resize(trees.nodes.size());
     std::unordered_map<SheetKey, std::uint32_t, KeyHash> numbers;
-    // A cache of recent keys, indexed by hash. Neighbouring samples usually have the same keys.
+    // A cache of recently used keys, indexed by hash. Neighbouring samples usually have the same keys.
     struct Recent {
         SheetKey key;
         std::uint32_t number = 0;

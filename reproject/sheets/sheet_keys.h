@@ -1,5 +1,5 @@
-// Assigns numbers to the distinct sheet keys of shading-tree nodes. A key identifies the surface to which a
-// node belongs.
+// Numbers the distinct sheet keys of shading-tree nodes. A sheet key identifies the surface to which a node
+// belongs.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SheetKeys {
 };
 
 /// Finds the surface to which each node of `trees` belongs. The key of a surface consists of the id of its
-/// object, the path from the eye to it, and the id of the object that reflects or transmits it to the eye.
+/// object, the path from the eye to it, and the id of the object that reflects or transmits it.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

@@ -18,17 +18,18 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// For each list of the joined mesh, the number of elements that come before those of one task.
+/// For each list of the joined mesh, the number of elements that precede the elements of one task.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Size of a list, in bytes, from which its memory is returned to the system as soon as it has been copied to
-/// the joined list. Returning the memory of smaller lists as well would take as long as the rest of the join.
+/// Size in bytes from which the memory of a list is returned to the system as soon as the list has been
+/// copied to the joined list. Returning the memory of smaller lists would take as long as the rest of the
+/// join.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the meshes of all tasks, list by list. Each task counts its elements from 0, so they are renumbered.
-/// The lists of the tasks are freed.
+/// Joins the meshes of all tasks, list by list, and frees the lists of the tasks. The indices in each task
+/// start at 0, so they are renumbered.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -85,7 +86,7 @@ void join(std::size_t tasks, const Made& made, SheetMesh& out) {
 
 constexpr int edge = SheetMesh::square_px;
 
-/// A row of squares of the raster, with its quadtree leaves, nodes and the surfaces (sheet keys) of the
+/// A row of squares of the raster, with its quadtree leaves, their nodes and the sheet keys (surfaces) of the
 /// nodes.
 struct Strip {
     int y = 0, y_end = 0;
@@ -116,8 +117,8 @@ void clear(SheetMesh& m) {
     m.highlights.clear();
 }
 
-/// Number of strips (of `edge` raster rows each) that are read together, beginning at row y. The number is
-/// large enough to occupy all threads, and small enough for the records to stay in a cache.
+/// Returns the number of strips that are read together, beginning at row y. A strip has `edge` raster rows.
+/// The number is large enough to occupy all threads, and small enough for the records to stay in a cache.
 std::size_t strips_at_once(const SampleFileReader& file, std::size_t instant, int y,
                            const SheetChoice& choice) {
     constexpr std::size_t most = 64;
@@ -166,7 +167,7 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row of a strip is only read for the lower corners of the pixels above it.
+        // The last row of a strip is read only for the lower corners of the pixels above it.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -196,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `choice.squares` gets a copy of `made`, because during the call this thread may run other
-            // tasks, which overwrite `made`.
+            // `choice.squares` gets a copy of `made`. During the call, this thread may run other tasks, which
+            // overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

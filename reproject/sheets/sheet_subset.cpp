@@ -30,8 +30,8 @@ class Subset {
                           planes + static_cast<std::ptrdiff_t>((first + cells) * from_.values));
     }
 
-    /// Call it after the last add. `number` contains, for each sheet of the source, its new number, or
-    /// SheetNode::none.
+    /// Must be called after the last `add`. For each sheet of the source, `number` contains its new number,
+    /// or SheetNode::none if it is not copied.
     SheetMesh finish(std::span<const std::uint32_t> number) {
         std::vector<std::uint32_t> light(from_.bright.size() + 1);
         for (std::size_t i = 0; i < from_.bright.size(); ++i) {
@@ -75,7 +75,7 @@ class Subset {
     const SheetMesh& from_;
     SheetMesh to_;
     std::uint32_t number_ = 0;
-    std::vector<std::uint32_t> node_, texel_;  ///< per old number, the new one; `none`: not copied
+    std::vector<std::uint32_t> node_, texel_;  ///< new number for each old one; `none` if not copied
 };
 
 }  // namespace

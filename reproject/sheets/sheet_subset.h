@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Copies the sheets whose entry in `wanted` is not 0, with their pixels, quadtrees and colours. Their order
-/// is kept. Call it before take_highlights.
+/// Copies the sheets whose entry in `wanted` is not 0, with their pixels, quadtrees and colours. The sheets
+/// keep their order. Must be called before take_highlights.
 [[nodiscard]] SheetMesh sheet_subset(const SheetMesh& mesh, std::span<const std::uint8_t> wanted);
 
 }  // namespace postlens

@@ -44,8 +44,8 @@ def principled(name, base_colour, **inputs):
 
 
 def glass(thickness_m):
-    """Clear glass of index 1.5. The exporter reads the thickness of KHR_materials_volume from a node group named
-    "glTF Material Output", which has no effect in Cycles."""
+    """Returns clear glass of index 1.5. The exporter reads the thickness of KHR_materials_volume from a node group
+    named "glTF Material Output", which has no effect in Cycles."""
     material = principled("Glass", (1, 1, 1), Transmission=1, Roughness=0, IOR=1.5)
     group = bpy.data.node_groups.new("glTF Material Output", "ShaderNodeTree")
     group.inputs.new("NodeSocketFloat", "Thickness")
@@ -97,7 +97,7 @@ def plastics():
 
 
 def build_still():
-    """Builds the scene. Returns the focus distance along the camera's axis, m: that of Suzanne's eyes."""
+    """Builds the scene. Returns the distance of Suzanne's eyes along the camera's axis, in m, for the focus."""
     plastic, mesh = plastics(), bpy.ops.mesh
     mesh.primitive_plane_add(size=60, location=(0, 10, 0))
     place("Floor", plastic["Plastic"], smooth=False)

@@ -4,18 +4,19 @@
         [--map PNG]
 
 Runs inside Blender, to use its image reader and its numpy. Each renderer makes independent images, which are assigned
-alternately to its first and second half. P1 and P2 are the means of the halves of one renderer, C1 and C2 those of the
-other. P and C are the means of all images of each. The results are averages over pixels and channels:
+alternately to its first and second half. For one renderer, P1 and P2 are the means of the halves, and P is the mean of
+all images. For the other renderer, these are C1, C2 and C. The results are averages over pixels and channels:
 
     mean squared difference   (P - C)^2
     noise floor               (P1 - P2)^2 / 4 and (C1 - C2)^2 / 4: the variances of P and C
     squared bias              P1 P2 + C1 C2 - 2 P C, which is the squared difference less both noise floors
 
 The halves are independent, so the expectation of the squared bias is (E P - E C)^2, without noise. The estimate may be
-negative. Its standard error is computed from the means of blocks of BLOCK_PX. The results are computed in scene-linear
-colour, and again after every image is clamped to 0 to 1 and sRGB-encoded. The encoding is a curve, so it shifts the
-mean of noisy values. If one renderer is noisier than the other, this shift appears as a squared bias in proportion to
-the squared difference of the variances.
+negative. Its standard error is computed from the means of blocks of BLOCK_PX.
+
+The results are computed in scene-linear colour, and again after every image is clamped to 0 to 1 and sRGB-encoded. The
+encoding is a curve, so it shifts the mean of noisy values. If one renderer is noisier than the other, this shift
+appears as a bias.
 """
 
 import argparse
@@ -81,8 +82,8 @@ def compare(ours, theirs):
 
 
 def shift_px(ours, theirs):
-    """Returns the displacement of the second image against the first, px right and down. It is a least-squares fit
-    to the gradient of the mean."""
+    """Returns the displacement of the second image against the first, in px to the right and down. The displacement is
+    a least-squares fit to the gradient of the mean."""
     a, b = (numpy.clip(sum(h) / 2, 0, 1).mean(2) for h in (ours, theirs))
     down, right = numpy.gradient((a + b) / 2)
     matrix = [[(right * right).sum(), (right * down).sum()], [(right * down).sum(), (down * down).sum()]]
@@ -91,7 +92,7 @@ def shift_px(ours, theirs):
 
 
 def write_map(path, ours, theirs):
-    """Writes a map of the difference between the encoded images, times eight. Grey means equal."""
+    """Writes a map of eight times the difference between the encoded images. Grey means that they are equal."""
     shown = numpy.clip(0.5 + 8 * (encode(sum(ours) / 2) - encode(sum(theirs) / 2)), 0, 1)
     image = bpy.data.images.new("map", shown.shape[1], shown.shape[0], alpha=False)
     image.pixels.foreach_set(numpy.dstack([shown, numpy.ones(shown.shape[:2])])[::-1].astype(numpy.float32).ravel())

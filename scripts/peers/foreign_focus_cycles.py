@@ -52,8 +52,8 @@ def blender(out, arguments, words):
 
 
 def film_mm(scene):
-    """Returns film width and film distance of the scene's first camera, because a file of another program does not
-    contain them."""
+    """Returns the film width and film distance of the scene's first camera. A file of another program does not contain
+    them."""
     with open(scene, "rb") as file:
         camera = tomllib.load(file)["camera"][0]
     return camera.get("film_width_mm", 36), camera.get("focal_length_mm", 50)

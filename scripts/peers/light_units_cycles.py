@@ -28,8 +28,8 @@ HEIGHT_M = 3  # height of the point light and the spot above the floor
 FIELD_M = 4  # side of the square of floor that the image shows
 FILM_MM = 36
 SIZE_PX = 64
-# kind: (W, or W/m^2 for the sun; rotation about x, degrees). Sun and spot shine obliquely, so that the cosine is tested
-# as well.
+# For each kind of light, its power (W, or W/m^2 for the sun) and its rotation about x in degrees. The sun and
+# the spot shine at an angle, so that the cosine is tested as well.
 LIGHTS = {"SUN": (2, 30), "POINT": (1000, 0), "SPOT": (1000, 20)}
 LIMIT = 0.01  # greatest deviation of a ratio from 1
 TIMEOUT_S = 600
@@ -43,7 +43,7 @@ def fail(text):
 
 
 def build(kind):
-    """Builds a floor, the light, and a camera at a height of 2 FIELD_M that sees FIELD_M x FIELD_M of the floor."""
+    """Builds a floor, a light and a camera. The camera is 2 FIELD_M high and sees FIELD_M x FIELD_M of the floor."""
     import blender_scene
     import bpy
 
@@ -59,9 +59,9 @@ def build(kind):
 
 
 def cycles_cosines(source):
-    """Returns, for each pixel in rows from the top, the factor by which the intensity in Cycles differs from glTF. 0
-    for pixels that are excluded: those outside the spot's inner cone (as the exporter writes it) or within two
-    pixels of its edge.
+    """Returns, for each pixel in rows from the top, the factor by which the intensity in Cycles differs from glTF. The
+    factor is 0 for pixels that are excluded. These lie outside the spot's inner cone (as the exporter writes it) or
+    within two pixels of its edge.
     """
     from mathutils import Vector
 
@@ -89,8 +89,8 @@ def inside(folder):
         bpy.context.view_layer.update()
         blender_scene.export(os.path.join(folder, kind + ".glb"))
         cosines[kind] = cycles_cosines(source)
-        # Under oblique light, the Principled surface of Cycles differs from Lambert's law, but its Diffuse surface does
-        # not.
+        # Under light from an angle, the Principled surface of Cycles differs from Lambert's law. Its Diffuse
+        # surface does not.
         floor = bpy.data.objects["Floor"].active_material.node_tree
         diffuse = floor.nodes.new("ShaderNodeBsdfDiffuse")
         diffuse.inputs["Color"].default_value = (ALBEDO, ALBEDO, ALBEDO, 1)
@@ -101,7 +101,7 @@ def inside(folder):
 
 
 def ratios(folder):
-    """Returns the image of postlens divided by that of Cycles, over the pixels that are not excluded."""
+    """Returns the image of postlens divided by that of Cycles, for the pixels that are not excluded."""
     sys.path.insert(0, HERE)
     import compare_halves
     import numpy

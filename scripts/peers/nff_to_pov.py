@@ -3,10 +3,10 @@
 
     nff_to_pov.py SCENE.nff SCENE.pov
 
-The camera is made for one sample per pixel corner of a 512 x 512 picture: render with +W513 +H513 -A -J. The angle of
+The camera is made for one sample per pixel corner of a 512 x 512 picture. Render with +W513 +H513 -A -J. The angle of
 NFF is measured between the centres of the first and the last pixel row. The 512 distances between corners therefore
-cover 512/511 of its tangent. POV-Ray samples the centres of its 513 columns, so its picture is 513/511 as wide as that
-of the angle.
+cover 512/511 of the tangent of this angle. POV-Ray samples the centres of its 513 columns, so its picture is 513/511
+times as wide as the angle.
 
 Two declarations on POV-Ray's command line make it possible to count rays. Declare=Max_Depth=N sets the depth, which is
 5 by default. With Declare=Clear_Glass=1, transparent objects cast no shadows.
@@ -19,13 +19,13 @@ import math
 import sys
 
 RASTER_PX = 512
-MAX_DEPTH = 5  # levels of a shading tree, including that of the eye ray, as the SPD require
-# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, for a transmittance T. The output divides both
-# by 1 - T in advance, so T must be below 1.
+MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD scenes require
+# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, where T is the transmittance. To
+# cancel this factor, the output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Two edges of a convex polygon may turn the wrong way by rounding of the file's six digits. This is the largest sine of
-# such a turn.
+# Rounding to the file's six digits may make two edges of a convex polygon turn the wrong way. This is the
+# largest accepted sine of such a turn.
 LARGEST_REFLEX = 1e-4
 
 
@@ -126,7 +126,7 @@ def material(fill):
 
 
 def is_convex(corners):
-    """True if a fan from the first corner covers the polygon. Collinear corners are treated as convex."""
+    """Returns whether a fan from the first corner covers the polygon. Collinear corners are treated as convex."""
     normal = [0.0, 0.0, 0.0]
     for a, b in zip(corners, corners[1:] + corners[:1]):
         normal = [n + c for n, c in zip(normal, cross(a, b))]
@@ -139,7 +139,7 @@ def is_convex(corners):
 
 
 def triangles(tokens, is_patch):
-    """Returns the triangles of a polygon's fan, each without its closing brace, because its material follows."""
+    """Returns the triangles of a polygon's fan. They have no closing braces, because the material follows."""
     count = tokens.number()
     if count < 3 or count != int(count):
         tokens.fail(f"a polygon has at least three corners (got {count:g})")
@@ -158,7 +158,7 @@ def triangles(tokens, is_patch):
 
 
 def curved(tokens, entity):
-    """Returns a sphere, cone or cylinder without its closing brace, because its material follows."""
+    """Returns a sphere, cone or cylinder. It has no closing brace, because the material follows."""
     if entity == "s":
         x, y, z, radius = tokens.numbers(4)
         return f"sphere {{ {pov([x, y, z])} {abs(radius):.9g}"
@@ -205,8 +205,8 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Triangles are written separately. In a single mesh, POV-Ray needs 4 to 8 % more processor time for the
-                # scenes tetra and mount.
+                # Triangles are written separately, because POV-Ray needs 4 to 8 % more processor time for a
+                # single mesh (measured with the scenes tetra and mount).
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

@@ -35,7 +35,7 @@ def fail(text):
 
 
 def run(command, log, environment=None):
-    """Runs a program to its end. Returns its wall time and its processor time, s."""
+    """Runs a program to its end. Returns its wall time and its processor time, in seconds."""
     start = time.monotonic()
     with open(log, "w", encoding="utf-8") as file:
         process = subprocess.Popen(["timeout", str(TIMEOUT_S), *command], stdout=file, stderr=file, env=environment)
@@ -59,8 +59,8 @@ def blender(script, words, log):
 
 
 def cycles_seconds(log, spp):
-    """Returns the time from the first sample to the last, s, from the progress output of Cycles. It excludes the
-    preparation (copying the scene, building hierarchies) and the writing of the file."""
+    """Returns the time from the first sample to the last, in seconds, read from the progress output of Cycles. The time
+    does not include the preparation (copying the scene, building hierarchies) and the writing of the file."""
     clock = r"Time:(?:(\d+):)?(\d+):(\d+\.\d+)"
     with open(log, encoding="utf-8", errors="replace") as file:
         text = file.read()
@@ -91,8 +91,8 @@ def render_postlens(program, stem, scene, words):
 
 
 def speed(runs, samples):
-    """Returns the million samples per second of rendering (least, median and greatest), and the medians of the other
-    times."""
+    """Returns the least, median and greatest number of samples per second of rendering, in millions. Also returns the
+    medians of the other times."""
     rates = sorted(samples / r["render_s"] / 1e6 for r in runs)
     middle = {key: statistics.median(r[key] for r in runs) for key in ("render_s", "process_s", "processor_s")}
     return middle | {
@@ -109,8 +109,8 @@ def compare_picture(name, arguments, folder):
     ours, theirs, stems = [], [], {"ours": [], "theirs": []}
     for number in range(1, arguments.rounds + 1):
         stem = os.path.join(folder, f"{name}.%s.{number}")
-        # The programs alternate in running first. Otherwise the state that the first one leaves behind (clock rate,
-        # caches) would always affect the same program.
+        # The programs take turns in running first. Otherwise the state that the first one leaves behind
+        # (clock rate, caches) would always affect the same program.
         for whose in ("ours", "theirs") if number % 2 else ("theirs", "ours"):
             seed = ["--seed", str(number)]
             if whose == "theirs":
@@ -177,8 +177,8 @@ def report(results, arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", metavar="BUILD", help="build folder with apps/postlens, a release build")
-    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). The two halves of
-    # the rounds, which measure the noise, would then not be independent.
+    # With fewer samples, all images of Cycles have a common bias, whatever their seeds (README.md). The two
+    # halves of the rounds would then not be independent, and could not measure the noise.
     parser.add_argument("--spp", type=int, default=256, help="samples per pixel of a round (default: 256)")
     parser.add_argument("--rounds", type=int, default=2, help="an even number (default: 2)")
     parser.add_argument("--size", default="960x540", metavar="WxH", help="raster (default: 960x540)")

@@ -7,9 +7,9 @@ keys; materials that only emit; "checker" textures; rectangles, boxes, spheres a
 of translation and rotation. Any other content causes an error of one line; nothing is omitted silently.
 
 Balls and cylinders become meshes whose outlines have an error of at most OUTLINE_PX. The exposure is mapped to the part
-of one frame that Cycles' shutter covers (SHUTTER_COVERED). A moving object has as many poses as are needed for an error
-below MOTION_PX between poses (translation linear, rotation by slerp). After Blender has evaluated the poses, each is
-checked against the formula of the scene.
+of one frame that Cycles' shutter covers (SHUTTER_COVERED). A moving object has enough poses for an error below
+MOTION_PX between them, where translations are interpolated linearly and rotations by slerp. Blender's evaluation of
+each pose is checked against the formula of the scene.
 """
 
 import argparse
@@ -27,10 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 samples times from a table of 256 entries. For a box curve, this table covers only 254/256 of the frame. A
-# measurement confirms it: the centroid of a bar that moves by 200.02 px lies 0.781 px before the middle (0.783 and
-# 0.779 px with the two samplers, 1024 spp), and 200.02 px (1 - 254/256) / 2 = 0.781 px. With --whole-frame this error
-# is not corrected.
+# Cycles 3.4 samples times from a table of 256 entries. For a box curve, this table covers only 254/256 of the
+# frame. The measured position of a moving bar confirms this. With --whole-frame, the error is not corrected.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -100,7 +98,7 @@ class Motion:
             self.keys.append((Vector(key.get("translate_m", [0, 0, 0])), rotation(key)))
 
     def pose(self, time_s):
-        """Location and rotation at an instant; the scale never changes."""
+        """Returns the location and rotation at an instant. The scale never changes."""
         if not self.keys:
             return self.offset.copy(), self.turn.copy()
         after = bisect.bisect_right(self.times_s, time_s)
@@ -113,7 +111,7 @@ class Motion:
         return move + turn @ self.offset, turn @ self.turn
 
     def pose_beyond(self, time_s, close_s):
-        """Returns the pose at an instant. For instants after close_s, the motion before close_s is extrapolated."""
+        """Returns the pose at an instant. After close_s, the motion before close_s is extrapolated."""
         if time_s <= close_s:
             return self.pose(time_s)
         (move0, turn0), (move1, turn1) = self.pose(2 * close_s - time_s), self.pose(close_s)
@@ -145,13 +143,13 @@ class View:
         self.px_per_tangent = self.size_px[0] * self.focal_length_mm / self.film_width_mm
 
     def raster(self, point):
-        """Returns the image position of a world point, px from the centre of the image. None if the point is not in
-        front of the camera."""
+        """Returns the image position of a world point, in px from the centre of the image, or None if the point is not
+        in front of the camera."""
         x, y, z = self.camera_from_world @ point
         return None if z > -1e-6 else Vector((x, y)) * (self.px_per_tangent / -z)
 
     def px_per_m(self, point, margin_m):
-        """Returns the largest magnification, px per m, within margin_m of a point."""
+        """Returns the largest magnification, in px per m, within margin_m of a point."""
         depth_m = -(self.camera_from_world @ point).z - margin_m
         return self.px_per_tangent / max(depth_m, 1e-3)
 
@@ -172,8 +170,8 @@ class View:
 
 
 def checker(nodes, links, table, emission):
-    """Makes shader nodes for the emission times the colour `even` or `odd`. The cell that contains a point in object
-    space determines its colour."""
+    """Makes shader nodes for the emission times the colour `even` or `odd`. The colour of a point depends on the cell
+    that contains the point in object space."""
     what = f"texture '{table.get('name')}'"
     check_keys(what, table, TEXTURE_KEYS)
 
@@ -185,8 +183,9 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell edge of infinite length has no borders along its axis, so the coordinate along this axis is multiplied by
-    # 0. Blender's Checker Texture node is not used, because it shifts the borders of the cells.
+    # A cell edge of infinite length has no borders along its axis, so the coordinate along this axis is
+    # multiplied by 0. Blender's Checker Texture node shifts the borders of the cells and is therefore not
+    # used.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -203,7 +202,7 @@ def checker(nodes, links, table, emission):
 
 
 def emitter(table, textures, ambient_light):
-    """A Blender material with the emission of the scene's material."""
+    """Returns a Blender material with the emission of the scene's material."""
     what = f"material '{table.get('name')}'"
     check_keys(what, table, MATERIAL_KEYS)
     for key, default in MATERIAL_ZEROS.items():
@@ -230,8 +229,8 @@ def emitter(table, textures, ambient_light):
 
 
 def ball(made, centre, radius_m, px_per_m):
-    """Makes a sphere of triangles that lie at most OUTLINE_PX below the exact surface. Returns the greatest depth,
-    px."""
+    """Makes a sphere of triangles that lie at most OUTLINE_PX below the exact surface. Returns their greatest depth
+    below the surface, in px."""
     for level in range(2, LARGEST_ICOSPHERE + 1):
         made.clear()
         bmesh.ops.create_icosphere(made, subdivisions=level, radius=radius_m)
@@ -244,7 +243,7 @@ def ball(made, centre, radius_m, px_per_m):
 
 
 def tube(made, base, apex, radius_m, px_per_m, capped):
-    """Makes a cylinder of rectangles. Tolerance and result are those of `ball`."""
+    """Makes a cylinder of rectangles. The tolerance and the result are those of `ball`."""
     axis = apex - base
     count = max(8, math.ceil(math.pi / math.acos(1 - min(OUTLINE_PX / (px_per_m * radius_m), 0.5))))
     side = axis.orthogonal().normalized() * radius_m
@@ -261,8 +260,8 @@ def tube(made, base, apex, radius_m, px_per_m, capped):
 
 
 def shape(what, table, magnification):
-    """Returns the mesh of an object in object space, and the error of its outline, px. `magnification(point,
-    margin)` returns the px per metre of object space, within a distance of a point."""
+    """Returns the mesh of an object in object space, and the error of its outline, in px. `magnification(point,
+    margin)` returns the px per metre of object space within the distance `margin` of a point."""
     kind = needed(what, table, "shape")
     if kind not in SHAPE_KEYS:
         raise SceneError(f"{what}: cannot be expressed here (got {kind}; expected {', '.join(sorted(SHAPE_KEYS))})")
@@ -332,7 +331,7 @@ def corners(mesh):
 
 
 def animate(made, motion, exposure, view):
-    """Adds enough poses to an object. Returns the greatest error of its motion between poses, px."""
+    """Adds enough poses to an object. Returns the greatest error of its motion between poses, in px."""
 
     def off_px(log2):
         worst, steps, box = 0.0, exposure.poses(motion, log2), corners(made.data)
@@ -365,7 +364,7 @@ def animate(made, motion, exposure, view):
 
 
 def check_poses(scene, moving, exposure, view):
-    """Returns the greatest difference, px, between Blender's evaluation of the motion at the poses and the formula
+    """Returns the greatest difference, in px, between Blender's evaluation of the motion at the poses and the formula
     of the scene."""
     worst = 0.0
     for made, motion in moving:
@@ -381,7 +380,7 @@ def check_poses(scene, moving, exposure, view):
 
 
 def build(scene, tables, view, exposure):
-    """Builds all objects. Returns the greatest errors of outlines and motion, px, and the number of moving objects."""
+    """Builds all objects. Returns the greatest errors of outlines and motion, in px, and the number of moving ones."""
     world = tables.get("scene", {})
     check_keys("[scene]", world, SCENE_KEYS)
     for key in tables:
@@ -426,7 +425,7 @@ def build(scene, tables, view, exposure):
 
 
 def settings(scene, arguments, moves):
-    """Sets up Cycles for the integral that postlens computes: box filters over pixel, lens and time, and no effects."""
+    """Sets up Cycles for the integral that postlens computes. It has box filters over pixel, lens and time."""
     cycles, render = scene.cycles, scene.render
     cycles.device, cycles.samples, cycles.seed, cycles.use_animated_seed = "CPU", arguments.spp, arguments.seed, False
     cycles.sampling_pattern = {"pmj": "PROGRESSIVE_MULTI_JITTER", "sobol": "SOBOL"}[arguments.sampler]
@@ -471,8 +470,8 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # The default sampler of Cycles, pmj, needs more samples than Sobol points before its images are free of bias
-    # (README.md).
+    # The default sampler of Cycles, pmj, needs more samples than Sobol points do until its images are free of
+    # bias (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
