@@ -172,6 +172,37 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
+/// Measures the depths of highlights of one surface, and the slopes of the depths. lines[i] goes through the
+/// pinhole to lights[i]. Only highlights that are seen directly are measured.
+void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
+                    const SightRays& rays) {
+    if (node.path.bits() != 0) return;
+    std::vector<glm::dvec3> inverse_z(lines.size());
+    rays.inverse_depths(lines, node.id, inverse_z);
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+        if (inverse_z[i].x == 0) continue;
+        Highlight& light = lights[i];
+        light.inverse_z = static_cast<float>(inverse_z[i].x);
+        light.slope = glm::vec2(inverse_z[i].y, inverse_z[i].z);
+        light.w = Mat2::isotropic(light.inverse_z);
+    }
+}
+
+/// The same for highlights that were recorded, by lines through their positions.
+void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const SightRays& rays) {
+    constexpr std::size_t lines_per_task = 4096;
+    parallel_for((lights.size() + lines_per_task - 1) / lines_per_task, [&](std::size_t task) {
+        const std::span part = lights.subspan(
+            task * lines_per_task, std::min(lines_per_task, lights.size() - task * lines_per_task));
+        std::vector<SightLine> lines;
+        for (const Highlight& light : part) {
+            const auto [y, x] = pixel_of(light);
+            lines.push_back({.x = x, .y = y, .place = glm::dvec2(light.x, light.y) - glm::dvec2(x, y)});
+        }
+        measure_slopes(part, lines, node, rays);
+    });
+}
+
 std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t across,
                                                const SightRays& rays, const LightElsewhere& less) const {
     const Pixel& pixel = area.pixel;
@@ -224,16 +255,7 @@ std::vector<Highlight> BrightSurface::measured(const EdgeArea& area, std::size_t
         out.push_back(light);
         lines.push_back(sum.one);
     }
-    if (node.path.bits() != 0) return out;
-    std::vector<glm::dvec3> inverse_z(lines.size());
-    rays.inverse_depths(lines, node.id, inverse_z);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        if (inverse_z[i].x == 0) continue;
-        Highlight& light = out[i];
-        light.inverse_z = static_cast<float>(inverse_z[i].x);
-        light.slope = glm::vec2(inverse_z[i].y, inverse_z[i].z);
-        light.w = Mat2::isotropic(light.inverse_z);
-    }
+    measure_slopes(out, lines, node, rays);
     return out;
 }
 
@@ -279,10 +301,12 @@ void measure_edges(SheetMesh& mesh, const SightRays& rays, const LightElsewhere&
         parallel_for(edge.size(), [&, &of = surface, &at = edge](std::size_t i) {
             found[i] = of.measured(at[i], at[i].is_small ? finest : edge_rays, rays, less);
         });
+        const std::size_t kept = out.size();
         std::copy_if(surface.lights.begin(), surface.lights.end(), std::back_inserter(out),
                      [&at = edge](const Highlight& light) {
                          return !std::ranges::binary_search(at, pixel_of(light), {}, &EdgeArea::pixel);
                      });
+        measure_slopes(std::span(out).subspan(kept), surface.node, rays);
         for (const std::vector<Highlight>& lights : found)
             out.insert(out.end(), lights.begin(), lights.end());
     }
