@@ -63,8 +63,8 @@ struct ExposureOption {
     bool automatic = false;
 };
 
-/// One share of the work on an image: the rows or samples that one machine computes. Each share is written to
-/// its own file, and `merge` joins these files (apps/share.h).
+/// One share of the work on an image, for example some of its rows. Several machines can each compute one
+/// share and write it to a file. `merge` then joins the files (apps/share.h).
 struct SharedWork {
     Share share;
     std::function<nlohmann::ordered_json()> asked_for;  ///< AskedFor::fingerprint
@@ -78,7 +78,7 @@ struct TraceOptions {
     SceneReadOptions units;
     ExposureOption exposure;
     TraceSettings settings;
-    bool for_rays = false;  ///< images will be made with rays, for which TraceSettings::ray_levels suffice
+    bool for_rays = false;  ///< images will be made with rays, so fewer records are needed
     bool plan = false;      ///< choose levels, hidden layers, overscan and keys for `target_db`
     double target_db = default_target_db;
     bool force = false;  ///< trace even if the file will probably not fit on its disk
@@ -115,7 +115,7 @@ struct ForeignOptions {
     /// Returns the names of files that may differ between frames: the images of `behind`, and the masks of
     /// objects.
     [[nodiscard]] std::vector<std::string*> files();
-    /// Returns true if a pixel may have several samples. They are composited even if the lens is a pinhole.
+    /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
         return !behind.empty() || !objects.holdouts.empty() || !objects.sharp.empty() ||
                !objects.offsets.empty() || matte || passes.any();
@@ -135,8 +135,7 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR in dB that the method `auto` tries to reach. Without a target, a scene and `explain`, `auto`
-    /// selects the usual method.
+    /// PSNR in dB that the method `auto` tries to reach. It may be absent (takes_usual_method).
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -146,8 +145,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if the method `auto` selects the usual method for the file, because it has no target
-    /// PSNR, no scene and no explanation image to write.
+    /// Returns true if `auto` stands for `layers` or `scatter`, depending on the contents of the file
+    /// (usual_method). This is so if no target PSNR, scene or explanation image is given.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -157,8 +156,7 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command so that it only joins the results of its shares, which several machines have computed
-    /// (core/share.h).
+    /// Runs a command that does no work itself, but joins the results of several machines (core/share.h).
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -182,7 +180,8 @@ struct ShootOptions {
 
 struct RenderOptions {
     std::optional<SharedWork> shared;
-    /// True if a share has some of the samples of every pixel. False if a share has some of the rows.
+    /// True if each share computes some of the samples of every pixel. False if each share computes some of
+    /// the rows.
     bool share_by_samples = false;
     std::string scene, output, made_by;
     SceneReadOptions units;
@@ -201,8 +200,8 @@ struct MotionBlurOptions {
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene of a sample file. Rays into it replace samples whose colour the records do not determine,
-    /// for example because a surface was not recorded.
+    /// The scene of a sample file. Rays into it replace samples whose colour cannot be found from the
+    /// records, for example because a surface was not recorded.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -218,7 +217,7 @@ struct MotionBlurOptions {
 struct RecordsOptions {
     std::string input;
     std::pair<double, double> at;
-    int key = 0;  ///< index of the recorded instant; 0 is the frame's own
+    int key = 0;  ///< index of the recorded instant; 0 means the frame's own
     LensOptions lens;
     bool salvage = false;
 };
@@ -236,7 +235,7 @@ struct CompareCommandOptions {
     CompareLimits limits;
     /// The file name for the map of error causes, and the sample file that the map requires.
     std::optional<std::string> map_causes, frame;
-    /// The scene of the sample file. Rays into it test which errors they remove. `explain` is not used here.
+    /// The scene of the sample file. Rays into it show what causes each error. `explain` is not used here.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -265,7 +264,7 @@ struct CompareCommandOptions {
 /// Throws Error(wrong_arguments) if `options` has options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input);
 
-/// Returns what the reader does about damage. With --salvage, it reads the undamaged rows of a damaged file.
+/// Returns how the reader treats a damaged file. With --salvage, it reads the undamaged rows.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
@@ -282,7 +281,7 @@ void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& ou
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
 /// Returns the value of an option, or the value in the file if the option is absent. Throws
-/// Error(wrong_arguments) if both are absent. `file` says in the error message what kind of file it is.
+/// Error(wrong_arguments) if both are absent. The error message calls the file `file`.
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
@@ -300,9 +299,8 @@ struct ResolvedLens {
 /// Error(wrong_arguments) if `lens` already has a focal length.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the given exposure time. If `from_frame` is set, it is relative to the frame's instant. If no
-/// exposure time is given, returns the one in the file. Throws Error(wrong_arguments) if the file has none
-/// either.
+/// Returns the exposure time `asked`, or that of the file if `asked` is empty. If `from_frame` is set,
+/// `asked` is relative to the frame's instant. Throws Error(wrong_arguments) if there is no exposure time.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
 /// Adds a warning if the lens has a larger aperture, or the shutter a longer interval, than the sample file

@@ -11,8 +11,8 @@
 namespace postlens {
 
 /// Returns the exposure, in stops, at which to read a sample file. For `auto`, this is the automatic exposure
-/// that the file stores, or else auto_exposure_of its pinhole image. Returns an empty value if the option is
-/// not given, so that the file is read at its own exposure.
+/// that the file stores. If the file stores none, auto_exposure_of computes it from the pinhole image.
+/// Returns an empty value if the option is not given, so that the file is read at its own exposure.
 [[nodiscard]] std::optional<double> exposure_of_samples(const ExposureOption& asked,
                                                         const std::filesystem::path& path, Damage damage);
 

@@ -34,9 +34,8 @@ void check_output() {
         postlens::fail(ExitCode::cannot_write, "standard output: cannot write");
 }
 
-/// Opens a descriptor that cannot be written in place of each closed standard stream. Otherwise, the next
-/// file that is opened would get the number of the stream, and would receive whatever is written to the
-/// stream.
+/// Opens a read-only descriptor in place of each closed standard stream. Otherwise, the next file that is
+/// opened would get the descriptor of that stream, and messages would be written to the file.
 void take_closed_streams() {
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
         if (::fcntl(stream, F_GETFD) == -1) ::open("/dev/null", O_RDONLY);
@@ -81,8 +80,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // The job is static, because a signal may arrive at any time until the process ends. It has only one
-    // thread. The command runs in an inner job of its own, which may have more threads.
+    // The job is static, because a signal may arrive at any time until the process ends. One thread suffices,
+    // because the command runs in a job of its own.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // If these signals are ignored, a write beyond a size limit or into a closed pipe fails with an error

@@ -16,7 +16,7 @@ namespace postlens {
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
 /// Parses a command and runs it like run_timed. `words` are the arguments after the name of the program.
-/// Waits until no other call uses the file `in_process.kept`.
+/// Waits while another call uses the file `in_process.kept`.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON that `--json` prints. It contains the JSON of the result, the peak memory of the process,

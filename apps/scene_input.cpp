@@ -33,8 +33,8 @@ Scene read_scene_of_file(const std::string& path, const std::optional<double>& m
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
     // Old versions of postlens did not store these values in the sample file. They read lengths in metres
-    // unless another unit was given. They did not convert the intensities of light sources, which corresponds
-    // to 1 lm/W.
+    // unless another unit was given. They used the intensities of light sources without conversion, as if 1 W
+    // were 1 lm.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

@@ -44,8 +44,8 @@ struct AskedFor {
     };
     std::vector<Input> inputs;
     /// Returns JSON that identifies the result: the version of postlens, the options, and the SHA-256 of each
-    /// input file. Input paths are left out. `file_of` returns the path of an input. Throws
-    /// Error(invalid_input) if an input cannot be read.
+    /// input file. `file_of` returns the path of an input. Throws Error(invalid_input) if an input cannot be
+    /// read.
     [[nodiscard]] nlohmann::ordered_json fingerprint(
         const std::function<std::string(const Input&)>& file_of = {}) const;
 };
@@ -62,8 +62,8 @@ void remember_digest(const std::string& path, const Scene& scene);
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
 /// Returns the mark of a share whose result is a set of items, such as the images of a sweep. The mark is
-/// JSON with the share, the fingerprint of the command, and the command's arguments (`words`), except those
-/// for share and output. `merge` runs the command with these arguments to join the results.
+/// JSON. It also contains the command's arguments (`words`), which `merge` uses to run the command again and
+/// join the results.
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 

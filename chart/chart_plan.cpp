@@ -50,8 +50,7 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Coarse records suffice for this method, because it traces rays wherever the records do not determine a
-    // view.
+    // Coarse records suffice for this method, because it traces rays wherever the records are not sufficient.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

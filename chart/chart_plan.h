@@ -22,8 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number to pass to the trace. It differs from the f-number of the lens, because the trace
-    /// computes the diameter of the lens from the film distance instead of the focal length.
+    /// Returns the f-number to pass to the trace. The trace divides the film distance by this number to find
+    /// the diameter of the lens. The lens itself divides the focal length, so its f-number is different.
     [[nodiscard]] double traced_f_number() const;
 };
 

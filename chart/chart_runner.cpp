@@ -102,7 +102,7 @@ class Runner {
         steps += static_cast<std::uint64_t>(request_.rounds) * (plan_.traces.size() + plan_.points.size());
         Progress progress("chart", steps);
         // The traces run first, because the methods read their files. The pinhole image is also made from a
-        // trace. It determines which pixels are affected by blur.
+        // trace. It is needed to find which pixels are affected by blur.
         if (request_.join == Join::no)
             for (std::size_t t = 0; t < plan_.traces.size(); ++t) measure_trace(t, 0);
         else
@@ -321,8 +321,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. For the first image, the lens of the view is stopped down by a sixth of a
-    // stop. The second image uses the lens of the view itself.
+    // Times a sweep of two images. The lens of the first image is stopped down by a sixth of a stop, so that
+    // it differs from the lens of the second image. The second lens is that of the view.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -48,8 +48,7 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
     if (from.key != key) {
-        // The file contains measurements for other settings. If it is not this run's own chart but comes from
-        // a run with --share, it is ignored.
+        // The file contains measurements for other settings. A file of a run with --share is then ignored.
         if (!own) return false;
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew",

@@ -23,9 +23,9 @@ namespace postlens {
                                                                 const std::filesystem::path& chart);
 
 /// Adds the measurements of an earlier chart to `data`. If both contain a point, the measurement with more
-/// rounds is kept. Returns true if the earlier chart was measured on another machine. A chart whose key
-/// differs from `key` is ignored, unless `own` is set. `own` means that it is the run's own chart, and a
-/// different key then throws Error(wrong_arguments) with the name of the folder.
+/// rounds is kept. Returns true if the earlier chart was measured on another machine. `own` means that the
+/// earlier chart is the run's own chart. If its key differs from `key`, Error(wrong_arguments) with the name
+/// of the folder is thrown for an own chart, and any other chart is ignored.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 

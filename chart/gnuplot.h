@@ -10,10 +10,9 @@ namespace postlens {
 /// that the error appears early.
 void check_gnuplot();
 
-/// Runs a plot script twice to draw `base`.svg and `base`.png, and saves the script as `base`.gp. In the
-/// script, @TERMINAL@ and @OUTPUT@ are replaced by gnuplot's terminal and output file. If a plot fails,
-/// incomplete files are removed, and Error(cannot_write) is thrown with the first line of gnuplot's error
-/// message.
+/// Runs a plot script twice to draw `base`.svg and `base`.png, and saves the script as `base`.gp. @TERMINAL@
+/// and @OUTPUT@ in the script are replaced by gnuplot's terminal and output file. If a plot fails, incomplete
+/// files are removed. Error(cannot_write) is then thrown with the first line of gnuplot's error message.
 void draw_with_gnuplot(const std::string& script, const std::filesystem::path& base, int width_px,
                        int height_px);
 

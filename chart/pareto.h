@@ -11,10 +11,9 @@ struct CostError {
     double seconds = 0, error = 0;  ///< both positive
 };
 
-/// Returns the indices of the Pareto-optimal points. A point is omitted if another point is better in one of
-/// the two values (seconds and error) and at least as good in the other. The indices are sorted by rising
-/// seconds, and therefore by falling error. Points with a value that is not finite are omitted. Of several
-/// equal points, only the first is returned.
+/// Returns the indices of the Pareto-optimal points, sorted by rising seconds. A point is omitted if another
+/// point is better in one of the two values (seconds and error) and at least as good in the other. Points
+/// with a value that is not finite are omitted. Of several equal points, only the first is returned.
 [[nodiscard]] std::vector<std::size_t> pareto_frontier(const std::vector<CostError>& points);
 
 /// Returns the seconds at which a curve reaches `error`. The value is interpolated between neighbouring

@@ -12,20 +12,20 @@
 namespace postlens {
 namespace {
 
-/// Residuals above this limit count linearly instead of quadratically. The first refinement starts far from
-/// the true lens, so its limit is large. The limit of the last refinement is about the noise of 256 samples
-/// per pixel.
+/// Residuals above these limits count linearly instead of quadratically. The first refinement starts far from
+/// the true lens, so it needs a large limit. The limit of the last refinement is about as large as the noise
+/// of an image with 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
 /// Half the step of the central differences in the inverse focus distance 1/s. It is a fraction of the range
 /// of inverse depths.
 constexpr double focus_step = 0.03;
-/// Side, in px, of a block of pixels. The sums of different blocks are treated as independent observations.
+/// Side, in px, of a block of pixels. Residuals in different blocks are treated as independent.
 constexpr std::size_t block_px = 16;
 /// Minimum variation of an image for which a lens is searched. Blur is not visible in a constant image.
 constexpr double least_spread = 1e-3;
 /// Largest accepted residual, as a fraction of the image's variation. The residual is about a tenth of the
-/// variation if the records show the same view as the image, and most of the variation if they show another
-/// view.
+/// variation if the file shows the same view as the image. It is almost as large as the variation if the file
+/// shows another view.
 constexpr double most_left = 0.5;
 /// Largest accepted error of the best lens, as a fraction of the error without blur. An image with a larger
 /// error shows no blur.
@@ -93,8 +93,8 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     // Near the minimum, the error depends quadratically on the parameters. If a step lowers the error by a
     // fraction of less than 1e-4, the next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // The large trust region lets the solver end as soon as full steps no longer lower the error. Close to
-    // the minimum the error has no usable slope, because `focus` places its discs in discrete steps.
+    // With a large trust region, the solver ends as soon as full steps no longer lower the error. Smaller
+    // steps would not help: close to the minimum, `focus` changes the image only in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -179,9 +179,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
         cov += a * b;
     }
     const double error_a = std::sqrt(var_a), error_b = std::sqrt(var_b);
-    // determinant / (aa bb) equals 1 - c^2, where c is the correlation between the derivatives with respect
-    // to aperture and focus. Below 1e-4, the two derivatives differ only by numerical error, and the image
-    // does not determine both parameters.
+    // A small determinant means that the derivatives with respect to aperture and focus are nearly
+    // proportional. The image then does not determine both parameters.
     if (!(determinant > 1e-4 * aa * bb) || !(error_a < most_error) ||
         !(error_b < most_error * view.span_per_m)) {
         refuse_one_depth();
@@ -280,8 +279,8 @@ LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& pic
              "the search for a lens came to no end (got none of {} starts to converge; expected one)",
              starts.size());
     }
-    // Each minimum was measured over a different set of pixels. To compare them, each error is divided by the
-    // variation (`spread`) of the image over the same pixels.
+    // The error of each minimum was computed over a different set of pixels. To make the errors comparable,
+    // each one is divided by the variation (`spread`) of the image over its own set of pixels.
     std::stable_sort(found.begin(), found.end(), [](const LensFromPicture& a, const LensFromPicture& b) {
         return a.best.error * b.spread < b.best.error * a.spread;
     });

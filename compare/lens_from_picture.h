@@ -36,8 +36,9 @@ struct LensFromPictureSettings {
 
 /// Finds the lens with which `focus` (method scatter, 256 depths) reproduces the image. The lens is fitted by
 /// least squares with the Levenberg-Marquardt method. The parameters are log(F/n) and 1/s, where F is the
-/// focal length, n the f-number and s the focus distance. A residual is the difference of `picture_tone` in a
-/// pixel. Residuals above 0.02 count linearly [huber1964].
+/// focal length, n the f-number and s the focus distance. A residual is the difference between the
+/// `picture_tone` of both images in a pixel. Residuals above 0.02 count linearly instead of quadratically
+/// [huber1964].
 ///
 /// The error can have one minimum with the focus in front of a sharp surface and another with the focus
 /// behind it. The fit therefore starts from several minima found by `blur_search`. From each start it is run
@@ -47,10 +48,10 @@ struct LensFromPictureSettings {
 /// Standard errors are computed from sums over blocks of pixels [white1980], because residuals within a
 /// circle of confusion are correlated. They do not include the systematic errors of `focus` (docs/lens.md).
 ///
-/// Throws Error(invalid_input) if the image cannot be used: its size differs from that of the file, it has
-/// values that are not finite, a constant colour or no blur, or it shows another view. Also throws this error
-/// if the image does not determine both aperture and focus, or if no search converges. Throws
-/// Error(wrong_arguments) for orthographic files and settings out of range.
+/// Throws Error(invalid_input) if the image has a size other than that of the file, shows another view,
+/// contains values that are not finite, or shows no blur. Also throws this error if the image does not
+/// determine both aperture and focus, or if no search converges. Throws Error(wrong_arguments) for
+/// orthographic files and settings out of range.
 [[nodiscard]] LensFromPicture lens_from_picture(const SampleFileReader& file, const Image& picture,
                                                 const LensFromPictureSettings& settings = {});
 

@@ -75,8 +75,8 @@ class Job {
 };
 
 /// While this object exists, the calling thread and the threads of its parallel loops work for `job`. The
-/// thread that creates a JobScope must also destroy it. If a thread has several, it must destroy the newest
-/// first.
+/// thread that creates a JobScope must also destroy it. If a thread has several JobScopes, it must destroy
+/// the newest first.
 class JobScope {
   public:
     explicit JobScope(Job& job);

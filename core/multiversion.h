@@ -3,7 +3,8 @@
 // bit-identical results, because no sum is reordered.
 //
 // There is one exception: GCC 12 still fuses alternating sums and differences of products, such as those in
-// complex arithmetic. Write such code as two loops. scripts/check_instruction_sets.sh tests for this problem.
+// complex arithmetic. Split such code into two loops. scripts/check_instruction_sets.sh finds functions that
+// have this problem.
 //
 // With clang, and on processors other than x86-64, the macro is empty.
 #pragma once

@@ -33,8 +33,8 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit for each huge page in which a block has ended. The array has 16 MB, but the system provides memory
-/// only for the parts that are written to.
+/// One bit for each huge page in which a block has ended. The array takes 16 MB of addresses, but the system
+/// provides memory only for the parts that are written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
 /// Requests huge pages for the addresses that follow a block, where malloc will place the next blocks. It

@@ -15,8 +15,8 @@ struct Share {
     }
 };
 
-/// Whether a run computes missing items, or only joins the results that earlier runs (one per share) left in
-/// the folder.
+/// Whether a run computes missing items, or only joins the results that earlier runs left in the folder. Each
+/// of the earlier runs made one share.
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

@@ -11,8 +11,8 @@ void require_threads(int number);
 /// Number of threads that a library for image files may start in addition to the threads of the jobs.
 [[nodiscard]] int library_threads();
 
-/// Number of threads that start when the picture module is loaded. They belong to log4cplus, on which
-/// Debian's OpenImageIO depends. If they cannot be started, the loader waits forever or aborts the process.
+/// Number of threads that log4cplus, a library on which Debian's OpenImageIO depends, starts when the picture
+/// module is loaded. If they cannot be started, the loader waits forever or aborts the process.
 inline constexpr int picture_module_threads = 4;
 
 }  // namespace postlens

@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Calls chunk(begin, end) for ranges of at most `grain` indices, where `grain` is 1 or more. The ranges
-/// cover [0, count) once, in any order. parallel_for calls this function, and both stop and throw in the same
-/// way.
+/// Calls chunk(begin, end) for ranges of at most `grain` indices, where `grain` is 1 or more. Together, the
+/// ranges cover each index in [0, count) once. Their order is not defined. Exceptions and cancellation are
+/// handled as in parallel_for, which calls this function.
 void parallel_chunks(std::size_t count, std::size_t grain,
                      const std::function<void(std::size_t begin, std::size_t end)>& chunk);
 
@@ -39,7 +39,7 @@ void run_in_order(std::size_t count, std::size_t at_a_time, const std::function<
 
 /// Calls end(i, make(i)) for each i in [0, count). Up to `at_a_time` calls of make (1 or more) run at once,
 /// on any thread. make may contain parallel loops. While one call waits, its threads help with the other
-/// calls. The calls of end are made one at a time and in order. Stops and throws in the same way as
+/// calls. The calls of end are made one at a time and in order. Exceptions and cancellation are handled as in
 /// parallel_for.
 template <typename Make, typename End>
 void make_in_order(std::size_t count, std::size_t at_a_time, const Make& make, const End& end) {

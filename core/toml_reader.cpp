@@ -55,9 +55,9 @@ std::string range_text(const NumberRange& range) {
     return range.may_be_infinite ? text + " or inf" : text;
 }
 
-/// Refuses keys with very many parts, such as a.a.a.a. The parser makes nested tables for the parts of a key
-/// and visits them recursively, which could overflow the stack. The parser's own depth limit covers only
-/// nested arrays and inline tables. Dots in quoted text and in comments are not counted.
+/// Refuses keys with very many parts, such as a.a.a.a. The parser makes a nested table for each part and
+/// visits the tables recursively, which could overflow the stack. Its own depth limit covers only nested
+/// arrays and inline tables. Dots in quoted text and in comments are not counted.
 void check_depth_of_keys(std::string_view text, const std::string& file) {
     constexpr int most_parts = 256;
     const auto past = [&](std::size_t at) {

@@ -13,10 +13,12 @@
 namespace postlens {
 
 /// Returns a warning of code "nonlinear", with the share of the image's pixels that show a misplaced node. A
-/// node of the shading tree is misplaced if it is visible, is brighter than 1/255, and is reprojected with an
-/// error of more than half a pixel for some lens point. For an aperture of diameter D, this error is (film
-/// distance / pixel pitch) w_bend (D / 2)^2. Returns nothing if no pixel shows a misplaced node, if the
-/// aperture is a pinhole, or if the file has no w_bend (`SampleHeader::has_bend`).
+/// node of the shading tree is misplaced if, for some lens point, it is reprojected with an error of more
+/// than half a pixel. For an aperture of diameter D, this error is (film distance / pixel pitch) w_bend (D /
+/// 2)^2. Only visible nodes that are brighter than 1/255 count.
+///
+/// Returns nothing if no pixel shows a misplaced node, if the aperture is a pinhole, or if the file has no
+/// w_bend (`SampleHeader::has_bend`).
 ///
 /// Reads the records once, unless `frame` already has their errors (FocusFrame::largest_bends). If `crop` is
 /// given, only the pixels of the traced image within it count. The result does not depend on the number of

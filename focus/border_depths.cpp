@@ -44,8 +44,8 @@ BorderRadii BorderDepths::radii(const FocusGeometry& geometry, const ResponseMod
     const auto fill = [&](const std::vector<Range>& from, std::vector<float>& to) {
         std::transform(from.begin(), from.end(), to.begin(), [&](const Range& range) {
             if (range.farthest > range.nearest) return 0.0F;
-            // The distance that light reaches is a convex function of 1/z', the inverse depth. It is
-            // therefore largest at one end of the depth range.
+            // Surfaces in the middle of a depth range are blurred less than those at one of its ends. Only
+            // the two ends are therefore tested.
             const auto radius_px = [&](float inverse) {
                 return response.farthest_light_px(geometry.coc_diameter_px(static_cast<double>(inverse)) / 2);
             };

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// The range of 1/z', the inverse depth, at each pixel corner of the outermost recorded rows and columns.
-/// Only surfaces that are seen directly count.
+/// The range of depths at the border of the records, as the inverse depth 1/z'. There is one range for each
+/// pixel corner of the outermost recorded rows and columns. Only surfaces that are seen directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.

@@ -124,9 +124,9 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry to px of the traced image. It makes no difference whether an image is blurred before
-/// or after it is magnified, so the image is blurred at the traced resolution. There, a circle of confusion
-/// is smaller than in the framed image by the factor `zoom`.
+/// Converts the geometry to px of the traced image, in which the blur is computed. An image may be blurred
+/// before or after it is magnified, with the same result. At the traced resolution, a circle of confusion is
+/// smaller than in the framed image by the factor `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -166,8 +166,8 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
     };
     if (settings.method == FocusMethod::layers) {
         // On average, a record yields at most one splat, because most samples of a pixel merge. The splats of
-        // a strip get only a sixth of the limit. The rest is for the sums of each surface and the unsorted
-        // rows.
+        // a strip may use a sixth of the limit. The rest is needed for the sums of each surface and for
+        // sorting.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {

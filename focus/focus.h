@@ -30,9 +30,9 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of impulse responses for the finite depths, from 2 to DepthLevels::most_depths. Each depth is
-    /// rounded to one that has a response. If this number is absent, it is chosen so that the rounding
-    /// changes the CoC diameter by less than half a pixel.
+    /// Number of impulse responses for the finite depths, from 2 to DepthLevels::most_depths. The depth of a
+    /// sample is rounded to the nearest depth that has a response. If this number is absent, it is chosen so
+    /// that the rounding changes the CoC diameter by less than half a pixel.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;

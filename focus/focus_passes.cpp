@@ -20,8 +20,8 @@ namespace {
 /// Smallest coverage that is written to a Cryptomatte. Renderers also omit smaller ones.
 constexpr float least_coverage = 1e-4F;
 /// Smallest number of ranks (objects per pixel) in a Cryptomatte. It is larger than usual, because pixels at
-/// blurred edges show more objects. All parts of a divided image use the same number, so that they have the
-/// same channels.
+/// blurred edges show more objects. If an image is made in several parts, all parts have this number, so that
+/// they have the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -120,7 +120,7 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
 }
 
 /// Returns the standard error of an image made from `views` views. The error of a pixel is the root mean
-/// square of the three channels. It is estimated by comparing independent sets, each of half as many views.
+/// square of the three channels. It is estimated by comparing independent sets of views with each other.
 ///
 /// Pixels of the same depth share their lens points, so two sets of few views may agree by chance in all of
 /// these pixels. If there are few views, more sets are therefore compared.

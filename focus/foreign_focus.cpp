@@ -177,7 +177,7 @@ class Spread {
                         stack = continued;
                     }
                     const Behind* behind = pixel && behind_ ? &behind_row[*pixel % width] : nullptr;
-                    // Behind a translucent surface that an opaque one hides, there may be empty space.
+                    // Empty space may be visible behind a translucent surface.
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
@@ -205,8 +205,8 @@ class Spread {
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // sum of its weights, which would fill empty space with the light around it. `scatter` therefore
-            // needs `nothing_`, which limits how much of each pixel may stay empty.
+            // sum of its weights. This would fill empty space with the light around it. `nothing_` therefore
+            // limits how much of each pixel may stay empty.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -314,8 +314,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     StackField field = stack_field(picture, behind, s);
     const Guessed of_picture = guessed(behind);
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // Gaps are filled from the pixels around them, which may lie outside the crop. If a crop has gaps, the
-    // whole image is therefore drawn.
+    // A gap is filled from the pixels around it, which may lie outside the crop. If there are gaps, the whole
+    // image is therefore drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;
@@ -380,8 +380,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // It makes no difference whether an image is blurred before or after it is magnified. The image is
-    // therefore blurred at its own resolution, where circles of confusion are smaller by the factor `zoom`.
+    // The image is blurred before it is magnified, which gives the same result. At the image's own
+    // resolution, circles of confusion are smaller by the factor `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -15,8 +15,8 @@ namespace postlens {
 [[nodiscard]] FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& asked);
 
 /// Returns the impulse response in units of the height of a pixel. Pixels are `pixel_aspect` times as wide as
-/// they are tall, so a disc on the film is narrower in px than it is tall. Throws Error(wrong_arguments) if
-/// pixels are not square and the response comes from diffraction or from a lens prescription.
+/// they are tall, so a round disc on the film covers fewer columns than rows. Throws Error(wrong_arguments)
+/// if pixels are not square and the response comes from diffraction or from a lens prescription.
 [[nodiscard]] Impulse impulse_in_px(const Impulse& impulse, double pixel_aspect);
 
 }  // namespace postlens

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Largest number of rows that are read at a time. A band ends earlier if it already has fewest_rows rows and
-/// enough_records records (of about 60 bytes each).
+/// Largest number of rows that are read at a time. After fewest_rows rows, no further row is read if there
+/// are already enough_records records.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
 /// Number of rows in each band that is kept in memory. Loops over all rows run in parallel within a band and
@@ -40,9 +40,8 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory. Each record yields at most one point sample, and a growing vector may have
-    // twice the capacity that it needs. Each plain corner (corner of an undivided pixel) adds a depth and a
-    // colour.
+    // Upper bound of the memory. Each record yields at most one point sample. A growing vector may have twice
+    // the capacity that it needs. Each plain corner (corner of an undivided pixel) adds a depth and a colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

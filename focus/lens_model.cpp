@@ -27,8 +27,8 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // Within a cell, the response changes by up to half a pixel or by 2 % of its reach. Such changes are
-        // not visible.
+        // A cell is a square of the image that uses one response. Within a cell, the response changes by up
+        // to half a pixel or by 2 % of its radius. Such changes are not visible.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -40,8 +40,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // The Frobenius norm bounds the displacement by the anisotropic part of the map. The factor 1.5
-        // allows for a pupil that is up to 1.5 times as large.
+        // An upper bound of the displacement by the anisotropic part of the map. The factor 1.5 allows for a
+        // pupil that is up to 1.5 times as large.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -62,8 +62,8 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An anisotropic response of this size is faint. Mirrors and glass cause such responses. The lens's
-        // aberrations are not visible in it, so an ellipse is sufficient.
+        // An anisotropic response of this size is faint. Mirrors and glass cause such responses. The
+        // aberrations of the lens are not visible in it, so an ellipse is sufficient.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,

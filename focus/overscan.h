@@ -9,10 +9,8 @@
 namespace postlens {
 
 /// Returns a warning of code "overscan" if circles of confusion of the outermost records are wider than the
-/// overscan. The image pixels that these circles reach lack light from beyond the records. They are
-/// normalised by the recorded light. Only circles at the border of the records matter, not the largest circle
-/// of the image. If `crop` is given, only the pixels of the image within it count. Returns nothing if no
-/// pixel is affected.
+/// overscan. Light from beyond the records is then missing in the image pixels that these circles reach. If
+/// `crop` is given, only the pixels of the image within it count. Returns nothing if no pixel is affected.
 [[nodiscard]] std::optional<FocusWarning> overscan_warning(const BorderRadii& border,
                                                            const RasterWindow& source,
                                                            const RasterWindow& picture,

@@ -10,10 +10,9 @@ namespace postlens {
 /// its centre. If zoom < 1, these pixels extend beyond the image.
 [[nodiscard]] RasterWindow window_for_zoom(int width, int height, double zoom);
 
-/// Resamples `traced`, which has the pixels of `window`, to width x height pixels. The output pixel p shows
-/// the position centre + (p - centre) / zoom. Each output pixel is the mean of the traced pixels that it
-/// covers, weighted by area (a box filter). Uniform areas stay uniform, energy is conserved, and zoom = 1
-/// changes nothing.
+/// Resamples `traced`, which has the pixels of `window`, to width x height pixels. The position p of the
+/// output shows the position centre + (p - centre) / zoom of the input. Each output pixel is the mean of the
+/// traced pixels that it covers, weighted by area (a box filter). If zoom is 1, the image does not change.
 [[nodiscard]] Image reframe(const Image& traced, const RasterWindow& window, int width, int height,
                             double zoom);
 

@@ -13,11 +13,8 @@ struct UsualMethod {
 };
 
 /// Returns the default method for a sample file. It is `layers` if the file has hidden surfaces, mirrors or
-/// glass, otherwise `scatter`.
-///
-/// With hidden surfaces, `layers` has the highest PSNR on most random scenes and samples (docs/focus.md).
-/// Without them, the background of a blurred edge is not recorded, and `scatter`, which averages the light
-/// that arrives, has the smaller error.
+/// glass, otherwise `scatter`. In each case this is the method with the smaller error on most scenes
+/// (docs/focus.md).
 [[nodiscard]] UsualMethod usual_method(const SampleHeader& header);
 /// Returns the default method for an image of another program, `layers`.
 [[nodiscard]] UsualMethod usual_method_of_foreign_picture();

@@ -13,15 +13,15 @@ namespace {
 
 using glm::dvec2;
 
-/// Below this rim_scale (see Aperture), the second rim is assumed to block nothing. Its projection from the
-/// scene point onto the lens then has a radius of more than 20 lens radii.
+/// If rim_scale (see Aperture) is below this value, the second rim is treated as if it blocked nothing. The
+/// rim, projected from the scene point onto the lens, then has a radius of more than 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
-/// Tolerance, in lens radii, of the polygon from which sample() draws points. For a rounded shape, the
-/// polygon is smaller than the shape by 6e-6 of its area.
+/// sample() draws points from a polygon that approximates the aperture. This is the largest distance between
+/// the polygon and the true shape, in lens radii.
 constexpr double fine = 1e-5;
 
-/// Finds u in a list of running sums that ends in 1. Returns the index of the step that contains u, and the
-/// position of u within that step (0 to 1).
+/// The list from `begin` to `end` contains running sums, and the last sum is 1. Returns the index of the
+/// interval that contains u, and the position of u within this interval (0 to 1).
 std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
     const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
     const double before = at == begin ? 0 : at[-1];

@@ -17,7 +17,8 @@ struct AperturePicture {
     std::vector<double> light;  ///< >= 0, not all 0
 };
 
-/// Maps (u, v) in [0, 1)^2 to the unit disc [shirley1997]. The map is continuous and preserves relative area.
+/// Maps (u, v) in [0, 1)^2 to the unit disc [shirley1997]. The map is continuous. Regions of equal area have
+/// images of equal area.
 [[nodiscard]] glm::dvec2 disc_point(double u, double v);
 
 /// An aperture. Lens points are in units of the lens radius F / 2n, in raster axes (x right, y down). Field
@@ -26,13 +27,15 @@ struct AperturePicture {
 /// - Shape: the unit disc, a polygon inscribed in the disc, or an image.
 /// - squeeze: x is divided by this factor. Bokeh then becomes taller than wide, as with an anamorphic lens.
 /// - cats_eye X (mechanical vignetting): a second rim in front of the lens, with the same size and squeeze as
-///   the disc. Light from field position f passes this rim at lens point q if |k q + X f| <= 1. For a scene
-///   point at depth z, `rim_scale` k is 1 - L/z, where L is the distance of the rim from the lens. k is close
-///   to 1 except for very near points. L = X R gain / half diagonal, where R is the lens radius. Blocked
-///   light is lost, even for points in focus.
-/// - spherical X, 1/m (primary spherical aberration; X > 0 is undercorrected): light through the lens zone of
-///   radius rho is focused at the inverse distance 1/s + X rho^2. The impulse response has a bright rim on
-///   one side of the focus, and a soft edge on the other side.
+///   the disc. Light from field position f through lens point q passes this rim if |k q + X f| <= 1. For a
+///   scene point at depth z, k (`rim_scale`) is 1 - L/z, where L is the distance of the rim from the lens. k
+///   is close to 1 except for very near points. L is X R gain / half diagonal, where R is the lens radius and
+///   gain is the film distance divided by the pixel pitch. Light that the rim blocks is lost, even for points
+///   in focus.
+/// - spherical X, 1/m (primary spherical aberration; X > 0 is undercorrected): light through lens points at
+///   distance rho from the centre is focused at the inverse distance 1/s + X rho^2, where s is the focus
+///   distance. The impulse response has a bright rim on one side of the focus, and a soft edge on the other
+///   side.
 class Aperture {
   public:
     /// Makes a disc, a polygon, or the aperture of the given image. Throws Error(wrong_arguments) for
@@ -63,8 +66,8 @@ class Aperture {
     /// Returns true if light through point q of the aperture also passes the second rim.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
     /// Returns the fraction of the aperture's light that passes the second rim, or 1 if there is no second
-    /// rim. The result is exact for the disc. For other shapes it is interpolated in a table over field and
-    /// rim_scale. Its error is about 1e-3 at rim_scale 1.
+    /// rim. The result is exact for the disc. For other shapes, it is interpolated in a table. Its error is
+    /// about 1e-3 at rim_scale 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture. The density of the points is proportional to the
@@ -84,8 +87,7 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Steps of the transmission table along each axis of the field, over [-1, 1]. Interpolation makes the
-    /// light slightly too small, by 0.05 % for a hexagon with 32 steps.
+    /// Number of intervals of the transmission table along each axis of the field. Each axis covers [-1, 1].
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // The reach is slightly enlarged, because rounding might otherwise exclude a corner of the outline that
-    // lies on a pixel border.
+    // `reach_px` is the largest distance of light from the centre. It is slightly enlarged, because rounding
+    // might otherwise exclude a corner of the outline that lies on a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -43,8 +43,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
 }
 
 /// Returns the number of parts into which a straight line of `length` on the aperture is divided. The image
-/// of each part then deviates from a straight line by less than 0.02 px. The number follows from an upper
-/// bound of the second derivative of spherical_px q |q|^2 for |q| up to sqrt(2).
+/// of each part then deviates from a straight line by less than 0.02 px. The number follows from the largest
+/// second derivative of the aberration, spherical_px q |q|^2.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));

@@ -39,9 +39,9 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds the energy of the area to the right of a polygon's side. The energy is positive if the side runs
-// upwards, and negative if it runs downwards. Beyond the right end of the polygon, the contributions of all
-// sides cancel.
+// Adds the energy of the area to the right of one side of a polygon. The energy is positive if the side runs
+// upwards, and negative if it runs downwards. To the right of the polygon, the contributions of all sides
+// cancel, so that only the energy of the polygon remains.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
     const double sign = a.y > b.y ? density : -density;

@@ -90,10 +90,12 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area of the strip (the part of the ellipse within one pixel row) that lies to the left of x. x
-/// is relative to the centre. The area is the integral over t of min(right(t), x) - min(left(t), x). An edge
-/// crosses x at the roots of a quadratic equation. Between these roots, each integrand has an antiderivative
-/// in closed form.
+/// Returns the area of the part of the strip that lies to the left of x. The strip is the part of the ellipse
+/// within one pixel row, and x is relative to the centre.
+///
+/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t, where left and right are
+/// the ends of the chord at t. The integral is split at the heights where an edge of the ellipse crosses x.
+/// Between these heights, it has a closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -171,8 +173,9 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     }
 
     out.edge_share.clear();
-    // The value of each pixel is the difference of two running areas. The values of a row therefore add up to
-    // the area in the row, without accumulated rounding errors.
+    // The value of each pixel is the area to the left of its right border, minus the area to the left of its
+    // left border. The values of a row therefore add up to the area in the row, without accumulated rounding
+    // errors.
     const auto add_edge = [&](int begin, int end, double area_at_begin, double area_at_end) {
         double before = area_at_begin;
         for (int x = begin; x < end; ++x) {

@@ -8,8 +8,9 @@ namespace postlens {
 
 /// The energy in each pixel of a rectangle. Coordinates are in px relative to the anchor, an integer raster
 /// position. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), with x to
-/// the right and y down. The function that makes the grid chooses where in its pixel the point's geometric
-/// image lies. Values are not negative. Their sum is 1, minus any losses that this function documents.
+/// the right and y down. The geometric image of the light source may lie anywhere in a pixel. The function
+/// that makes the grid chooses this position. Values are not negative. They add up to 1 unless that function
+/// documents a loss of light.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

@@ -50,8 +50,9 @@ inline constexpr std::uint8_t wanted_mark = 2;
 /// and its class_marks must not be empty. Pixels over which nothing moves are black and count as known.
 [[nodiscard]] PatchPicture touched_picture(PatchField& field, const std::optional<Crop>& crop);
 
-/// Copies the pixels of `seen` that have one of `marks` into `image`, which has the same size. The unknown
-/// share of a pixel gets the colour of `behind`. If all pixels are known, `behind` may be empty.
+/// Copies the pixels of `seen` that have one of `marks` into `image`, which has the same size. `behind`
+/// provides the colour for the unknown share of a pixel's light. If all pixels are known, `behind` may be
+/// empty.
 void lay_over(Image& image, const PatchPicture& seen, std::uint8_t marks, const Image& behind);
 
 }  // namespace postlens

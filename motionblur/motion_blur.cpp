@@ -29,9 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted value of Crossing::most_mse, which is an upper bound of the error where groups cross. The
-/// measured errors are at least 30 times smaller than this bound. The limit therefore corresponds to a PSNR
-/// of at least 45 dB over the pixels that the group touches.
+/// Largest accepted value of Crossing::most_mse, an upper bound of the error where groups cross. Measured
+/// errors are much smaller than the bound. At this limit, the PSNR is at least 45 dB over the pixels that the
+/// group touches.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -188,8 +188,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows has two reasons: a sample represents a quarter of a quadtree leaf, which
-        // extends beyond the sample, and a cell extends half a cell beyond its centre.
+        // The margin of 2 rows is needed because samples and cells have an extent. A sample represents a
+        // quarter of a quadtree leaf, and a cell extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -198,8 +198,8 @@ class MotionBlur {
     }
 
     /// Finds the groups of objects to convolve, and the surfaces in the rows that these groups touch. With
-    /// `automatic`, a group with parallax uses lightfield if it is more than one surface or if other surfaces
-    /// lie in its range of depth.
+    /// `automatic`, lightfield is used for a group with parallax that is more than one surface, or that has
+    /// other surfaces in its range of depth.
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -290,9 +290,9 @@ class MotionBlur {
         std::vector<std::uint8_t> covered;
         if (has_gaps()) covered = pixels_showing(header_, bands_.bands(), moving_ids(motions_));
         if (by_field.crop && !covered.empty() && all_of(covered)) {
-            // Moving objects cover every pixel, so there is no static pixel from which the uncovered
-            // background could be filled. It is filled from the views instead. The views are therefore drawn
-            // for the whole image, and not only for the crop.
+            // Moving objects cover every pixel, so the uncovered background cannot be filled from static
+            // pixels. It is filled from the views instead. For this, the views of the whole image are needed,
+            // not only those of the crop.
             by_field.crop.reset();
             blur = field_blur(header_, sheets, motion_, motions_, wanted, by_field);
         }

@@ -32,8 +32,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Parallel to the film, but nearer points move farther: within 0.25 px, the displacement of a point is
-    /// that of the box's centre times the ratio of their inverse depths.
+    /// Parallel to the film, but nearer points move farther. The displacement of each point is that of the
+    /// box's centre times the ratio of their inverse depths, within 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -45,8 +45,8 @@ struct IdMotion {
     /// Largest difference between the displacement of a corner of the box and that of the box's centre. May
     /// be infinite.
     double deviation_px = 0;
-    /// The same difference, but with the centre's displacement scaled by the ratio of inverse depths of
-    /// corner and centre (parallax).
+    /// The same difference if parallax is included: the centre's displacement is first multiplied by the
+    /// ratio of the inverse depths of corner and centre.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m

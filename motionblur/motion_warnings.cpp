@@ -26,8 +26,8 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
 }
 
 /// Returns whether a shading tree shows an object that moves differently from the directly visible object.
-/// Such a motion is lost, because all nodes of a tree are reprojected with the motion of the directly visible
-/// object.
+/// Such a motion is not shown, because all nodes of a tree are reprojected with the motion of the directly
+/// visible object.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -335,8 +335,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // An object is out of sight at t if it is recorded neither at the frame's instant nor at the recorded
-        // instants around t.
+        // The object counts as out of sight at the instant t if it is recorded neither at the frame's instant
+        // nor at the recorded instants just before and after t.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),

@@ -18,9 +18,9 @@ namespace postlens {
 /// - "shadow": pixels whose light may be blocked by a moving object at some time of the exposure. The
 ///   bounding spheres of the objects are tested at the frame's instant and at nine instants of the exposure,
 ///   in every fourth pixel along each axis.
-/// - "light": pixels whose shading is that of one instant although it should change. This is so if lights
-///   move. It is also so for objects from which the direction to a light changes by more than 15 degrees,
-///   because they turn or pass by the light.
+/// - "light": pixels whose shading should change during the exposure. This is so if lights move. It is also
+///   so if an object turns, or passes a light, so that its direction to a light changes by more than 15
+///   degrees.
 ///
 /// Check `possible` first. If it is true, add all rows of the frame, and then get the warnings.
 class UnseenMotion {
@@ -45,15 +45,15 @@ class UnseenMotion {
 };
 
 /// Adds the warning "uncovered" for pixels with more than 1 % unknown light. `unknown` has one value per
-/// pixel. A single one of 128 views does not reach this limit, because its sample may fall into a tiny gap
-/// between quadtree leaves of different sizes on a curved surface. `text` has one placeholder for the
-/// affected share of the pixels, in per cent.
+/// pixel. The limit is above the share of one view in 128, because a single sample may fall into a tiny gap
+/// between quadtree leaves. `text` has one placeholder for the affected share of the pixels, in per cent.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
 /// Returns whether the border of the recorded area cuts off an object, so that a part of it is missing in the
 /// frame while the shutter is open. `instants` contains the extents of the objects at the recorded instants
-/// that may be used. The first of them is the frame's own instant. At each instant of the exposure, it is
-/// sufficient if the frame's instant or one of the two recorded instants around it shows the whole object.
+/// that may be used. The first of them is the frame's own instant. For each instant of the exposure, the
+/// whole object must be recorded at the frame's instant or at the recorded instant just before or after.
+/// Otherwise, it counts as cut off.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 

@@ -22,9 +22,8 @@ inline constexpr int most_views = 4096;           ///< largest number of views t
 void check_views(const std::optional<int>& views);
 
 /// Returns sample position j of `places` (a power of 2) in the pixel, in px. The positions are a (0,
-/// 2)-sequence in base 2 [sobol1967]. If a grid divides the pixel into 2^k equal cells, each aligned run of
-/// 2^k positions has one position in every cell. Views that are close in time therefore have positions that
-/// are far apart.
+/// 2)-sequence in base 2 [sobol1967]. Successive positions are far apart, so that views close in time have
+/// very different positions.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
 /// Returns the number of views for a largest displacement. It is one view per 2 px, rounded to a power of 2

@@ -19,9 +19,9 @@ namespace postlens {
 /// instants. This is needed because shadows and lights may move over static surfaces. `shares` contains the
 /// weights of the instants, which are their shares of the exposure.
 ///
-/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. If such an object hides the
-/// static surface of a pixel at an instant, this instant is left out in the pixel. If all instants are left
-/// out, the pixel does not change.
+/// `elsewhere` contains the sorted ids of objects whose blur is drawn separately. An instant is left out of
+/// the mean of a pixel if such an object hides the static surface there. If all instants are left out, the
+/// pixel does not change.
 void blend_stills(const SampleFileReader& file, const std::vector<double>& shares,
                   const std::vector<std::uint32_t>& elsewhere, const std::vector<std::uint8_t>& touched,
                   Image& image);

@@ -20,14 +20,14 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table for the conversion of linear values to sRGB bytes. It covers values from `least` to 1 in cells of
-/// 1/256 octave. The byte changes at most once within a cell.
+/// Table for the conversion of linear values to sRGB bytes. It divides the range from `least` to 1 into cells
+/// so narrow that the byte changes at most once within a cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// For each cell, `next` is the value (as float bits) at which the byte increases. `byte` is the byte
-    /// below that value.
+    /// For each cell, `byte` is the sRGB byte at the lower end of the cell. `next` is the linear value,
+    /// stored as the bits of a float, from which on the byte is larger by 1.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -75,8 +75,8 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // Exceptions must not pass through libpng, which is written in C. The error is therefore raised by a
-    // function of libpng.
+    // Exceptions must not pass through libpng, which is written in C. The error is therefore reported by
+    // calling a function of libpng.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }
@@ -100,7 +100,7 @@ bool write_rows(png_structp png, png_infop info, const EncodedPicture& picture,
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     // On rendered images, this single PNG filter compresses as well as choosing the best filter for each row.
-    // Files are 10 % larger than at the default compression level, but take a third of the time to write.
+    // This compression level makes files 10 % larger than the default level, but takes a third of the time.
     constexpr int quick = 3;
     png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
     png_set_compression_level(png, quick);

@@ -14,18 +14,18 @@ namespace postlens {
 /// stops above and below 1.
 inline constexpr double most_exposure_stops = 100;
 
-/// Returns 2^stops, by which radiance is multiplied to get values relative to white. The result for 0 stops
-/// is exactly 1.
+/// Returns 2^stops. Radiance multiplied by this factor gives the values of an image, in which 1 is white. The
+/// factor for 0 stops is exactly 1.
 [[nodiscard]] double exposure_gain(double stops);
 
-/// Returns the exposure, in stops, that makes the 95th percentile of the values white. Only finite values
-/// above 0 count. The percentile is computed by nearest rank. Returns 0 if no values count. The result is
-/// clamped to +-most_exposure_stops. Reorders `values`.
+/// Returns the exposure, in stops, that makes the 95th percentile of the values white. The percentile is that
+/// of the finite values above 0. Returns 0 if there are no such values. The result is clamped to
+/// +-most_exposure_stops. Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// Returns the automatic exposure of an image, computed from the largest channel of each pixel. It depends
-/// only on radiance, not on the exposure that the image has. If the image's exposure is unknown, its values
-/// are treated as radiance.
+/// Returns the automatic exposure of an image, computed from the largest channel of each pixel. The result
+/// does not depend on the exposure that the image already has. If the exposure of the image is unknown, the
+/// values of the image are treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
 /// Changes the exposure of an image, unless the image's own exposure is unknown.

@@ -97,7 +97,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // The file is not compressed, because RLE does not make float channels smaller.
+    // The file is not compressed, because RLE (run-length encoding) does not make float channels smaller.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -278,8 +278,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // In sRGB formats, values are relative to white. Their exposure is unknown unless the attribute states
-    // it.
+    // In sRGB formats, the value 1 is white. The exposure is unknown unless the attribute states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Marks an image so that `write_image` writes a crop of it as a part. The file then stores the exact values:
-/// they are not divided by the exposure, which is stored in the mark instead. `mark` is a JSON object
+/// Marks an image so that `write_image` writes a crop of it as a part. The file then stores the exact values,
+/// without dividing them by the exposure. The exposure is stored in the mark instead. `mark` is a JSON object
 /// that the caller chooses.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 

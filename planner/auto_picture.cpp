@@ -23,13 +23,13 @@ namespace {
 /// Number of views of every tile at the beginning. Each of the image's two independent halves gets 8 views.
 constexpr int first_views = 16;
 
-/// Number of times that views may be added because `layers` alone may have less than half the error of the
-/// image.
+/// Number of times that views may be added to compare the image with the image made by `layers`. They are
+/// added if `layers` alone may have less than half the error.
 constexpr int most_comparisons = 2;
 
-/// If the 95 % interval of the error is too wide, more views narrow it. Their number is at most this many
+/// If the 95 % interval of the error is too wide, views are added. Their number may then be at most this many
 /// times the number of views that first met the target. The first limit applies with rays. The second applies
-/// without rays, where only the noise is stated.
+/// without rays.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of view samples (views times pixels) in all tiles together.
@@ -40,9 +40,10 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
 }
 
 /// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
-/// mean error is below `wanted_mse`. Tiles in which an added view removes most error come first. The
-/// precision of a tile is the reciprocal of its error. Added views are assumed to increase it by their own
-/// precision, which is proportional to their number.
+/// mean error is below `wanted_mse`. The tiles in which an added view reduces the error most come first.
+///
+/// The precision of a tile is the reciprocal of its error. It is assumed that each added view increases the
+/// precision by the same amount.
 std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileError>& tiles,
                          const std::vector<TileMix>& mix, const TileGrid& grid, double wanted_mse) {
     struct Step {
@@ -80,8 +81,8 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the check rays measure the error of the records least accurately. Enough tiles
-/// are selected that the variance caused by the remaining tiles is at most `most_variance`.
+/// Selects the tiles in which the check rays measure the error of the records least accurately. The other
+/// tiles together cause at most the variance `most_variance`.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -89,9 +90,8 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles whose highlights have the largest errors. Enough tiles are selected that the errors of
-/// highlights in the remaining tiles are at most a quarter of the target. Tiles in which rays cannot meet the
-/// target are not selected.
+/// Selects the tiles whose highlights have the largest errors. The highlights of the other tiles together
+/// cause at most a quarter of the target error. Tiles in which rays cannot meet the target are not selected.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -106,10 +106,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Plans the next step if the 95 % interval of the error is too wide. Doubles the number of views of the
-/// tiles that make the interval narrower, best first, until its expected width is `wanted_interval_db`. The
-/// width is proportional to the standard deviation of the estimate divided by the error. `most_samples`
-/// limits the number of view samples in the image.
+/// Plans the next step if the 95 % interval of the error is too wide. Doubles the number of views in the
+/// tiles where this narrows the interval most, until the expected width is `wanted_interval_db`. The width is
+/// proportional to the standard deviation of the estimate divided by the error. `most_samples` limits the
+/// number of view samples in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -128,8 +128,7 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     }
     std::stable_sort(steps.begin(), steps.end(),
                      [](const Step& a, const Step& b) { return a.variance * b.mse > b.variance * a.mse; });
-    // The aim is a little below the wanted width, because the next estimate will differ from the expected
-    // one. Without this reserve, further steps would often be needed.
+    // Aim a little below the wanted width, because the next estimate may differ from the expected one.
     constexpr double aim_db = 0.9 * wanted_interval_db;
     double mse = error.mse(), variance = error.variance, least_db = error.width_db();
     double left = most_samples - samples(views, grid);
@@ -168,10 +167,10 @@ double deeper_share(const SampleFileReader& file) {
     return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
 }
 
-/// Returns whether `layers` costs no more than the first views. The cost of `layers` is proportional to the
-/// number of records, and the cost of views to the number of view samples. A directly visible record takes
-/// about as long as a view sample. A reflected or transmitted record takes at least `deeper_cost` times as
-/// long, because it is spread over an ellipse of its own.
+/// Returns whether `layers` takes no longer than the first views. The time of `layers` is proportional to the
+/// number of records, and the time of views to the number of view samples. A directly visible record takes
+/// about as long as a view sample. A reflected or transmitted record takes longer, `deeper_cost` times as
+/// long.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -189,8 +188,8 @@ Image layers_image(FocusFrame& frame, FocusSettings settings) {
     return focus_picture(frame, settings).image;
 }
 
-/// Returns the error that the other image, made by `layers`, would have alone, minus the standard error of
-/// this estimate. The result may be negative.
+/// Returns the estimated error of the image made by `layers`, minus the standard error of this estimate. The
+/// result may be negative.
 double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     double sum = 0, variance = 0;
     for (const TileError& tile : measured.tiles) {
@@ -201,9 +200,9 @@ double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
 }
 
-/// Returns the mean of two radiances, in which `other` has the weight `w`. It is a mean of sRGB values,
-/// because errors are stated for these. Radiances above white are averaged without encoding, so that no light
-/// is lost.
+/// Returns the mean of two radiances, in which `other` has the weight `w`. The mean is computed from sRGB
+/// values, because errors are stated for these. Radiances above white are averaged without sRGB encoding, so
+/// that no light is lost.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
@@ -289,8 +288,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         std::vector<int> next = wanted;
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
-            // Views do not reduce the error of the highlights. If this error alone is clearly more than twice
-            // the target, it is enough if views reduce their noise to a quarter of it.
+            // More views reduce the noise, but not the error of the highlights. If the error of the
+            // highlights alone clearly misses the target, it is enough if the noise is a quarter of that
+            // error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
         } else if (error.width_db() > wanted_interval_db) {
@@ -298,9 +298,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, selecting tiles by their estimated errors makes the intervals too narrow. The
-            // views of all tiles that have an error are therefore doubled first. The intervals then contain
-            // the true error as often as they should.
+            // With few views, the estimated errors of tiles are inaccurate. Selecting tiles by them makes the
+            // intervals too narrow. The views of all tiles that have an error are therefore doubled first.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =

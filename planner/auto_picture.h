@@ -15,7 +15,7 @@ inline constexpr double default_target_db = 40;
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
     /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If absent, the target is
-    /// default_target_db, and there is no warning if the bound of the error misses the target.
+    /// default_target_db, and no warning is given if the bound of the error exceeds the target error.
     std::optional<double> target_db;
 };
 
@@ -50,18 +50,17 @@ struct AutoResult {
 /// Makes a light field image with as many views in each tile as the target error needs. It starts with a few
 /// views per tile. Then it repeatedly doubles the number of views in the tiles where this reduces the error
 /// most for its cost. The target is met when the upper end of the 95 % interval of the image's error is below
-/// the target. Further views, up to four times as many, are added if the interval is wider than
-/// wanted_interval_db.
+/// the target. If the interval is wider than wanted_interval_db, further views are added, up to four times as
+/// many.
 ///
-/// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them,
-/// and check rays measure the error of all other view samples. Rays replace all view samples of a tile if
-/// this error exceeds the tile's noise, is not known well enough, or keeps the image from reaching its
-/// target. If no scene is given, unsure view samples keep their recorded colours, and their error is not
-/// measured.
+/// Unsure view samples are those that the records do not determine. If a scene is given, rays replace them.
+/// Check rays measure the error of all other view samples. If this error is too large or not known well
+/// enough in a tile, rays replace all view samples of the tile. If no scene is given, unsure view samples
+/// keep their recorded colours, and their error is not measured.
 ///
 /// If a scene but no shutter is given, the method `layers` also makes an image, unless this would take longer
-/// than the first views. The two halves of the views measure the error of this image. The image is mixed with
-/// the views, in each tile with the weight that gives the smallest error.
+/// than the first views. The views also measure the error of this image. It is mixed with the views, in each
+/// tile with the weight that gives the smallest error.
 ///
 /// A crop does not change the number of views of a tile. The result is bit-identical for any number of
 /// threads. Throws the errors of hybrid_picture.

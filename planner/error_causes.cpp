@@ -20,16 +20,16 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// A cause explains the error of a pixel if an image without this cause has at most half of the error there.
-/// The squared error is then at most a quarter.
+/// The image is made again without a cause. If the new image has at most half of the error in a pixel, the
+/// cause explains the error of this pixel. The squared error is then at most a quarter.
 constexpr double explained = 0.25;
 /// Smallest estimated squared error for which a cause is accepted, as a fraction of the pixel's squared
-/// error. The limit for the record density is smaller, because its estimate misses edges that pass between
-/// the corners of a cell.
+/// error. The limit for the record density is smaller, because its estimate is often too small: edges that
+/// pass between the corners of a cell are not counted.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// A share of a pixel's light. If more than this is missing from the records, the missing light counts as a
-/// cause of the pixel's error.
+/// A share of a pixel's light. If the records lack more than this share, the missing light counts as a cause
+/// of the pixel's error.
 constexpr float tolerated_unknown = 0.02F;
 /// If more than this fraction of the squared error has no known cause, the scene is traced again to find it.
 constexpr double worth_trials = 0.1;
@@ -227,8 +227,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
         } else if (best != nullptr) {
             cause = best->cause;
             // Records of other instants have two effects. They show surfaces that rotate into view, and they
-            // show new colours of surfaces that were already visible. If hardly any light was unknown before,
-            // the new colours are the cause.
+            // show new colours of surfaces that were already visible. If the records already had almost all
+            // surfaces before, the new colours are the cause.
             if (best->other_instants && seen.unknown[k] < tolerated_unknown)
                 cause = ErrorCause::view_dependent_shading;
         } else {

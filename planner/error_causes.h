@@ -41,19 +41,17 @@ struct CauseMap {
 /// Finds the cause of the error in each pixel that is in error. A pixel is in error if the sRGB value of some
 /// channel differs from the reference by more than 1/255. There are three steps.
 ///
-/// 1. The image is made again without some causes. Finer kernels remove kernel_truncation. A light field with
-/// many views removes visibility and, with an open shutter, path_and_depth_correlated. It may also remove
-/// record_density and curvature_of_w, depending on how the image was made. A removed cause explains the error
-/// of a pixel if the new image has at most half of this error.
+/// 1. The image is made again in ways that avoid some causes, for example with finer kernels or as a light
+/// field with many views. If the new image has at most half of the error of a pixel, the avoided cause
+/// explains the error of this pixel.
 ///
 /// 2. If `view.scene` is given and at least a tenth of the error is unexplained, the scene is traced again
-/// without limits that may be the cause (error_trials).
+/// without some limits of the records (error_trials). A limit is the cause if its removal corrects the pixel.
 ///
-/// 3. The error of the remaining pixels is estimated for each cause. For hidden surfaces and light from
-/// beyond the overscan, the estimate comes from the local contrast. For nonlinear W, it comes from the
-/// misplaced radiance. For record density, it comes from the record floor (record_floor). The cause with the
-/// largest estimate is chosen if this estimate is at least a tenth of the error. Otherwise the cause is
-/// view-dependent shading.
+/// 3. In the remaining pixels, the error that each cause would have is estimated. For hidden surfaces and
+/// light from beyond the overscan, the estimate comes from the local contrast. For nonlinear W, it comes from
+/// the misplaced radiance. For record density, it comes from the record floor (record_floor). The cause with
+/// the largest estimate is chosen. If even this estimate is too small, the cause is view-dependent shading.
 ///
 /// Throws the errors of hybrid_picture. Both images must have the size of the file.
 [[nodiscard]] CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& reference,

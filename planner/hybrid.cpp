@@ -16,8 +16,9 @@
 namespace postlens {
 namespace {
 
-/// Limit for two values of a pixel: the share of its light that is not recorded, and its radiance that is
-/// reprojected to wrong positions. Its records are insufficient if either exceeds the limit.
+/// A limit for two values of a pixel: the share of its light that is not recorded, and the radiance that is
+/// reprojected to wrong positions. The records of the pixel are insufficient if either value exceeds the
+/// limit.
 constexpr double tolerated = 0.02;
 
 /// Returns the share of the pixels of the image or crop whose records are insufficient.
@@ -32,8 +33,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Cost of scattering an image, as the number of views of the whole image that take as long. If an image has
-/// few views, pixels are scattered only if scattering replaces most of them.
+/// Time to scatter an image, divided by the time to draw one view of the whole image. If an image has few
+/// views, pixels are scattered only if this replaces most of the views.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -82,8 +83,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
     return out;
 }
 
-/// Squared error of an image with a PSNR of 50 dB. Such an error is below one step of 8 bits, so more rays
-/// would make no visible difference.
+/// Squared error of an image with a PSNR of 50 dB. Such an error is not visible, so it need not be reduced
+/// with rays.
 constexpr double fine_mse = 1e-5;
 
 /// Returns 1 for tiles in which the error of the highlights would be smaller if rays showed them.
@@ -100,9 +101,8 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
 
 /// Makes the image from records and from rays into the scene. The two halves of the image are drawn
 /// separately, and their difference measures the noise. If the check rays show an error of the records, rays
-/// replace the view samples of the tiles with the largest errors. Tiles are added until one of two conditions
-/// is met. Either the remaining error is an eighth of the noise, which costs at most 0.5 dB, or noise and
-/// remaining error together are `fine_mse`.
+/// replace all view samples in the tiles with the largest errors. Tiles are added until the remaining error
+/// is small compared with the noise, or until noise and remaining error together are at most `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

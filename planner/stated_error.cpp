@@ -12,8 +12,8 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight of the other image that minimises the error plus `price` times the variance of the
-/// error's estimate. The weight is 0 if the views have no noise.
+/// Returns the weight of the other image that minimises the sum of two terms: the error of the mixed image,
+/// and `price` times the variance of the error's estimate. The weight is 0 if the views have no noise.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
@@ -21,9 +21,9 @@ double weight_of(const TileError& tile, double price) {
 }
 
 /// The weight of the other image in a tile depends on the estimated errors of the tile. If the error of the
-/// other image is underestimated by chance, its weight becomes too large. The estimated error of the mixed
-/// tile is therefore too small on average. Leave-one-out cross-validation corrects this: each piece of the
-/// tile is estimated with a weight that is chosen without this piece.
+/// other image is underestimated by chance, its weight becomes too large, and the estimated error of the
+/// mixed tile too small. Leave-one-out cross-validation corrects this. Each piece of the tile is estimated
+/// with a weight that is chosen without this piece.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;
@@ -89,8 +89,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The weights do not change the uncertainty about the error of the records, so this uncertainty is left
-    // out here.
+    // The error of the records does not depend on the weights. Its uncertainty is therefore left out here.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -98,7 +97,7 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // The price of the variance (see weight_of) is 0 in the first step. It is then doubled in each step,
+    // In the first step, the price of the variance (see weight_of) is 0. Each further step doubles the price,
     // until the interval is at most wanted_interval_db wide.
     constexpr int steps = 32;
     double least_mse = views.high_mse;

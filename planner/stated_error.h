@@ -44,15 +44,17 @@ struct StatedError {
 /// Returns the error of an image that is the mean of the two halves compared by `measured`. If `mix` is not
 /// empty, it has one element per tile, and the mean is blended with the other image of `measured`.
 ///
-/// The error is then (1 - w)^2 noise + w^2 e^2 + bias. Here w is the weight of the other image, e is its
-/// difference from the expectation of the views, and bias is the error of the records. e and bias are assumed
-/// to be uncorrelated. The 95 % interval assumes that the logarithm of the error is normally distributed.
+/// A blended tile has the error (1 - w)^2 noise + w^2 e^2 + bias. Here w is the weight of the other image. e
+/// is the difference between the other image and the mean of infinitely many views. bias is the error of the
+/// records. e and bias are assumed to be uncorrelated.
+///
+/// The 95 % interval assumes that the logarithm of the error is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses the weight of the other image in each tile. Several sets of weights are tried, from the one with
-/// the smallest estimated error to the one with the least uncertain estimate. The first set whose 95 %
-/// interval is at most wanted_interval_db wide is chosen. If there is none, the set whose interval has the
-/// lowest upper end is chosen.
+/// Chooses the weight of the other image in each tile. Several sets of weights are tried. The first set has
+/// the smallest estimated error, the last one the least uncertain estimate. The first set whose 95 % interval
+/// is at most wanted_interval_db wide is chosen. If there is none, the set whose interval has the lowest
+/// upper end is chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -109,8 +109,8 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
             // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
             // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are equal
-            // and add up, so the squared error is proportional to 2^-2L. If the edge is slanted, the errors
-            // are independent, so their squares add up, to a sum proportional to 2^-3L.
+            // and add up. The squared error is then proportional to 2^-2L. If the edge is slanted, the errors
+            // are independent and only their squares add up. The squared error is then proportional to 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -186,9 +186,9 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     const double samples =
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
-    // Beside an edge, `trace` records hidden surfaces in the strip that the lens may see behind the edge,
-    // plus a margin of a few pixels. In the preview this margin is wider, because pixels are larger. The
-    // preview's number of hidden records is therefore scaled down.
+    // Beside an edge, `trace` records the hidden surfaces that the lens may see behind the edge, plus a
+    // margin of a few pixels. In the preview this margin is wider, because pixels are larger. The preview's
+    // number of hidden records is therefore scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -196,8 +196,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the difference between the CoC diameters of the nearest surface and of an infinitely
-        // far one. No two surfaces of the scene differ by more than this.
+        // 2 reach_px is the largest difference between the CoC diameters of two surfaces of the scene. It is
+        // the difference between the nearest surface and an infinitely far one.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

@@ -12,8 +12,8 @@ namespace postlens::api {
 
 /// Settings of `compare`.
 struct CompareSettings {
-    /// A second, independent render of the reference (`--noise`). The noise of the reference is measured from
-    /// the difference between the two.
+    /// A second, independent render of the reference (`--noise`). The difference between `noise` and the
+    /// reference shows how noisy the reference is.
     std::filesystem::path noise = {};
     /// The pinhole picture (`--pinhole`). If it is given, the error is also computed for only those pixels
     /// that the lens changes.
@@ -31,19 +31,19 @@ struct CompareSettings {
     std::vector<std::string> options = {};
 };
 
-/// The error of a picture. docs/compare.md defines how each figure is computed.
+/// The error of a picture. docs/compare.md defines each measure.
 struct CompareResult {
     double psnr_db = 0;  ///< Peak signal-to-noise ratio of the sRGB values, dB. Infinite for equal pictures.
     double rmse = 0;     ///< Root mean square error of the linear values.
-    double relmse = 0;   ///< Mean of the squared error relative to the reference.
+    double relmse = 0;   ///< Mean of the relative squared error.
     double ssim = 0;     ///< Structural similarity, up to 1 for equal pictures.
     double flip = 0;     ///< FLIP, the difference that an observer sees: 0 (equal) to 1.
     bool identical = false;  ///< All values are equal.
     std::optional<double> affected_share =
         {};  ///< With `pinhole`: fraction of the pixels that the lens changes.
     std::optional<double> affected_psnr_db = {};  ///< With `pinhole`: PSNR of these pixels, dB.
-    std::optional<double> noise_psnr_db = {};  ///< With `noise`: PSNR of the reference due to its noise, dB.
-    Report report = {};                        ///< Report of `postlens compare`, with more figures.
+    std::optional<double> noise_psnr_db = {};     ///< With `noise`: PSNR of the noisy reference, dB.
+    Report report = {};                           ///< Report of `postlens compare`, with more measures.
 };
 
 /// Compares two picture files of the same size. For a sample file, its pinhole picture is compared.

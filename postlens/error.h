@@ -27,7 +27,7 @@ namespace postlens::api {
 /// (`Error::code`).
 enum class ExitCode {
     ok = 0,                 ///< The work is done.
-    comparison_failed = 1,  ///< A figure of `compare` misses its limit.
+    comparison_failed = 1,  ///< The error that `compare` measures exceeds a limit.
     /// A setting is out of range, unknown or missing, or must not be combined with another one.
     wrong_arguments = 2,
     invalid_input = 3,  ///< A file is missing, unreadable, damaged or of the wrong kind.
@@ -35,7 +35,7 @@ enum class ExitCode {
     /// The work needs more memory than is available. In most cases, this is found before the work begins.
     out_of_memory = 5,
     /// The picture is complete, but its PSNR is below `target_db`. With `--strict`, this code also means that
-    /// the file is not sufficient for the lens or the shutter.
+    /// there was a warning.
     shortfall = 6,
     interrupted = 130,  ///< The job was cancelled.
 };

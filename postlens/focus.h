@@ -16,21 +16,21 @@ namespace postlens::api {
 struct FocusSettings {
     LensSettings lens = {};  ///< Default: the lens of the file.
     /// The method: "scatter", "layers", "lightfield", "hybrid", "auto" or "pinhole" (`--method`). The default
-    /// is "auto". Without `scene` and `target_db`, "auto" selects the usual method for the contents of the
-    /// file. If either is given, "auto" averages as many views (reprojections to a lens point) and traces as
-    /// many rays as it needs to reach the target PSNR.
+    /// is "auto". Without `scene` and `target_db`, "auto" selects "layers" or "scatter", depending on the
+    /// contents of the file. If either is given, "auto" computes as many views (reprojections to a lens
+    /// point) and rays as the target PSNR needs.
     std::string method = {};
     /// Number of lens points to which the methods "lightfield" and "hybrid" reproject the records
     /// (`--views`). Default: 64.
     std::optional<int> views = {};
-    /// Number of impulse responses that the methods "scatter" and "layers" compute, one per depth, from 2 to
-    /// 4096 (`--depths`). By default, there are enough of them to make circles of confusion accurate to half
-    /// a pixel.
+    /// Number of depths for which the methods "scatter" and "layers" compute an impulse response, from 2 to
+    /// 4096 (`--depths`). The default makes circles of confusion accurate to half a pixel.
     std::optional<int> depths = {};
     /// PSNR that the method "auto" tries to reach, in dB, from 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};
     /// The scene from which the frame was traced (`--scene`), for the methods "hybrid" and "auto". Rays into
-    /// the scene replace the samples that the records do not determine, and measure the error of the picture.
+    /// the scene replace samples whose colour cannot be found from the records. They also measure the error
+    /// of the picture.
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
@@ -52,8 +52,8 @@ struct FocusResult {
     double focus_distance_m = 0;  ///< Focus distance that was used, m. It may be infinite.
     /// Diameter of the widest circle of confusion, in px. It may be infinite. `shoot` does not set it.
     std::optional<double> largest_coc_px = {};
-    /// PSNR against the exact picture, in dB. Rays measure it while the picture is made, so it is empty
-    /// without `scene`. It is infinite if the rays found no error.
+    /// PSNR against the exact picture, in dB, as measured by rays while the picture is made. It is empty
+    /// without `scene`, and infinite if the rays found no error.
     std::optional<double> stated_db = {};
     std::optional<double> stated_low_db = {};   ///< Lower end of the 95 % interval of `stated_db`, dB.
     std::optional<double> stated_high_db = {};  ///< Upper end of the 95 % interval of `stated_db`, dB.

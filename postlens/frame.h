@@ -13,8 +13,8 @@
 
 namespace postlens::api {
 
-/// Properties of a file, as reported by `postlens info`. For a picture of another program, the members that
-/// only sample files have are 0 or empty.
+/// Properties of a file, as reported by `postlens info`. Members that do not apply to a picture of another
+/// program are 0 or empty.
 struct FrameInfo {
     std::string kind = {};      ///< "samples" for a sample file, "image" for another program's picture.
     int width = 0;              ///< Width of the pictures made from the file, px.
@@ -25,7 +25,7 @@ struct FrameInfo {
     int layers = 0;
     int overscan_px = 0;  ///< Pixels traced beyond each border of the picture, px.
     std::vector<double> instants_s =
-        {};  ///< Recorded instants on the scene's clock, the frame's own first, s.
+        {};  ///< Recorded instants on the scene's clock, s. The frame's own is the first.
     std::map<std::uint32_t, std::string> ids = {};  ///< Name of each object by its id.
     std::optional<double> focal_length_mm = {};     ///< Focal length in the file, mm.
     std::optional<double> film_distance_mm = {};    ///< Distance from the pinhole to the film, mm.
@@ -39,8 +39,8 @@ struct FrameInfo {
 /// record. Records are sorted by pixel, and within a pixel by layer, y, x and path. docs/sample_file.md
 /// defines the quantities.
 struct Records {
-    int x_begin = 0;  ///< First traced column, px: minus the overscan.
-    int y_begin = 0;  ///< First traced row, px: minus the overscan.
+    int x_begin = 0;  ///< First traced column, px. It is -overscan_px.
+    int y_begin = 0;  ///< First traced row, px. It is -overscan_px.
     int columns = 0;  ///< Number of traced columns, overscan included.
     int rows = 0;     ///< Number of traced rows, overscan included.
     /// The traced pixel in row i and column j has the index k = i * columns + j. Its records are those from
@@ -54,17 +54,18 @@ struct Records {
     /// radiance of a point sample is the sum over its records.
     std::vector<float> rgb = {};
     std::vector<std::uint32_t> id = {};  ///< Number of the object, or 0 if nothing was hit.
-    /// The reflections and transmissions from the eye to the node. Each takes two bits: 1 for a reflection, 2
-    /// for a transmission. The first is in the lowest bits. The value is 0 if the surface is seen directly.
+    /// The reflections and transmissions from the eye to the node. Each takes two bits, where 1 is a
+    /// reflection and 2 a transmission. The one nearest to the eye is in the lowest bits. The value is 0 if
+    /// the surface is seen directly.
     std::vector<std::uint32_t> path = {};
-    std::vector<std::uint32_t> layer = {};  ///< 0 if visible from the pinhole; n for the n-th surface behind.
+    std::vector<std::uint32_t> layer = {};  ///< 0 for a visible surface; n for the n-th surface behind it.
     /// The matrix W in 1/m, as elements xx, xy, yx and yy of each record. It tells how the node's image moves
-    /// when the lens point q, in m from the centre of the lens, takes the place of the centre. The tangent of
-    /// the direction to the node then decreases by W q. In px, the image moves by W q times film distance /
-    /// pixel pitch. For a surface that is seen directly, W is the identity divided by z' [Igehy 1999].
+    /// when the eye moves from the centre of the lens to the lens point q, in m. The image then moves by -W q
+    /// times film distance / pixel pitch, in px. For a surface that is seen directly, W is the identity
+    /// divided by z' [Igehy 1999].
     std::vector<float> w = {};
-    /// Second-order error of W over the lens, in 1/m^2. It is infinite if other lens points do not see the
-    /// node by this path.
+    /// Error of W in 1/m^2, caused by motion of the node's image that is not linear in the lens point. It is
+    /// infinite if other lens points do not see the node by this path.
     std::vector<float> w_bend = {};
 };
 

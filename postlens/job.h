@@ -67,7 +67,7 @@ struct Warning {
 struct Report {
     /// `ok`, `comparison_failed` or `shortfall`.
     ExitCode exit_code = ExitCode::ok;
-    /// The JSON text that the command prints with `--json`. It also contains figures that the result types of
+    /// The JSON text that the command prints with `--json`. It also contains values that the result types of
     /// this interface do not have. Infinity is written as null, because JSON has no infinity.
     std::string json = {};
     std::string text = {};               ///< The text that the command prints for people, in several lines.

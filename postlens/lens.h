@@ -12,14 +12,14 @@ namespace postlens::api {
 /// A lens and its focus. If a value is not given, it is taken from the file or from the scene's camera.
 struct LensSettings {
     /// Focal length F in mm, more than 0 (`--focal-length`). Together with the f-number, it determines the
-    /// width of the aperture. It does not change the field of view unless `framing` says so.
+    /// width of the aperture. It changes the field of view only if `framing` is "lens".
     std::optional<double> focal_length_mm = {};
     /// F-number n, more than 0 (`--f-number`). The diameter of the aperture is F / n. Infinity means a
     /// pinhole.
     std::optional<double> f_number = {};
     /// Distance from the lens to the plane in focus along the optical axis, in m, more than 0 (`--focus`). It
-    /// may be infinite. It must be more than F if the position of the film depends on F. This is the case
-    /// with `framing` "lens", with `breathing`, and in functions for a single lens.
+    /// may be infinite. It must be more than the focal length if `framing` is "lens" or `breathing` is set.
+    /// Functions that need no frame, such as `circle_of_confusion`, require this too.
     std::optional<double> focus_distance_m = {};
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.
@@ -35,17 +35,18 @@ struct LensSettings {
     std::string impulse = {};
     /// Height of the aperture divided by its width, from 0.1 to 10 (`--squeeze`).
     std::optional<double> squeeze = {};
-    /// Mechanical vignetting (`--cats-eye`), from 0 to 1.5. A second rim cuts off part of the aperture. The
-    /// value is the displacement of this rim at the corner of the picture, in radii of the lens.
+    /// Mechanical vignetting (`--cats-eye`), from 0 to 1.5. Away from the centre of the picture, a second
+    /// circle cuts off part of the aperture. The value is the displacement of this circle at the corner of
+    /// the picture, in lens radii.
     std::optional<double> cats_eye = {};
-    /// Spherical aberration (`--spherical`): difference in focus between the rim of the lens and its middle,
-    /// in dioptres from -10 to 10. It is positive if the rim focuses nearer.
+    /// Spherical aberration (`--spherical`): difference in focus between the edge and the centre of the lens,
+    /// in dioptres from -10 to 10. It is positive if the edge focuses nearer.
     std::optional<double> spherical = {};
 };
 
 /// The film on which a circle of confusion is measured.
 struct FilmSettings {
-    /// Width of a pixel in µm, more than 0 (`--pixel-pitch`). The default divides 36 mm into 1920 px.
+    /// Width of a pixel in µm, more than 0 (`--pixel-pitch`). The default is 36 mm / 1920.
     std::optional<double> pixel_pitch_um = {};
     /// Largest diameter of a circle of confusion that still counts as sharp, in mm, more than 0
     /// (`--coc-limit`).
@@ -109,8 +110,8 @@ struct ResponseSettings {
 struct ImpulseResponse {
     int width = 0;   ///< px.
     int height = 0;  ///< px.
-    /// Fraction of the point's energy in each pixel, by rows from the top, width * height values. The sum is
-    /// 1 over the whole film, but may be less over these pixels.
+    /// Fraction of the point's energy in each pixel, by rows from the top, width * height values. Their sum
+    /// is less than 1 if some of the energy lies outside these pixels.
     std::vector<float> values = {};
     double energy_in_frame = 0;    ///< Sum of `values`, up to 1.
     double coc_px = 0;             ///< Diameter of the geometric circle of confusion, px.

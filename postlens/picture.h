@@ -53,8 +53,8 @@ struct Picture {
     int width = 0;   ///< px.
     int height = 0;  ///< px.
     /// Red, green and blue of each pixel, 3 * width * height values. They are scene-linear with Rec. 709
-    /// primaries and not clamped. A value is the radiance times 2^exposure_stops, for which 1 is white. If
-    /// there is alpha, the values are premultiplied by it.
+    /// primaries and not clamped. A value is the radiance times 2^exposure_stops, and 1 is white. If there is
+    /// alpha, the values are premultiplied.
     std::vector<float> rgb = {};
     /// Coverage of each pixel from 0 to 1, width * height values. If this is empty, every pixel is opaque.
     std::vector<float> alpha = {};

@@ -63,7 +63,7 @@ struct SweepResult {
 /// @param output The folder.
 /// @param settings The values to combine.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
-/// @return The pictures, with the lens and the figures of each.
+/// @return The pictures, with the lens settings and properties of each.
 SweepResult sweep(const std::filesystem::path& frame, const std::filesystem::path& output,
                   const SweepSettings& settings, Job* job = nullptr);
 

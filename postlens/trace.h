@@ -20,19 +20,19 @@ struct TraceSettings {
     std::string camera = {};        ///< Camera by name (`--camera`). Default: the scene's first.
     /// Instant of the trace on the scene's clock, in s (`--time`). Default: the instant in the scene.
     std::optional<double> time_s = {};
-    /// Smallest f-number for which the records must suffice, more than 0 (`--for-f-number`).
+    /// Smallest f-number of the pictures that will be made from the file, more than 0 (`--for-f-number`).
     std::optional<double> for_f_number = {};
-    /// Focus distance, in m, for which an `automatic` overscan must suffice (`--for-focus`). It is more than
-    /// 0 and may be infinite.
+    /// Focus distance of these pictures, in m (`--for-focus`), which an `automatic` overscan depends on. It
+    /// is more than 0 and may be infinite.
     std::optional<double> for_focus_distance_m = {};
-    /// Exposure time for which the records must suffice (`--for-shutter`).
+    /// Time interval that contains the exposures of all pictures that will be made from the file
+    /// (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};
-    /// States that all pictures will be made with rays into the scene (`--for-rays`). Fewer records then
-    /// suffice.
+    /// True if all pictures will be made with rays into the scene (`--for-rays`). Fewer records are then
+    /// traced.
     bool for_rays = false;
-    /// Largest number of times that a pixel is divided into 2x2 cells recursively, from 0 to 8
-    /// (`--subdivide`). The default is 2. With `for_f_number`, it is 3 at the borders of objects. With
-    /// `for_rays`, it is 1.
+    /// Largest number of recursive subdivisions of a pixel into 2x2 cells, from 0 to 8 (`--subdivide`). The
+    /// default is 2. It differs with `for_f_number` and `for_rays`.
     std::optional<int> subdivide = {};
     /// A cell is divided if the contrast between its corners exceeds this value, 0 or more (`--threshold`).
     std::optional<double> threshold = {};
@@ -53,11 +53,11 @@ struct TraceSettings {
 /// What `trace` has done.
 struct TraceResult {
     std::uint64_t records = 0;  ///< Number of records in the file.
-    std::uint64_t bytes = 0;    ///< Size of the file.
+    std::uint64_t bytes = 0;    ///< Size of the file in bytes.
     /// Number of rays through the pinhole. The JSON also has the numbers of all other rays.
     std::uint64_t eye_rays = 0;
-    int overscan_px = 0;  ///< Report of `postlens trace`.
-    Report report = {};   ///< Of `postlens trace`.
+    int overscan_px = 0;  ///< Pixels traced beyond each border of the picture.
+    Report report = {};   ///< Report of `postlens trace`.
 };
 
 /// Traces a scene through a pinhole [Whitted 1980] and writes the sample file `output`. The formats of scenes
@@ -68,7 +68,7 @@ struct TraceResult {
 /// Error(out_of_memory) if the memory does not suffice.
 /// @param scene The scene file.
 /// @param output The sample file to write (.exr). An existing file is replaced.
-/// @param settings The camera, and the lens and shutter for which the records must suffice.
+/// @param settings The camera, and the lens and shutter of the pictures that will be made.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
 /// @return The results of the trace.
 TraceResult trace(const std::filesystem::path& scene, const std::filesystem::path& output,

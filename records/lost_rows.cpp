@@ -30,9 +30,9 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Finds the quadtree leaves (undivided cells) that touch the pixel's lower edge, and appends the position of
-/// the left corner of each to `corners`. Works on the cell of width `size` that begins at u. A cell is
-/// subdivided if and only if there is a sample at its centre.
+/// Appends to `corners` the positions of samples that the quadtree needs on the pixel's lower edge. These are
+/// the lower-left corners of the leaves (undivided cells) that touch this edge. Works on the cell of width
+/// `size` whose left edge is at u. A cell is subdivided if and only if there is a sample at its centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

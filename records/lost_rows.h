@@ -19,9 +19,10 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. Every
-/// pixel gets a sample at its upper-left corner whose ray hit nothing. More such samples are added where
-/// quadtree leaves (undivided cells) of the row above need a lower corner. `above` contains the row above. It
-/// is null if that row is lost or does not exist. `offsets` has the form of RecordBand::offsets.
+/// pixel gets one sample at its upper-left corner, with a ray that hits nothing. More such samples are added
+/// on the upper edge of the pixel if the quadtree of the pixel above needs them as corners. `above` contains
+/// the row above. It is null if that row is lost or does not exist. `offsets` has the form of
+/// RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 

@@ -35,7 +35,8 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // The weight of a quadrant counts if the centre of the quadrant's leaf lies in this pixel.
+        // A sample may also be a corner of leaves in neighbouring pixels. Only leaves of this pixel
+        // contribute to the weight.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

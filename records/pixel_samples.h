@@ -9,8 +9,8 @@
 namespace postlens {
 
 /// A point sample of a pixel and its weight. The weights of all samples of a pixel add up to 1. `nodes` lists
-/// the nodes of the sample's shading trees. The tree of the visible layer comes first and begins with its
-/// primary node. The trees of hidden layers follow.
+/// the nodes of the visible surface's shading tree, beginning with its primary node. The nodes of hidden
+/// surfaces follow.
 struct PixelSample {
     float x = 0, y = 0;  ///< raster, px
     double weight = 0;

@@ -19,9 +19,8 @@ struct Place {
     int u = 0, v = 0;
 };
 
-/// Calls leaf(position, size) for each leaf of a quadtree cell, in the order up-left, up-right, down-left,
-/// down-right. Sums over leaves always use this order. A cell is subdivided if and only if there is a sample
-/// at its centre.
+/// Calls leaf(position, size) for each leaf (undivided cell) of a quadtree cell, in the order up-left,
+/// up-right, down-left, down-right. A cell is subdivided if and only if there is a sample at its centre.
 template <typename HasSample, typename Leaf>
 void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& leaf) {
     const int half = size / 2;
@@ -54,8 +53,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single sample. Since records are sorted by position, that is the case if the first
-    // and the last record have the same position.
+    // Most pixels have a single sample. Records are sorted by position, so a pixel has only one sample if its
+    // first and its last record have the same position.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -86,8 +85,8 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
     return found != end && found->x == x && found->y == y ? found : nullptr;
 }
 
-/// A table of the samples that may be corners or centres of a pixel's quadtree cells, indexed by position. A
-/// look-up in this table is much faster than a search in the list of samples.
+/// A table of a pixel's samples, indexed by their position within the pixel. A look-up in this table is much
+/// faster than a search in the list of samples.
 template <typename Sample>
 class PlacedSamples {
   public:
@@ -101,9 +100,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // A neighbouring pixel may be divided more finely than the table. add() then returns false for some
-        // samples on the common edge. The result is ignored, because pixel (x, y) does not need these
-        // samples.
+        // If the neighbouring pixel is divided more finely than the table, add() fails for some samples on
+        // the common edge. This is ignored, because pixel (x, y) does not need these samples.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -206,8 +204,7 @@ struct ColourRow {
 };
 
 /// Returns the colours of the samples in row y, for pixels x_begin to x_end - 1. With `top_edge_only`, only
-/// the samples on the upper edge of the row are returned. They are the lower corners of leaves in the row
-/// above.
+/// the samples on the upper edge of the row are returned.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -243,7 +240,7 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Leaves at the border of the range have corners in the rows above and below. The weights of those
+    // Leaves in the first and last row also have corners outside the range of rows. The weights of those
     // corners are not used.
     PointSamples above, below;
     above.offsets.assign(1, 0);
@@ -263,8 +260,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Seen from each of its corners, the leaf lies in the opposite
-                                       // direction. For example, it lies down-right of its up-left corner.
+                                       // The leaf lies down-right of its up-left corner, and so on for the
+                                       // other corners.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -23,9 +23,9 @@ struct PointSample {
     /// [3] down-right. A leaf (undivided quadtree cell) gives a quarter of its area to each of its corners.
     /// The weight of the sample in a pixel is the sum of the weights of the quadrants inside the pixel.
     std::array<float, 4> weight{};
-    /// Edge length in px of the leaf that has a corner at the sample, for each quadrant in the order of
-    /// `weight`. The value is 0 if there is no such leaf. Then the quadrant is outside the raster, or the
-    /// sample lies on the edge of a larger leaf.
+    /// For each quadrant, in the order of `weight`: the edge length in px of the leaf that has a corner at
+    /// the sample. The value is 0 if no leaf has its corner there: either the quadrant is outside the raster,
+    /// or the sample lies on the edge of a larger leaf.
     std::array<float, 4> leaf_size{};
     [[nodiscard]] float total_weight() const { return weight[0] + weight[1] + weight[2] + weight[3]; }
 };
@@ -33,10 +33,9 @@ struct PointSample {
 /// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. The samples are listed
 /// pixel by pixel. Within a pixel, they are sorted by y, then by x.
 ///
-/// Weights come from the leaves of all pixels in columns x_begin to x_end - 2 and in rows pixel_y_begin to
-/// pixel_y_end - 1. `band` must also contain rows y_begin - 1 and y_end if they exist. The pixels of row
-/// y_begin - 1 contribute to the weights of row y_begin. Row y_end contains the lower corners of the leaves
-/// in row y_end - 1. Throws Error(invalid_input) if a corner of a quadtree cell is missing.
+/// Only the leaves of pixels in rows pixel_y_begin to pixel_y_end - 1 contribute to the weights. `band` must
+/// also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws Error(invalid_input) if a
+/// corner of a quadtree cell is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand
@@ -52,8 +51,8 @@ struct Leaf {
 };
 /// The quadtree leaves of the pixels in rows y_begin to y_end - 1, pixel by pixel, and the point samples at
 /// their corners. The leaves of pixel (x, y) have the indices leaf_offsets[k] to leaf_offsets[k + 1] - 1,
-/// where k = (y - y_begin) * band.width() + x - band.x_begin. The last column of the band has only corners
-/// and no leaves, but k counts it.
+/// where k = (y - y_begin) * band.width() + x - band.x_begin. The last column of the band has no leaves,
+/// because it contains only corners.
 ///
 /// `points` holds the samples of rows y_begin to y_end inclusive, which `band` must contain. They are in the
 /// order of find_point_samples and have no weights. Throws Error(invalid_input) if a corner of a quadtree

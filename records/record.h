@@ -55,25 +55,24 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// A 2x2 matrix whose axes are those of the raster (x right, y down). It is the type of a record's matrix W,
-/// in 1/m, which tells how far the node's image moves on the raster when the lens point moves. Rows stand for
-/// the direction in which the image moves, and columns for the direction in which the lens point moves. For a
-/// surface that is seen directly or in a flat mirror, W is the identity matrix divided by z'.
-/// docs/sample_file.md defines W for all other nodes.
+/// A 2x2 matrix in raster axes (x to the right, y down). A record's matrix W, in 1/m, has this type. W tells
+/// how far the node's image moves on the raster when the lens point moves. Its rows are the components of the
+/// image's motion, and its columns are those of the lens point's motion. For a surface that is seen directly
+/// or in a flat mirror, W is the identity matrix divided by z'. docs/sample_file.md defines W for all other
+/// nodes.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Reasons why the radiance between a record and its neighbours cannot be determined from the records.
+/// Flags of a record. They warn that the radiance between this record and its neighbours is not known.
 struct RecordMark {
-    /// The surface's texture varies between this sample and its neighbours, and the cell cannot be subdivided
-    /// further.
+    /// The texture of the surface varies between this sample and its neighbours, although the cells have
+    /// their smallest size.
     static constexpr std::uint8_t fine_texture = 1;
-    /// At the finest subdivision, this sample and its neighbours show parts of one object that are not
-    /// connected. There may be a gap between them. The mark is also set if a part of a mesh lies between the
-    /// samples and none of them shows it.
+    /// This sample and its neighbours show separate parts of one object, so there may be a gap between the
+    /// parts. The flag is also set if a part of a mesh lies between the samples and no sample shows it.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
@@ -86,12 +85,12 @@ struct Record {
     float r = 0, g = 0, b = 0;
     std::uint32_t id = 0;  ///< number of the object; 0 where nothing was hit
     NodePath path;
-    std::uint32_t layer = 0;  ///< 0: visible from the pinhole
+    std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, in 1/m^2. W describes the displacement of the node's image to first order, as -W q for the
-    /// lens point q. At the rim of a lens of diameter D in metres, the displacement is wrong by about
-    /// (film distance / pixel pitch) w_bend (D / 2)^2 px. The value is 0 if W is exact or if its error was
-    /// not measured. It is infinite if other lens points do not see the node by this path. Files store a half
+    /// Error of W, in 1/m^2. W describes the motion of the node's image only to first order. For a lens point
+    /// at the distance R (in metres) from the centre of the lens, the image is misplaced by about (film
+    /// distance / pixel pitch) * w_bend * R^2 px. The value is 0 if W is exact or if its error was not
+    /// measured. It is infinite if other lens points do not see the node by this path. Files store a half
     /// float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark

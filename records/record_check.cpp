@@ -9,13 +9,14 @@ bool is_dyadic(float position, int pixel) {
     const float offset = position - static_cast<float>(pixel);
     if (offset == 0) return true;
     const float steps = offset * position_steps;
-    // The last test rejects a position that was rounded to float. Rounding happens far from the origin of a
-    // wide raster.
+    // The last test rejects a position that was rounded when it was stored as a float. This happens at large
+    // coordinates.
     return steps > 0 && steps < position_steps && steps == std::floor(steps) &&
            static_cast<float>(pixel) + offset == position;
 }
 
-/// For a finite x, x - x is 0. For any other x, it is NaN. One comparison can thus test all three values.
+/// The difference x - x is 0 if x is finite, and NaN otherwise. One comparison can thus test all three
+/// values.
 bool all_finite(float a, float b, float c) {
     return (a - a) + (b - b) + (c - c) == 0;
 }

@@ -16,8 +16,7 @@ struct RecordChannels {
     bool has_marks = false;
 };
 
-/// Positions within a pixel are multiples of 1 / position_steps px. From 0 to 1, half floats represent these
-/// multiples exactly.
+/// Positions within a pixel are multiples of 1 / position_steps px, which half floats represent exactly.
 inline constexpr int position_steps = 1024;
 
 /// Returns true if record a comes before record b in the order in which the records of a pixel are stored: by

@@ -1,5 +1,5 @@
-// Callbacks that receive records while a file is read, so that one pass over the file serves several
-// purposes.
+// Callbacks that receive records while a file is read. Several purposes can thus share one pass over the
+// file.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Either function may be empty.
+/// Functions that receive the records. Each of them may be empty.
 struct RecordsRead {
     /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
     /// from top to bottom.
@@ -20,8 +20,8 @@ struct RecordsRead {
 };
 
 /// Computes the quadtree leaves of rows y_begin to y_end - 1 and passes the rows to the callbacks. `band`
-/// must also contain row y_end if the file has it. Otherwise, row y_end - 1 is the last row of the file and
-/// contains only corners, no pixels. Throws the errors of find_leaves and of the callbacks.
+/// must also contain row y_end if the file has it. If it does not, row y_end - 1 is the last row of the file,
+/// which has only corners and no pixels. Throws the errors of find_leaves and of the callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -75,16 +75,16 @@ enum class Damage {
 ///
 /// With Damage::salvage, opening a file reads and checks all its records. A damaged or missing row is
 /// replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is removed
-/// if all its rows are damaged. An error is thrown if the header is damaged, or if too few rows of the
-/// frame's own instant are undamaged (least_whole_share).
+/// if all its rows are damaged. An error is thrown if the header is damaged, or if too many rows of the
+/// frame's own instant are damaged (least_whole_share).
 class SampleFileReader {
   public:
-    /// With Damage::salvage, at least one row in this many must be undamaged. Otherwise, a small damaged file
-    /// could claim an image of any size.
+    /// With Damage::salvage, at least 1 / least_whole_share of the rows must be undamaged. Without this
+    /// limit, a small damaged file could claim an image of any size.
     static constexpr std::size_t least_whole_share = 64;
 
     /// Opens a file. Colours are multiplied by 2^exposure_stops when they are read. If `exposure_stops` is
-    /// absent, the exposure in the header is used, for which the value 1 is white.
+    /// absent, the exposure in the header is used.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
@@ -113,7 +113,7 @@ class SampleFileReader {
     [[nodiscard]] int x_end() const;
 
     /// Reads rows y_begin to y_end - 1 of an instant, in canonical order. Rows can be read in any order.
-    /// Checks checksums, paths and positions, and that values are finite. Reuses the memory of `band`.
+    /// Verifies the checksum of each row, and checks its values. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
     /// Returns the damaged rows that were replaced, by instant and from top to bottom. The list is empty
     /// without Damage::salvage.

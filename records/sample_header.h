@@ -20,7 +20,7 @@ enum class Projection { perspective, orthographic };
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite
-    std::optional<double> shutter_open_s, shutter_close_s;    ///< both or none
+    std::optional<double> shutter_open_s, shutter_close_s;    ///< either both are set or none
 };
 
 struct SampleHeader {
@@ -46,9 +46,9 @@ struct SampleHeader {
     int subdivide_levels = 0;  ///< largest number of recursive 2x2 subdivisions of a pixel
     double subdivide_threshold = 0;
     int max_depth = 0;            ///< nodes along a path, including the primary node
-    double min_contribution = 0;  ///< smallest contribution of a recorded node, relative to white
+    double min_contribution = 0;  ///< nodes that contribute less are not recorded; 1 is white
 
-    double exposure_stops = 0;  ///< radiance times 2^exposure_stops is 1 for white; records store radiance
+    double exposure_stops = 0;  ///< white has the radiance 2^-exposure_stops; records store radiance
     std::optional<double> auto_exposure_stops;  ///< result of `--exposure auto` for this scene and camera
     std::optional<double> lumens_per_watt;      ///< the scene's photometric lights are divided by this
     std::optional<double> metres_per_unit;      ///< unit of lengths in the scene; absent in older files
@@ -61,9 +61,9 @@ struct SampleHeader {
     bool lights_move = false;
     SceneMotion motion;
 
-    bool has_w = false;       ///< if false, all nodes are primary, and W is the identity / z'
+    bool has_w = false;       ///< if false, all nodes are primary, and W is the unit matrix / z'
     bool has_layers = false;  ///< if false, all records are of layer 0
-    bool has_bend = false;    ///< needs W; if false, the error of W was not measured
+    bool has_bend = false;    ///< if false, the error of W was not measured; requires has_w
     bool has_marks = false;   ///< if false, no record has a mark
     SufficientRange sufficient;
 };

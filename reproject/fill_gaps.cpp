@@ -67,8 +67,8 @@ void push(const Level& coarse, Level& fine) {
 void fill_gaps(Image& image, const std::vector<float>& weight) {
     std::vector<Level> levels(1);
     levels[0] = {image.width, image.height, image.rgb, weight};
-    // In the finest level, every weight becomes 0 or 1, so that known pixels keep their colours. Pixels of
-    // weight 0 become black, because their colours may be infinite or NaN.
+    // In the finest level, weights above 0 are set to 1, so that known pixels keep their colours. Pixels of
+    // weight 0 are set to black, because their colours may be infinite or NaN.
     for (std::size_t i = 0; i < weight.size(); ++i) {
         const bool known = weight[i] > 0;
         levels[0].weight[i] = known ? 1.0F : 0.0F;

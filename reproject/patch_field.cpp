@@ -44,9 +44,9 @@ struct Workplace {
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views of a piece, rays may take over all samples of surfaces that reflect or transmit.
-/// They do so if they had to replace most of these samples until then. Drawing the reflections for the few
-/// other samples would take longer than tracing them.
+/// After this many views of a piece, the samples that rays had to replace are counted. If rays had to replace
+/// most samples of surfaces that reflect or transmit, they replace all such samples of the later views. This
+/// takes less time than drawing reflections for the few other samples.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {

@@ -109,15 +109,14 @@ struct PatchField {
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
     /// The rectangle of raster pixels that have records. `recorded_begin` is its first pixel, and
-    /// `recorded_end` is one past its last pixel. A surface may continue beyond the border of the rectangle
-    /// and hide what a view sees, which then counts as unknown. This is tested for sets that have rays or in
-    /// which something moves. If both values are equal, surfaces are assumed to end at the border. Sets with
-    /// rays need the rectangle.
+    /// `recorded_end` is one past its last pixel. Sets with rays need the rectangle. A surface may continue
+    /// beyond its border and hide what a view sees. If the set has rays or if something moves, the pixels
+    /// where this may happen count as unknown. If both values are equal, surfaces are assumed to end at the
+    /// border.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
     /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. The search
-    /// for patches covers all lens points within this distance, not only those of the views. Set it if
-    /// `lights` uses TileViews::patches. Set it also if there are rays, because the samples that rays replace
-    /// must not depend on which views are drawn.
+    /// for patches covers all lens points within this distance, not only those of the views. Set this value
+    /// if `lights` uses TileViews::patches or if there are rays.
     glm::dvec2 lens_reach_px{0};
 };
 
@@ -147,13 +146,13 @@ class Lights {
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
     /// Adds four values per pixel to `light`, which has rows of TileViews::row pixels. The first three are
-    /// the light of the highlights: r, g and b. The fourth is the mean square of the highlights' radiance in
-    /// the brightest channel. This mean is taken over single rays through the lens.
+    /// the light of the highlights: r, g and b. The fourth is the mean, over rays through the lens, of the
+    /// squared radiance of the highlights in the brightest channel.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
-    /// A line of sight from a pixel to a highlight, along which its light arrives unless something hides it.
-    /// The light of all highlights in the pixel is a mean over such lines. Each line contributes `scale`
-    /// times the radiance of its highlight.
+    /// A line of sight from a pixel to a highlight. The light of the highlight arrives along this line unless
+    /// a surface blocks it. The light of all highlights in the pixel is the mean over such lines. Each line
+    /// contributes `scale` times the radiance of its highlight.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
@@ -176,13 +175,13 @@ struct PixelCheck {
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
     /// Light of the highlights in the pixel, scene-linear. `highlights` is the light that was added to the
-    /// image. `aimed_sum` is the sum of the light along the `aimed` rays, which were sent towards the
+    /// image. `aimed_sum` is the sum of the radiance along the `aimed` rays, which are traced towards the
     /// highlights.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;
     float aimed_share = 0;  ///< the result of PatchViews::aimed
-    /// Residual of the highlights: the mean of their light along rays, minus their light in the image.
+    /// Mean light of the highlights along the rays, minus their light in the image.
     [[nodiscard]] double highlight_residual(std::size_t channel) const {
         return aimed > 0 ? aimed_sum[channel] / aimed - static_cast<double>(highlights[channel]) : 0;
     }
@@ -195,9 +194,8 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: the share of the views, by weight, for which a reflected or transmitted surface is not
-    /// recorded. Such a surface counts less if it is dim compared with the pixel everywhere in the tile
-    /// (TreeSums).
+    /// Per pixel: the share of the views, by weight, that need a reflected or transmitted surface which is
+    /// not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
     std::vector<float> unknown_below;
     /// Per pixel: the share of the views, by weight, whose samples come from rays. Empty for sets without
     /// rays.
@@ -215,10 +213,9 @@ struct PatchPicture {
 /// Draws the sets of views into the images `out`, which have the size of the field. Pieces of an image that
 /// no set draws keep their values. The result is bit-identical for any number of threads.
 ///
-/// The result does not depend on how the sets are divided into calls, unless there are rays and moving
-/// objects. In that case, the views of a call together determine how many reflected and transmitted patches
-/// may appear in a piece. If there are too many, rays replace all samples of surfaces that reflect or
-/// transmit.
+/// The sets may be drawn by one call or by several calls. The result is the same, unless there are rays and
+/// moving objects. In that case, more views in a call mean more reflected and transmitted patches in a piece.
+/// If there are too many patches, rays replace all samples of surfaces that reflect or transmit.
 void patch_field(const PatchField& field, std::span<PatchPicture> out);
 
 }  // namespace postlens

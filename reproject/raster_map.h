@@ -54,9 +54,9 @@ class RasterMap {
 };
 
 /// The shift of a surface's image on the raster when it is seen from one lens point instead of the pinhole.
-/// It is `(1/s I - W) lens_px + offset_px`. Here s is the focus distance. W is a 2x2 matrix, stored with the
-/// surface's record, that describes how the image moves with the lens point. A surface at depth z' that is
-/// seen directly has W = I / z'.
+/// It is `(1/s I - W) lens_px + offset_px`. Here s is the focus distance, and I is the unit matrix. W is a
+/// 2x2 matrix, stored with the surface's record. It describes how the image of the surface moves with the
+/// lens point. A surface at depth z' that is seen directly has W = I / z'.
 struct LensShift {
     glm::dvec2 lens_px{0};  ///< lens point (m) times film distance / pixel pitch, px m
     double inverse_focus_per_m = 0;

@@ -73,12 +73,12 @@ class SightRays {
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Returns whether every point of an object sends the same radiance along all rays that reach the point
-    /// by `path`. The answer is false if lights or lobes are sampled there, because the radiance above a
-    /// limit then differs from ray to ray.
+    /// by `path`. The answer is false if lights or scattering lobes are sampled at random there, because the
+    /// radiance then differs from ray to ray.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
-    /// Returns how many reflected and transmitted patches (planar parts of surfaces) a view draws in the time
-    /// in which one ray is traced. If views would draw more patches than that per pixel, rays are traced
-    /// instead. The number must be equal for all rays of a PatchField.
+    /// Returns the number of reflected and transmitted patches (planar parts of surfaces) that can be drawn
+    /// in the time that one ray takes. If views need more patches per pixel, rays are traced instead. The
+    /// number must be equal for all rays of a PatchField.
     [[nodiscard]] virtual std::size_t patches_per_ray() const {
         return std::numeric_limits<std::uint32_t>::max();
     }

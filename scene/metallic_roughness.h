@@ -39,10 +39,11 @@ struct MetallicRoughness {
 ///   transmission         base (1 - metallic) transmission (1 - a) (1 - F0), 0 at grazing angles
 ///   ambient              0.1 diffuse
 ///
-/// The highlight has the width and the central value, 1 / (pi a^2), of GGX microfacets. Blinn's exponent for
-/// this width is 2 / a^2 - 2. The exponent about the mirrored direction is a quarter of it. `diffuse`
-/// includes the light that a rough metal reflects from all directions. If the roughness is above 0.02, the
-/// lobes of reflected and refracted rays have the exponent of the highlight.
+/// The highlight is as wide as that of GGX microfacets and has the same central value, 1 / (pi a^2). For this
+/// width, the exponent of Blinn's model is 2 / a^2 - 2. `shininess` is a quarter of this, because it applies
+/// to the angle from the mirrored direction. `diffuse` includes the light that a rough metal reflects from
+/// all directions. If the roughness is above 0.02, the lobes of reflected and refracted rays also have the
+/// exponent `shininess`.
 ///
 /// All coefficients, including the emission, are multiplied by `alpha`, because glTF blends the colour of the
 /// surface over what is behind it. If `alpha` is below 1, the remaining light passes without refraction, so

@@ -72,7 +72,7 @@ std::vector<MeshEdge> edges_of(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> parts_of(const Mesh& mesh, const std::vector<MeshEdge>& edges) {
-    // Connected triangles form a tree. The root of the tree is the first of these triangles.
+    // Connected triangles form a tree whose root is the first of these triangles (union-find).
     std::vector<std::uint32_t> parent(mesh.triangles.size());
     std::iota(parent.begin(), parent.end(), 0U);
     const auto root = [&](std::uint32_t t) {

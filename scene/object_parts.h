@@ -19,8 +19,8 @@ struct MeshEdge {
 };
 
 /// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if the
-/// indices differ. The lowest index of a position is stored. An edge with more than two triangles is listed
-/// once for each pair of successive triangles.
+/// indices differ. If several indices have the same position, the edge stores the lowest one. An edge with
+/// more than two triangles is listed once for each pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs. Two triangles belong to the same part if they are

@@ -16,10 +16,10 @@ struct Placement {
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
 /// The placement that approximates a matrix, and its error. To measure the error, the placement and the
-/// matrix are applied to the three unit axes. The error is the largest distance between the two results for
-/// an axis, relative to the longest result. Apart from rounding, it is 0 unless the matrix contains shear.
-/// The rotation is the orthogonal factor of the polar decomposition [higham1986]. A mirroring matrix gives a
-/// negative scale along x, and a singular matrix gives a scale of 0.
+/// matrix are applied to the three unit axes. The error is the largest distance between the two resulting
+/// vectors of an axis, divided by the length of the longest vector. Apart from rounding, the error is 0
+/// unless the matrix contains shear. The rotation is the orthogonal factor of the polar decomposition
+/// [higham1986]. A mirroring matrix gives a negative scale along x, and a singular matrix gives a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;

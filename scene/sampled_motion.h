@@ -20,10 +20,10 @@ struct SampledMotion {
 /// least one). Keyframes are added between them until the interpolated positions of `points` are within
 /// `tolerance_m` of the exact positions.
 ///
-/// Each gap between keyframes is halved until the error at seven times within it is small enough. At most, a
-/// gap is divided into 2^12 parts of at least 1 microsecond. A gap in which the rotation exceeds 170 degrees
-/// is also halved, because two keyframes do not determine the direction of such a rotation. Scales of 0
-/// become smallest_key_scale, so that transforms can be inverted.
+/// A gap between two keyframes is halved if the error is too large at one of seven times within the gap. It
+/// is also halved if the rotation within it exceeds 170 degrees, because two keyframes do not determine the
+/// direction of such a rotation. A gap between given times is divided into at most 2^12 parts, each at least
+/// 1 microsecond long. Scales of 0 become smallest_key_scale, so that transforms can be inverted.
 [[nodiscard]] SampledMotion sampled_motion(const std::function<Placement(double time_s)>& at,
                                            std::span<const double> times_s,
                                            std::span<const glm::dvec3> points, double tolerance_m);

@@ -38,9 +38,9 @@ struct Material {
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
     /// Exponents n of the lobes cos^n about the exact directions of reflection and refraction. Infinity means
-    /// that there is no lobe, only the exact direction. For a lobe that is wider than the lens, the trace
-    /// records the mean radiance over the lobe (tracer/shading_trees/lobe_means.h). For a narrower lobe it
-    /// records the exact direction.
+    /// that there is no lobe, only the exact direction. The tracer records the mean radiance over a lobe that
+    /// is wider than the lens (tracer/shading_trees/lobe_means.h). Instead of a narrower lobe, it traces the
+    /// exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -148,8 +148,8 @@ struct Camera {
     glm::dvec3 look_at{0, 0, -1};
     glm::dvec3 up{0, 1, 0};
     double film_width_mm = 36;
-    /// For a perspective camera, at most one of the following three is set. The film distance equals the
-    /// focal length if the lens is focused at infinity, so `focal_length_mm` contains the film distance.
+    /// For a perspective camera, at most one of the following three is set. `focal_length_mm` is also the
+    /// film distance, as for a lens focused at infinity.
     std::optional<double> focal_length_mm;
     std::optional<double> horizontal_fov_degrees;
     std::optional<double> vertical_fov_degrees;

@@ -8,8 +8,8 @@
 namespace postlens {
 
 /// Adds what is missing in a scene, with a note for each addition:
-/// - If there is no camera, adds a camera with a 50 mm lens and 36 mm film. The bounding box of all finite
-///   objects fits its film. The camera looks from the direction `view_from` (not along +-y), or from the
+/// - If there is no camera, adds a camera with a 50 mm lens and 36 mm film. The image contains the bounding
+///   box of all finite objects. The camera looks from the direction `view_from` (not along +-y), or from the
 ///   right and above if `view_from` is empty.
 /// - If there is no light and `wants_light` is true, adds a point light of `light_intensity` at the position
 ///   of the first camera. For an orthographic camera, it is a directional light.
@@ -19,10 +19,10 @@ namespace postlens {
 void complete_scene(Scene& scene, const std::filesystem::path& path, bool wants_light, double light_intensity,
                     std::optional<glm::dvec3> view_from = std::nullopt);
 
-/// Returns the horizontal direction from which most surfaces of the scene's meshes show their outer side,
-/// such as the open front of a room. This direction is the horizontal part of the mean normal of all
-/// triangles, weighted by area. Returns empty if the horizontal part is shorter than a tenth of a unit
-/// normal, or shorter than the vertical part.
+/// Returns the horizontal direction from which most mesh surfaces show their outer side. For a room without a
+/// front wall, this is the direction to the missing wall. The direction is the horizontal part of the mean
+/// normal of all triangles, weighted by area. Returns empty if the horizontal part is shorter than 0.1 or
+/// shorter than the vertical part.
 [[nodiscard]] std::optional<glm::dvec3> open_side(const Scene& scene);
 
 /// Returns true if any material reflects light from light sources, that is, if its diffuse,

@@ -18,8 +18,8 @@ namespace {
     const double quotient = d / size;
     const double cell = std::floor(quotient);
     // Rounding can move the quotient across a cell border only if the quotient is very close to the border.
-    // There, the sign of the remainder decides. This sign is exact, because fma rounds only once and `lost`
-    // is the rounding error of the subtraction (Knuth's two-sum).
+    // In that case, the sign of the remainder tells on which side of the border the coordinate lies. The sign
+    // is exact: fma rounds only once, and `lost` is the rounding error of the subtraction (Knuth's two-sum).
     const double within = quotient - cell;
     const double near = 1e-9 * std::max(1.0, std::abs(quotient));
     if (within > near && 1 - within > near) return cell;

@@ -12,8 +12,9 @@
 
 namespace postlens {
 
-/// A checker pattern that is exact at cell borders. The cell of coordinate c is floor((c - offset) / size),
-/// so a border belongs to the higher cell. The colour is `even` if the sum of the cell indices is even.
+/// A checker pattern. The cell of coordinate c is floor((c - offset) / size), computed without rounding
+/// error. A border therefore belongs to the higher cell. The colour is `even` if the sum of the cell indices
+/// is even.
 struct Checker {
     int dimensions = 3;  ///< 3: cells in object-space x, y, z; 2: cells in u, v
     /// length of a cell, in object-space metres or in (u, v); infinite if there are no borders along this
@@ -58,9 +59,10 @@ class Texture {
     [[nodiscard]] glm::dvec3 colour_at(const glm::dvec3& place) const {
         return colour(place, glm::dvec2(place));
     }
-    /// Returns the range of colours in the bounding box of two texture positions. The range includes all
-    /// cells or texels that overlap the box. If the positions are half an image or more apart, a seam of the
-    /// texture is assumed to lie between them. The range then includes only the colours at the two positions.
+    /// Returns the range of colours in the bounding box of two texture positions. If the positions are half
+    /// an image or more apart, they are assumed to lie on both sides of a seam of the texture. The range then
+    /// includes only the colours at the two positions. Otherwise it includes all cells or texels that overlap
+    /// the box.
     [[nodiscard]] ColourRange range(const glm::dvec3& low, const glm::dvec3& high) const;
 
   private:

@@ -5,9 +5,10 @@
 
 BUILD is a build folder (build/release). A scene of bars is traced through a pinhole three times: complete, without the
 near objects, and with only the wall. bench/foreign_export.cpp writes the images as another program would, with an
-overscan, and with or without a Cryptomatte. Each stack of images is focused and compared to a reference of distributed
-rays through the lens. The reference has two independent halves of N samples per pixel each, whose noise is subtracted
-from the errors. The table behind.md, the scenes and the images are written to OUT.
+overscan, and with or without a Cryptomatte. The image of the complete scene is focused, with or without the other
+images behind it, and compared to a reference of distributed rays through the lens. The reference has two independent
+halves of N samples per pixel each, whose noise is subtracted from the errors. The table behind.md, the scenes and the
+images are written to OUT.
 """
 
 import argparse

@@ -4,9 +4,9 @@
     diffraction_figures.py BUILD OUT
 
 BUILD is a build folder (build/release). diffraction_responses.png and diffraction_crossover.svg and .png are written to
-OUT. The impulse responses are those of a lens of 50 mm f/4 at 550 nm, focused at 1 m. Each is drawn in a frame 1.3
-times as wide as its disc. Its values are divided by those of its brightest pixel and raised to the power 1/2. Needs
-oiiotool (Debian: openimageio-tools) and gnuplot (gnuplot-nox).
+OUT. The impulse responses are those of a lens of 50 mm f/4 at 550 nm, focused at 1 m. The values of each impulse
+response are divided by its largest value, and their square root is drawn. Needs oiiotool (Debian: openimageio-tools)
+and gnuplot (gnuplot-nox).
 """
 
 import argparse

@@ -3,11 +3,11 @@
 
     farm_table.py BUILD OUT
 
-BUILD is a build folder (build/release). For each command, three times are measured with all threads of this machine: of
-the undivided run, of the smallest possible share (the fixed cost of a task), and of merging, per part. From these
-times, the time of N tasks on N such machines is computed: that of the longest task plus that of the merge. Real runs
-with 4 shares check this model. A second table compares the predictions of `--dry-run` with runs of the same tasks. Both
-tables are written to OUT as farm.md.
+BUILD is a build folder (build/release). Each command is divided into shares (--share), and `merge` joins the results.
+Three times are measured with all threads of this machine: the time of the undivided run, the time of the smallest
+possible share, and the time of merging one part. From these, the script computes the time of N shares on N such
+machines: the time of the longest share plus that of the merge. Real runs with 4 shares check the computed times. A
+second table compares the predictions of `--dry-run` with real runs. Both tables are written to OUT as farm.md.
 """
 
 import argparse

@@ -6,8 +6,8 @@
 
 BUILD is a build folder (build/release). The table focus.md, the images, and each image side by side with the reference
 are written to OUT. The reference has two independent halves of N samples per pixel, whose noise is subtracted from the
-errors. The command measures its seconds from opening the sample file to the written image. The table has the least of K
-runs, between which the methods alternate. A reference that is already in OUT is used again.
+errors. The time of a method includes reading the sample file and writing the image. Every method runs K times, in turn
+with the other methods, and the table states the shortest time. A reference that is already in OUT is used again.
 """
 
 import argparse

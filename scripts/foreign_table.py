@@ -4,11 +4,11 @@
     foreign_table.py BUILD OUT [--repeat K] [--frames N]
 
 BUILD is a build folder (build/release) with the target foreign_export. A scene of bars is traced through a pinhole at
-1920x1080, whole and without the near objects. bench/foreign_export.cpp writes both as another program would: flat with
-a Cryptomatte, and deep. Each row of the table is a whole process of `postlens focus`. Seconds are medians over K
-rounds, in each of which every row runs once. Megabytes are the largest peak of a process. On a machine that does other
-work too, only the seconds of all threads together can be compared. A second table has the peaks of ranges of 5 and of N
-frames of 688x408 px. OUT receives the tables as foreign.md and the images.
+1920x1080, once with all objects and once without the near objects. bench/foreign_export.cpp writes each of the two as
+another program would: as a flat image with a Cryptomatte, and as a deep image. For each row of the table, `postlens
+focus` runs K times. The row states the median time and the largest peak of memory. If other programs run at the same
+time, only the processor time of all threads can be compared. A second table states the peak of memory for 1 frame, for
+5 frames and for N frames of 688x408 px. The images and foreign.md with the tables are written to OUT.
 """
 
 import argparse

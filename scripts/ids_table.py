@@ -4,11 +4,11 @@
     ids_table.py BUILD OUT [--spp N]
 
 BUILD is a build folder (build/release). Each scene is traced through a pinhole, and bench/foreign_export.cpp writes it
-as another program would. The flat images differ in depth, which is the mean over the pixel or that of the surface that
-fills most of it, and in ids: none, one per pixel, or a Cryptomatte. Each image is focused by the methods `layers` and
-`scatter` and compared to a reference of distributed rays through the lens. The reference has two independent halves of
-N samples per pixel each, whose noise is subtracted from the errors. The table ids.md and the flat images are written to
-OUT.
+as another program would. The depth of a pixel is either the mean over the pixel, or the depth of the surface that fills
+most of the pixel. The image has no ids, one id per pixel, or a Cryptomatte. Each image is focused by the methods
+`layers` and `scatter` and compared to a reference of distributed rays through the lens. The reference has two
+independent halves of N samples per pixel each, whose noise is subtracted from the errors. The table ids.md and the flat
+images are written to OUT.
 """
 
 import argparse

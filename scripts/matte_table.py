@@ -3,14 +3,15 @@
 
     matte_table.py BUILD OUT [--spp N] [--views N...]
 
-BUILD is a build folder (build/release). A scene is traced through a pinhole three times: whole, without the objects
-before the focus, and with its walls and floor alone. bench/foreign_export.cpp writes the images as another program
-would, each with a Cryptomatte and an overscan. The first image, alone and with the others behind it, is focused with
-the pass `cryptomatte`. The true matte of an object is an image by distributed rays through the lens, in which the
-object emits a radiance of 1 and everything else is black. Two independent halves of N samples per pixel each give its
-noise, which is subtracted from the errors. A cell of the first table has the median and the lowest PSNR of the mattes
-of a scene. A cell of the second table has the PSNR of a matte over the frame, and in parentheses over the pixels that
-show some of the object. OUT receives the table as mattes.md, the scenes and the images.
+BUILD is a build folder (build/release). A scene is traced through a pinhole three times: with all objects, without the
+objects in front of the plane in focus, and with only its walls and floor. bench/foreign_export.cpp writes the images as
+another program would, each with a Cryptomatte and an overscan. The first image is focused with the pass `cryptomatte`,
+once alone and once with the other two images behind it. The true matte of an object is rendered with distributed rays
+through the lens. In this rendering, the object emits a radiance of 1 and everything else is black. It consists of two
+independent halves of N samples per pixel each, whose noise is subtracted from the errors. The first table states the
+median and the lowest PSNR of the mattes of each scene. The second table states the PSNR of each matte over the frame
+and, in parentheses, over the pixels that show a part of the object. mattes.md with the tables, the scenes and the
+images are written to OUT.
 """
 
 import argparse

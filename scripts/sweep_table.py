@@ -5,11 +5,10 @@
                    [--rays N,N,...] [--repeat K] [--metres-per-unit X]
 
 BUILD is a build folder (build/release). The sample file, the sweep and the table sweep.md are written to OUT. Every
-K-th image of the sweep, from image K / 2 on, is compared to a reference of N samples per pixel. The number of samples
-at which rays have the same error is interpolated between two numbers of --rays: linearly in dB (PSNR of the whole
-frame) over the logarithm of the number. The time of the rays is interpolated in the same way. Seconds are wall times of
-whole commands, including start-up and file access. They are medians over the rounds of --repeat. In each round, all
-commands run once.
+K-th image of the sweep, from image K / 2 on, is compared to a reference of N samples per pixel. Rays are rendered with
+every number of samples of --rays. The number of samples at which rays have the same PSNR as the sweep, and the time
+that they take, are interpolated between two of these renders. Seconds are wall times of whole commands, including
+start-up and file access. They are medians over the rounds of --repeat. In each round, all commands run once.
 """
 
 import argparse

@@ -16,8 +16,8 @@ class ContactSheet {
     static constexpr std::size_t most_pictures = 1024;
 
     /// `captions` holds one ASCII caption per image, for 1 to `most_pictures` images. `columns` is the
-    /// requested number of columns. The sheet is made roughly square instead if it would have a single row or
-    /// column, or thumbnails too small to see.
+    /// requested number of columns. If this number would give a single row, a single column, or thumbnails
+    /// that are too small to see, the sheet is made roughly square.
     ContactSheet(ImageSize picture, std::vector<std::string> captions, std::size_t columns);
 
     void set(std::size_t i, const Image& picture);

@@ -42,8 +42,8 @@ class SweepKeys {
 };
 
 /// Reads the rows that earlier runs wrote to the table `json`, and returns them by file name. A run of the
-/// whole sweep also reads the tables of its shares (parts that several machines have made), so a name may
-/// have several rows. The result is empty if `settings.resume` is not set.
+/// whole sweep also reads the tables of its shares (parts of the sweep that ran separately). A file name may
+/// therefore have several rows. The result is empty if `settings.resume` is not set.
 [[nodiscard]] std::multimap<std::string, SweepRow> earlier_rows(const SweepSettings& settings,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& json);

@@ -89,7 +89,8 @@ double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeomet
 
 double gradient_energy(const Image& image) {
     const auto width = static_cast<std::size_t>(image.width), height = static_cast<std::size_t>(image.height);
-    // Number of rows per block. The luminances of the rows at the borders of blocks are computed twice.
+    // Number of rows per block. The luminances of a block's first row are computed twice, because the block
+    // above also needs them.
     constexpr std::size_t together = 16;
     std::vector<double> sums(height);
     parallel_for((height + together - 1) / together, [&](std::size_t block) {

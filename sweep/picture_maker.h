@@ -21,8 +21,8 @@ namespace postlens {
 /// Settings that are common to all images of a sweep. Their names and defaults are those of the command
 /// `focus`, or of the command `shoot` if there is a shutter.
 struct PictureSettings {
-    /// If absent, the method is lightfield for images with a shutter, and otherwise the default method for
-    /// the file (usual_method). Images with a shutter allow only lightfield, hybrid and automatic.
+    /// If absent, images with a shutter use lightfield, and other images use the default method for the file
+    /// (usual_method). Images with a shutter allow only lightfield, hybrid and automatic.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -32,8 +32,8 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// The PSNR, in dB, that the method `automatic` must reach. If it is absent, `automatic` uses the default
-    /// method for the file, unless there is a scene or a shutter.
+    /// The PSNR, in dB, that the method `automatic` must reach. Without a target, a scene and a shutter,
+    /// `automatic` uses the default method for the file.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };

@@ -208,9 +208,9 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. Two images keep all threads busy if each image only
-    /// reads the records of a small frame. In all other cases, one image already has work for all threads and
-    /// needs much memory.
+    /// Number of images that are made at the same time. An image that only reads the records of a small frame
+    /// does not keep all threads busy, so two such images are made at once. Any other image has enough work
+    /// for all threads.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
@@ -278,8 +278,8 @@ class Sweep {
         return row;
     }
 
-    /// Computes what the table values of all images need: the depths of the frame, and the gradient energy of
-    /// the pinhole image.
+    /// Computes the data from which the table values of all images are computed: the depths of the frame, and
+    /// the gradient energy of the pinhole image.
     void prepare() {
         // For the light field, FocusFrame keeps prepared surfaces instead of records. A second FocusFrame
         // therefore reads the records.

@@ -28,9 +28,10 @@ struct SweepSettings {
     /// settings from an equal file. The image's checksum must also show that it is unchanged.
     bool resume = false;
     /// Makes only every N-th image (one share of the sweep). The table of these images is sweep.I-of-N.json.
-    /// A share writes neither sweep.csv nor contact.png. To complete the sweep, run it once more without a
-    /// share, in the same folder and with `resume`. This run keeps the images of all shares and writes the
-    /// tables and the contact sheet.
+    /// A share writes neither sweep.csv nor contact.png.
+    ///
+    /// To complete the sweep, run it once more without a share, in the same folder and with `resume`. This
+    /// run keeps the images of all shares and writes the tables and the contact sheet.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< with `resume`: makes no image

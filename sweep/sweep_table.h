@@ -1,5 +1,5 @@
-// The table of a sweep, with one row per image. It is written as CSV for other programs, and as JSON, from
-// which an interrupted sweep resumes.
+// The table of a sweep, with one row per image. The table is written as CSV for other programs, and as JSON.
+// An interrupted sweep resumes from the JSON table.
 #pragma once
 
 #include <filesystem>

@@ -21,7 +21,7 @@ inline constexpr std::size_t most_pictures = 10000;
 /// Parses f-numbers, which are positive numbers or `inf` for the pinhole. A range is written FROM:TO:STEP.
 /// STEP is positive and in stops ("1/2" or "0.5"), and FROM must not exceed TO. Value i is FROM * 2^(i STEP /
 /// 2), so values differ slightly from the rounded numbers engraved on lenses. The last value may exceed TO by
-/// a tenth of a stop or half a step, whichever is less. For example, the range 2:11:1 ends at 11.31.
+/// a tenth of a stop, or by half a step if that is less. For example, the range 2:11:1 ends at 11.31.
 [[nodiscard]] std::vector<double> f_number_list(const std::string& option, std::string_view text);
 
 /// Parses focus distances s in metres, which are positive numbers or `inf`. A range is written FROM:TO:COUNT
@@ -38,8 +38,8 @@ inline constexpr std::size_t most_pictures = 10000;
 [[nodiscard]] std::vector<TimeSpan> shutter_list(const std::string& option, std::string_view text);
 
 /// Parses impulse responses in the form of `parse_impulse`. The wavelengths of "diffraction" are also
-/// separated by commas. A comma therefore begins the next item only if the name of a kind of impulse response
-/// follows.
+/// separated by commas. A comma therefore begins the next item only if it is followed by the name of a kind
+/// of impulse response.
 [[nodiscard]] std::vector<Impulse> impulse_list(const std::string& option, std::string_view text);
 
 }  // namespace postlens

@@ -16,7 +16,7 @@ struct CameraOverrides {
 };
 
 /// A ray of the camera. Its direction in the camera frame is (tan_x, -tan_y, -1), normalised. tan_x and tan_y
-/// are the tangents along the raster's axes (x right, y down).
+/// are the tangents of the ray's angles along the raster's axes (x right, y down).
 struct CameraRay {
     glm::dvec3 origin{0}, direction{0, 0, -1};  ///< world, unit length
     double cos_axis = 1;                        ///< cosine of the angle between the ray and the optical axis

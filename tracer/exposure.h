@@ -12,12 +12,13 @@ namespace postlens {
 /// equal the colours of the file exactly.
 void expose(Scene& scene, double stops);
 
-/// Returns the exposure, in stops, that `--exposure auto` uses. A small preview of the scene is traced, and
-/// auto_exposure_of (pictures/exposure.h) is applied to the largest colour channel of each pixel. The preview
-/// is 96 px long on its longer side and shows the default instant without exposure. One shading tree, with at
-/// most 5 nodes along a path, is traced through the centre of each pixel. The result depends on the aspect
-/// ratio of the image but not on its size. It is bit-identical for any number of threads. Throws the errors
-/// of find_camera and CameraModel.
+/// Returns the exposure, in stops, that `--exposure auto` uses. A small preview of the scene is traced at the
+/// default instant, without exposure. auto_exposure_of (pictures/exposure.h) is then applied to the largest
+/// colour channel of each of its pixels.
+///
+/// The longer side of the preview is 96 px. One shading tree, with at most 5 nodes along a path, is traced
+/// through the centre of each pixel. The result depends on the aspect ratio of the image but not on its size.
+/// It is bit-identical for any number of threads. Throws the errors of find_camera and CameraModel.
 [[nodiscard]] double auto_exposure_stops(const Scene& scene, const std::string& camera_name,
                                          const CameraOverrides& overrides);
 

@@ -31,8 +31,8 @@ double seconds_since(Clock::time_point start) {
 }
 
 // Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
-// samples are added one at a time. This makes the result bit-identical for any number of threads and
-// interruptions.
+// samples are added one at a time. The result is therefore bit-identical for any number of threads, and also
+// if the render was interrupted.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -58,8 +58,8 @@ class Renderer {
             if (!settings.crop || settings.crop->meets(x, y, tile_px, tile_px)) tiles_.push_back(i);
         }
         for (int h = 0; h < halves_; ++h) {
-            // The two halves of the samples differ only in their seeds. The seeds are hashed. Otherwise,
-            // renders with neighbouring values of --seed would have one half in common.
+            // The two halves of the samples differ only in their seeds. The seeds are hashed so that two
+            // renders with neighbouring values of --seed have no half in common.
             const std::uint64_t seed = settings.halves
                                            ? mix64(settings.seed * 2 + static_cast<std::uint64_t>(h) + 1)
                                            : settings.seed;
@@ -175,8 +175,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of every block starts at 0. This makes it bit-identical to the sum in a part of the
-            // render that contains only this block.
+            // The sum of every block starts at 0, as in a part of the render that contains only this block.
+            // The two sums are then bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {
@@ -232,8 +232,8 @@ void trace_all(Renderer& renderer, const std::function<void()>& pause) {
             renderer.trace(round, begin, end);
             const double took_s = seconds_since(start);
             progress.advance(end - begin);
-            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s: long
-            // enough to hide the cost of starting the loop, and short enough not to delay stopping and
+            // A slice is the group of tiles that one parallel loop renders. It should take 0.1 to 0.4 s. A
+            // shorter slice would waste time on starting the loop. A longer slice would delay stopping and
             // saving.
             if (took_s < 0.1) slice = std::min<std::size_t>(2 * slice, 1U << 16);
             if (took_s > 0.4) slice = std::max<std::size_t>(slice / 2, 16);

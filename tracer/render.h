@@ -49,17 +49,17 @@ struct RenderSettings {
     bool resume = false;  ///< continues an interrupted run
     DistributedSettings tracing;
 
-    /// The part of the image to render. Tiles of 8 px outside the crop stay black. The other tiles are
-    /// bit-identical to those of a render without a crop. Files contain only the crop (see write_image). A
+    /// The part of the image to render. Tiles of 8 px outside this part stay black. The other tiles are
+    /// bit-identical to those of the complete image. Files contain only this part (see write_image). A
     /// resumed run may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
     /// Text stored in each file to mark it as a part of a render (records/picture_part.h). If empty, the
     /// files are ordinary images.
     std::string part_mark;
-    /// With `part_mark`: this run renders only some of the samples of every pixel, part `sample_share[0]` of
-    /// `sample_share[1]` (render_state.h). The two halves of the samples are then not written to separate
-    /// files.
+    /// Used with `part_mark`. This run renders only part number `sample_share[0]` of `sample_share[1]` parts
+    /// of the samples of every pixel (render_state.h). The two halves of the samples are then not written to
+    /// separate files.
     std::optional<std::array<int, 2>> sample_share;
 };
 

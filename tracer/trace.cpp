@@ -153,8 +153,8 @@ class Radiance {
     RecordBand band_;
 };
 
-// Returns the radius, m, of the widest lens for which the sample file is made. Its f-number is
-// `for_f_number`. If that is absent, it is the camera's f-number, or f/1.4 if the camera has none.
+// Returns the radius, m, of the widest lens for which the sample file is made. The f-number of this lens is
+// `for_f_number`. If this setting is absent, it is the f-number of the camera, or 1.4 if the camera has none.
 double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     const Camera& of = find_camera(scene, settings.camera_name);
     const CameraModel camera(of, scene.time_s, settings.camera);
@@ -163,8 +163,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` describes
-// the motion from this instant to all instants at which its records are used. It may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` leads from
+// this instant to all instants at which its records are used. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -181,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns the instants at which views use the records of the key (recorded instant) `at_s`. They range from
-// the previous recorded instant to the next one.
+// Returns instants from the previous key (recorded instant) to the next one. Reprojection uses the records of
+// the key `at_s` for instants in this range.
 std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
@@ -196,7 +196,7 @@ std::vector<double> instants_near(double at_s, const std::vector<double>& record
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // For each pixel, LensReach stores one inverse depth and its share of a pyramid of inverse depth ranges.
+    // LensReach stores one inverse depth per pixel, and a pyramid with the ranges of these inverse depths.
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -343,7 +343,7 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
         instant = std::make_unique<Instant>(scene, settings, of, motion, at_s, result.instants_s);
     };
     result.overscan_px = settings.overscan_auto ? 0 : settings.overscan_px;
-    // The overscan of a key (recorded instant) must suffice for motion until the previous and the next key.
+    // The overscan must suffice for the motion from each key (recorded instant) to the keys before and after.
     for (std::size_t i = 1; settings.overscan_auto && i < result.instants_s.size(); ++i) {
         const double at_s = result.instants_s[i];
         const FilmMotion near(motion, of, settings.camera, at_s, instants_near(at_s, result.instants_s));

@@ -22,28 +22,28 @@ struct TraceSettings {
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
     /// Used with `for_f_number`. If true, cells at the edges of objects are subdivided to at least
-    /// `lens_levels` levels, and `subdivision.levels` only limits subdivision by contrast.
+    /// `lens_levels` levels. `subdivision.levels` then only limits the subdivision caused by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
-    /// Number of levels that is enough if rays into the scene replace those samples of reprojected views that
-    /// coarse records do not determine. docs/planner.md compares the times of other levels.
+    /// Number of levels that is enough for methods that also trace rays into the scene where the records are
+    /// too coarse. docs/planner.md compares the times of other levels.
     static constexpr int ray_levels = 1;
     /// Angle, in degrees, by which an object may turn relative to the camera from one recorded instant to the
-    /// next. Used if `keys` is absent. If a ball turns by this angle, the strip along its silhouette that
-    /// neither instant shows is at most 0.9 % of its radius wide (1 - cos 7.5 degrees).
+    /// next. Used if `keys` is absent. A turning ball shows parts of its surface that no recorded instant
+    /// shows. At this angle, they are at most 0.9 % of its radius wide in the image (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
-    /// Value of `degrees_per_key` that suffices if rays into the scene replace samples of views.
+    /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
     /// Target PSNR, in dB, of light that changes between two recorded instants (light_keys). Used if `keys`
-    /// is absent. At 43 dB, the changing light causes half of the squared error of an image with 40 dB.
+    /// is absent. At 43 dB, changing light causes half of the squared error of an image of 40 dB.
     double light_db = 43;
-    /// Value of `light_db` that suffices if rays into the scene replace samples of views. If light changes
-    /// smoothly, half as many recorded instants cause four times the error (12 dB).
+    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, which is the
+    /// loss if half as many instants are recorded and the light changes smoothly.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
     /// trace_to_file overwrites two radii in these settings. With `for_f_number`, it sets both to the radius
-    /// of this lens. Otherwise it keeps `bend_radius_m` and sets `lens_radius_m` to the radius of the
-    /// camera's lens, or of an f/1.4 lens if the camera has no f-number.
+    /// of that lens. Without it, `bend_radius_m` is kept, and `lens_radius_m` becomes the radius of the
+    /// camera's lens. If the camera has no f-number, an f/1.4 lens is assumed.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -52,9 +52,8 @@ struct TraceSettings {
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
     /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, the trace records
-    /// hidden surfaces that motion during `for_shutter` may reveal, and hidden surfaces that a lens of
-    /// `for_f_number` sees past edges. If both of these settings are absent too, no hidden surfaces are
-    /// recorded.
+    /// hidden surfaces that motion during `for_shutter` may reveal, and those that a lens of `for_f_number`
+    /// sees past edges. If these two settings are absent too, no hidden surfaces are recorded.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
@@ -80,8 +79,8 @@ struct TraceResult {
     std::uint64_t records = 0;
     std::uint64_t bytes = 0;
     RayCounts rays;
-    /// Number of narrow objects that may lie between all corners of cells, so that no ray hits them. They are
-    /// narrower than the smallest cells, or were omitted because of the limit of cells. If cells are not
+    /// Number of narrow objects that rays may miss, because they may lie between all corners of cells. They
+    /// are narrower than the smallest cells, or were omitted because there are too many. If cells are not
     /// subdivided, all narrow objects are counted.
     std::uint64_t too_narrow_objects = 0;
     int overscan_px = 0;
@@ -102,8 +101,8 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// of the scene as a separate value. The file appears only when it is complete. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header that a trace with these settings writes. Of the recorded instants (keys), it contains
-/// only the frame's own. Also used by tests and benchmarks.
+/// Returns the header that a trace with these settings writes. The only recorded instant (key) in this header
+/// is that of the frame. Also used by tests and benchmarks.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

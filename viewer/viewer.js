@@ -46,7 +46,7 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time of the input that arrived while the first, coarse image was being made; 0 if there was none.
+// Time of the input that arrived while the first, coarse image was being made. It is 0 if there was none.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
@@ -237,8 +237,8 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // Where a pixel has an error, the colour of its cause has a weight of 3/4 (alpha 191), and the image has
-    // 1/4.
+    // A pixel with an error is drawn as a mixture: 3/4 is the colour of the cause (alpha 191), and 1/4 is the
+    // image.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {

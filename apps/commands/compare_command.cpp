@@ -158,7 +158,7 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // By chance, a difference of more than four standard errors occurs only once in 16000 comparisons.
+    // A difference of more than four standard errors is very unlikely to be caused by noise alone.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",

@@ -153,9 +153,8 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Measures the command with a number of samples or views, and again with twice that number. The first
-    /// number is a 16th of `amount`. Both are doubled until the two times differ by more than `clear_s`,
-    /// because a smaller difference may be noise.
+    /// Measures the command with a few samples or views, and again with twice as many. This is repeated with
+    /// larger numbers until the two times clearly differ.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -192,8 +191,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // The frame was measured with only a few samples or views. It is assumed to cost the same
-            // multiple of the middle frame for any number of samples or views.
+            // The ratio of this frame's time to the middle frame's was measured with few samples or views. It
+            // is assumed to be the same for the full number.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -207,9 +206,8 @@ class Measured {
         return out;
     }
 
-    /// Predicts the costs of the tasks of a sweep. First, a sweep of a single image is measured. The time
-    /// that is not spent on the image is the fixed cost of a task. Then, one or two sweeps with evenly spaced
-    /// images are measured to find the cost of each image.
+    /// Predicts the costs of the tasks of a sweep. A sweep of a single image shows the fixed cost of a task.
+    /// One or two sweeps of several images then show the cost of each image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -259,7 +257,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A share of the rows takes less time than the whole image, so more samples or views can be measured.
+        // A share has only some of the rows, so it can be measured with more samples or views in the same
+        // time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

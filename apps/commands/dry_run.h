@@ -28,9 +28,9 @@ struct DryRun {
 };
 
 /// Predicts the tasks and returns them as JSON. Small parts of the command are run in separate processes,
-/// which write only to a temporary folder, and their time and memory are measured. A small part has few
-/// samples, or only some of the frames, images or rows. All other costs are interpolated or extrapolated from
-/// the measured ones. Throws the errors of the command.
+/// which write only to a temporary folder, and their time and memory are measured. A small part has, for
+/// example, only a few samples or frames. The cost of the whole is computed from these measurements. Throws
+/// the errors of the command.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

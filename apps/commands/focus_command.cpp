@@ -51,10 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // The f-number in the sample file is computed with the film distance instead of the focal length. The
-    // f-number of the lens is converted accordingly, so that the comparison is between diameters of the
-    // aperture. The focus distance does not matter here: the hidden surfaces that a lens sees do not depend
-    // on it, and each method checks the overscan itself.
+    // The f-number in the sample file is the film distance divided by the diameter of the aperture. The
+    // f-number of the lens is converted to this definition, so that the two can be compared. The focus
+    // distance does not matter here, because it does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -150,8 +149,8 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // The warning concerns samples that are reprojected to wrong positions, because W (how the image of a
-    // node moves with the lens point) is only exact to first order. With a scene, rays replace these samples.
+    // Warns of samples that are reprojected to wrong positions, because W describes the motion of a node's
+    // image only to first order. With a scene, rays replace these samples, so there is no warning.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

@@ -43,9 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to every pixel of an image as further layers, nearest first. In all images,
-/// edge pixels that mix several surfaces are first split into those surfaces. Each surface is then composited
-/// at its own depth.
+/// Adds the images of --behind to an image as further layers, nearest first. First, edge pixels that mix
+/// several surfaces are split into those surfaces, so that each surface has its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -218,8 +217,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The focal length of a lens prescription is not copied, because it is not that of the camera that
-    // rendered the image.
+    // The focal length of a lens prescription is not used here, because the camera that rendered the image
+    // had another focal length.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;

@@ -18,8 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the number of layers in the file. The deepest layer is the last one that has a record. Reads all
-// records.
+// Returns the number of layers in the file. Reads all records to find the deepest layer.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

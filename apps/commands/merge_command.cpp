@@ -137,7 +137,7 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
 }
 
 /// Joins the two half images of a render that was divided by rows. A half image contains an independent half
-/// of the samples. The halves of a part are stored in separate files beside that part.
+/// of the samples. Each part has two separate files for its half images.
 std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {

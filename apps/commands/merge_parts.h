@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns the index of the share, and the number of shares, from `mark`. This is the JSON that describes a
-/// part (mark_of in share.h). Throws Error(invalid_input) if postlens has not written the JSON.
+/// Returns the index of the share and the number of shares, which it reads from `mark`, the JSON that
+/// describes a part (mark_of in share.h). Throws Error(invalid_input) if postlens has not written the JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -46,8 +46,8 @@ class FoundParts {
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
 /// Joins the results that the shares of a sweep or a chart have written into one folder. Each share has
-/// written a table named FOLDER/*.I-of-N.json, which serves as its part. The joined result is written to the
-/// same folder.
+/// written a table named FOLDER/*.I-of-N.json. These tables are the parts that are joined. The joined result
+/// is written to the same folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

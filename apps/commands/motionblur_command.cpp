@@ -27,7 +27,8 @@ const char* name(MotionMethod method) {
     return "";
 }
 
-// Returns the name of the method that blurred an object. For `automatic`, the object was not blurred.
+// Returns the name of the method that blurred an object. The value `automatic` means that the object was not
+// blurred.
 const char* used(MotionMethod method) {
     return method == MotionMethod::automatic ? "none" : name(method);
 }
@@ -150,8 +151,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur in which traced rays replace the samples that the records do not determine. This is
-/// `shoot` with a pinhole.
+/// Makes motion blur by running `shoot` with a pinhole. Traced rays replace samples whose colour cannot be
+/// found from the records.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,

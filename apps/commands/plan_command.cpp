@@ -11,8 +11,8 @@ namespace postlens {
 namespace {
 
 // Writes the explanation image. Its colours show how each pixel was computed: scattered (blue), light field
-// (grey) or rays (red). Its brightness is that of the image. With the method auto, a tile of the light field
-// is brighter if it averages more views (reprojections to a lens point).
+// (grey) or rays (red). With the method auto, a tile of the light field is brighter if it averages more views
+// (reprojections to a lens point).
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -23,8 +23,7 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
         if (plan != nullptr && r.what[k] == 0) {
             const auto x = static_cast<int>(k % static_cast<std::size_t>(out.width)),
                        y = static_cast<int>(k / static_cast<std::size_t>(out.width));
-            // The factor of the brightness grows with the logarithm of the number of views. It is 1/4 for 16
-            // views and 2 for 2048 views.
+            // The brightness grows with the logarithm of the number of views.
             const auto views = static_cast<float>(plan->tiles[plan->grid.at(x, y)].views);
             grey *= 0.25F * std::max(0.25F, std::log2(views) - 3);
         }

@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-// The two diameters, in px, of an elliptical circle of confusion. They are the singular values of gain * 2R *
-// (I/s - W). R is the lens radius and s the focus distance, both in metres. W is the matrix of the node in
-// 1/m, and I the identity matrix. The gain is film distance / pixel pitch, in px.
+// The two diameters, in px, of an elliptical circle of confusion. They are the singular values of the matrix
+// gain * D * (I / s - W). D is the diameter of the lens and s is the focus distance, both in metres. W is the
+// node's matrix in 1/m, I is the identity matrix, and the gain is film distance / pixel pitch.
 struct CocAxes {
     double longer_px, shorter_px;
 };
@@ -56,8 +56,7 @@ std::string node_text(const Record& r, const std::string& name, const std::optio
     return line + "\n";
 }
 
-// Returns the lens that the options and the file define. Returns an empty value if they define none. Circles
-// of confusion are then not shown.
+// Returns the lens that the options and the file define, or an empty value if they define no lens.
 std::optional<FocusGeometry> lens_of(const LensOptions& options, const SampleFileReader& file) {
     const SampleHeader& h = file.header();
     if (h.projection == Projection::orthographic) return std::nullopt;

@@ -87,7 +87,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Collects the settings for which the sample file does not suffice. They are reported as one warning.
+    // Collects the lens and shutter settings that exceed those for which the file was traced. They are
+    // reported as one warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

@@ -34,8 +34,8 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
                      ids)});
 }
 
-// Warns if the number of recorded instants was stated, and is too small for what moves during the exposure.
-// Light that changes is not among this, because to measure it takes rays.
+// Warns if the stated number of recorded instants is too small for the motion during the exposure. Changing
+// light is not considered, because measuring it would require tracing rays.
 void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
     if (!settings.for_shutter || !settings.keys) return;
     const int keys = *settings.keys;
@@ -65,8 +65,8 @@ void check_room(std::uint64_t bytes, const std::string& output) {
                  "expected enough, a smaller --size or --subdivide, or --force to try all the same");
 }
 
-// Returns true if the disk has more than 16 KiB of free space per pixel, which is far more than a usual trace
-// needs. The size of the file is then not predicted.
+// Returns true if the disk has far more free space than a trace needs. The size of the file is then not
+// predicted.
 bool has_ample_room(const Scene& scene, const TraceSettings& settings, const std::string& output) {
     constexpr double ample_bytes_per_px = 16384;
     const CameraModel camera(find_camera(scene, settings.camera_name), scene.time_s, settings.camera);

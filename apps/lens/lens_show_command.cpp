@@ -16,9 +16,9 @@ double degrees(double tangent) {
     return std::atan(tangent) * 180 / std::numbers::pi;
 }
 
-// Returns the tangent of the field angle up to which rays are drawn. The angle comes from the film width, or
-// else from the prescription. If both are absent, it is the angle of a 50 mm lens on 36 mm film. The angle is
-// then reduced until light passes through the lens.
+// Returns the tangent of the field angle up to which rays are drawn. The angle is computed from the film
+// width, or else taken from the prescription. It is reduced if no light passes through the lens at this
+// angle.
 double edge_tangent(const TracedLens& traced, const Prescription& lens, std::optional<double> film_width_mm) {
     double tangent = 0.36;
     if (!lens.field_angles_deg.empty()) {

@@ -84,8 +84,8 @@ std::string spots_csv(const std::vector<FieldResult>& fields) {
     return out;
 }
 
-// Returns the distance in mm from the centre of the film to the point where a chief ray meets it. `tangent`
-// is that of the ray's field angle. Returns NaN if no ray passes.
+// Returns the distance, in mm, from the centre of the film to the point where a chief ray meets the film.
+// `tangent` is the tangent of the field angle. Returns NaN if the ray does not reach the film.
 double chief_height(const TracedLens& traced, double depth_m, double tangent) {
     const auto aim = traced.aim_at_stop(depth_m, {0, tangent});
     if (!aim) return NAN;
@@ -111,9 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Returns the area in mm^2 of the entrance pupil through which light from a point on the axis passes. It is
-/// measured with the same grid of rays as for other points, so that the ratio of the areas is exactly 1 for
-/// the point on the axis.
+/// Returns the area in mm^2 of the entrance pupil through which light from a point on the axis passes. The
+/// areas of other field points are divided by this area.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
@@ -122,7 +121,7 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // The paraxial scale of the image is computed from a chief ray close to the axis.
+    // The scale of an image without distortion is computed from a chief ray close to the axis.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;

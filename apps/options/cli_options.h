@@ -48,8 +48,8 @@ inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high 
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. `absent` is the part of the help text that states the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to a command that reads the scene of a sample file. The help text begins with
-/// `when`.
+/// Adds --lumens-per-watt to a command that reads the scene of a sample file. `when` is the beginning of the
+/// help text.
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);

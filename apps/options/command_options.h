@@ -52,8 +52,8 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// Adds --share. `what` completes the help text. It names the items or rows that are divided into shares if
-/// there is no --frames.
+/// Adds --share. `what` names, for the help text, the items or rows that are divided into shares if there is
+/// no --frames.
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
 /// Adds --frames and --keep. Also adds --fps if the frames of the command are instants (`in_time`).
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);

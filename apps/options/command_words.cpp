@@ -13,7 +13,8 @@ namespace postlens {
 namespace {
 
 // A mark tells what an option means, for example that its value is the name of an input file. CLI11 cannot
-// attach such data to an option. A mark is therefore a named check that accepts every text.
+// attach such data to an option. A mark is therefore stored as a validator that has a name and accepts every
+// text.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -158,8 +159,8 @@ std::vector<std::string> words_of(CLI::App& app) {
             continue;
         const bool flag = option->get_expected_max() == 0;
         for (const std::string& text : option->results()) {
-            // The value is attached to the option's name. As a separate word, a value that begins with a dash
-            // would be parsed as an option.
+            // The value is written as --name=value. As a separate word, a value that begins with a dash would
+            // be parsed as an option.
             if (option->get_positional())
                 out.push_back(text);
             else

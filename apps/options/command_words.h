@@ -1,5 +1,5 @@
-// Finds the files that a command line reads and writes, and the options that determine its result. Also
-// repeats the command line for `merge` and --dry-run.
+// Finds the files that a command line reads and writes, and the options that change its result. Also lists
+// the words of the command line, so that `merge` and --dry-run can run it again.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,10 +11,9 @@
 
 namespace postlens {
 
-/// These functions mark an option whose value is a file name or contains one, so that files_of finds the
-/// file. Values may have the form `image:FILE` or `box|triangle|FILE`, or name an object or a file with the
-/// object's mask. If a command writes files, all its options of this kind must be marked. The functions
-/// return the option.
+/// These functions mark an option whose value is a file name or contains one, such as `image:FILE`. files_of
+/// finds only the files of marked options. If a command writes files, all its options of this kind must
+/// therefore be marked. The functions return the option.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);

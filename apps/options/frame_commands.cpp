@@ -41,8 +41,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Without --frames, limits a command to its share of the rows. Sets the crop, and the mark by which `merge`
-/// recognises the result.
+/// Limits a command without --frames to its share of the rows. Sets the crop to these rows, and the mark by
+/// which `merge` recognises the result.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -56,8 +56,8 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share is given and `decides` is true. In that case, the method auto has a target PSNR or a
-/// scene, and measures errors on the whole image.
+/// Throws if --share is given and `decides` is true. `decides` means that the method auto measures errors,
+/// for which it needs the whole image.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -118,8 +118,7 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains the exposure and the description of the output. It may be the options
-/// themselves or a member of them.
+/// Returns the struct that contains the exposure and `made_by`. This is `options` or its member `focus`.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -129,8 +128,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// With --frames, runs a command once for each frame, after `adapt` has changed the options for this frame.
-/// Otherwise, runs the command once. For trace and render, the options also get the instant of the frame.
+/// Runs a command once for each frame of --frames, or once without --frames. Before each run, `adapt` changes
+/// the options for the frame.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -146,8 +145,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // The exposure `auto` comes from the first frame. It is stated even if this run does not make
-            // that frame.
+            // The exposure `auto` is computed from the first frame, so it is added to the fingerprint of
+            // every frame.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

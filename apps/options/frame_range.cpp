@@ -86,8 +86,8 @@ std::string text_of(const nlohmann::ordered_json& made_by) {
                              : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// Returns the reason why an output must be made again, which is the first setting that differs from the
-/// command. Returns an empty text if all settings agree.
+/// Returns the first setting of the output that differs from the command, because the output must then be
+/// made again. Returns an empty text if all settings agree.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
@@ -97,8 +97,8 @@ std::string why_again(const fs::path& output, const nlohmann::ordered_json& made
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames. Of all warnings with the same code, only the first is listed,
-/// together with the number of further frames.
+/// Collects the warnings of all frames. If several frames have a warning with the same code, only the first
+/// warning is listed, with the number of other frames.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

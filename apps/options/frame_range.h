@@ -12,14 +12,13 @@
 namespace postlens {
 
 /// Parses frame numbers such as "1-48", "1-48x2" (every second frame) or "1,5,9". Several of these may be
-/// joined by commas. The order is kept. Up to a million numbers from 0 to 9999999 are accepted, without
-/// repetition. Throws Error(wrong_arguments), which names the option.
+/// joined by commas. The order is kept. A number must not occur twice. Throws Error(wrong_arguments), which
+/// names the option.
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
-/// A file name with placeholders for the frame number. A placeholder is %d, or for example %04d, which adds
-/// leading zeros up to 4 digits (1 to 9 are possible). Any other % is an ordinary character. If `hashes` is
-/// set and there is no % placeholder, each run of # in the last part of the path is a placeholder with one
-/// digit per #.
+/// A file name with placeholders for the frame number. A placeholder is %d, or for example %04d for 4 digits
+/// with leading zeros. If `hashes` is set and there is no such placeholder, a run such as #### in the last
+/// part of the path also stands for 4 digits.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -40,7 +39,8 @@ struct FrameOptions {
         false;  ///< skip a frame if its output is complete and was made from the same inputs and options
     /// Returns the fingerprint (AskedFor) of the command for one frame, which is written to the frame's file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
-    /// For a range, the share consists of every N-th frame. Without a range, it is a part of the image.
+    /// The share of the work that this machine does. With --frames, it consists of every N-th frame.
+    /// Otherwise, it is a part of the image.
     std::optional<SharedWork> shared;
     bool speak = false;  ///< print a line after each frame
 };
@@ -59,12 +59,12 @@ struct FrameFiles {
 void refuse_frames(const FrameOptions& options, const FrameFiles& names);
 
 /// Runs the command for each frame by calling `run`, which also receives the text for Image::made_by. If
-/// `in_time` is set, each frame has its own instant, so that the input name needs no placeholder.
+/// `in_time` is set, the frames are instants of one input, so the input name needs no placeholder.
 ///
 /// With --keep, a frame is skipped if its file has the same fingerprint as the command. If the fingerprint
-/// differs, the frame is made again, and a warning names the setting that differs. An error names its frame
-/// and ends the range. The exit code is the first one that is not zero. Throws Error(wrong_arguments) before
-/// any work if a name lacks a placeholder. Also throws the errors of `run`.
+/// differs, the frame is made again, and a warning names the setting that differs. An error ends the range.
+/// The exit code is the first one that is not zero. Throws Error(wrong_arguments) before any work if a name
+/// lacks a placeholder. Also throws the errors of `run`.
 [[nodiscard]] CommandResult run_frame_range(
     const FrameOptions& options, const FrameFiles& names, bool in_time,
     const std::function<CommandResult(const FrameFiles& files, int frame, const std::string& made_by)>& run);

@@ -37,8 +37,7 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // An input without a placeholder is the same file in every frame. An output without a placeholder is
-        // refused later.
+        // A name without a placeholder means the same file in every frame.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

@@ -13,14 +13,13 @@ namespace {
 /// Intended duration of tracing the reference, in seconds.
 constexpr double wanted_seconds = 10;
 constexpr int pilot_spp = 4, least_spp = 32, most_spp = 1024;
-/// The noise is estimated from only two values per pixel, the two halves. For a reliable estimate, its
-/// variance is averaged over squares of 2 noise_radius_px + 1 px.
+/// Two values per pixel, those of the two halves, give only a rough estimate of the noise. The estimate is
+/// therefore averaged over all pixels up to this far away.
 constexpr int noise_radius_px = 2;
 constexpr float tolerated_deviations = 3;
 
-/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. The noise is that of
-/// the mean of the two halves. Its variance is estimated by the square of half the difference between the
-/// halves.
+/// Returns the noise variance of each pixel, in sRGB values, averaged over the channels. The noise of the
+/// image, which is the mean of two halves, is estimated from the difference between the halves.
 std::vector<float> variances(const HalvedImage& made) {
     std::vector<float> out(made.image.rgb.size() / 3);
     parallel_for(

@@ -25,9 +25,9 @@ struct ErrorReference {
 /// an image with the given number of rays per pixel, which is even.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Excludes noise from the error of `image`. Where the image and the reference differ by at most three
-/// standard deviations of the reference's noise, the pixel of the reference is replaced by that of the image.
-/// Throws Error(invalid_input) if the sizes differ.
+/// Excludes noise from the error of `image`. If a pixel of the image and the reference differ by at most
+/// three standard deviations of the noise, that pixel of the reference is set to the image's colour. Throws
+/// Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// For each pixel, the inverse of the focus distance that brings the object in the pixel into focus.
+// Computes, for each pixel, the focus distance that brings the object in the pixel into focus. The inverses
+// of these distances are stored.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +10,13 @@
 
 namespace postlens {
 
-/// Values of the surface that each pixel shows, row by row. In a sample file, this surface is the brightest
-/// node of the visible layer. In another program's image, it is the sample at which the composited alpha
-/// reaches one half.
+/// Inverse focus distance and id of the surface that each pixel shows, row by row. In a sample file, this is
+/// the brightest surface that the pinhole sees in the pixel. In another program's image, it is the sample at
+/// which the accumulated alpha reaches one half.
 struct ImageDepths {
-    /// Inverse focus distance, in 1/m, at which the surface is in focus. What is seen in a curved mirror may
-    /// be in focus at two distances, and the value is then the mean of their inverses. It is negative for
-    /// some reflections that no focus distance up to infinity brings into focus.
+    /// Inverse focus distance, in 1/m, at which the surface is in focus. A reflection in a curved mirror may
+    /// be in focus at two distances. The value is then the mean of their inverses. It is negative for some
+    /// reflections that cannot be brought into focus.
     std::vector<float> inverse_per_m;
     std::vector<std::uint32_t> ids;  ///< id of the object, or 0 if nothing was hit
 };

@@ -45,8 +45,8 @@ Image shrunk(const Image& from, int by) {
     return out;
 }
 
-/// Returns focus distances in metres, from near to far. Their inverses are evenly spaced quantiles of the
-/// inverse depths of all pixels. A distance may be infinite.
+/// Returns focus distances in metres, from near to far. They are quantiles of the depths of all pixels, so
+/// that they are dense where most of the image is. A distance may be infinite.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -105,8 +105,8 @@ class Exporter {
 
     CommandResult run() {
         std::vector<float> inverse = frame_->depths().inverse_per_m;
-        // A negative value would mean a focus beyond infinity, which no lens has. It is replaced by 0, which
-        // is infinity.
+        // A negative value means that no lens can focus on the surface. It is replaced by 0, which means
+        // infinity.
         for (float& v : inverse) v = std::max(v, 0.0F);
         const float greatest = std::max(1e-3F, *std::max_element(inverse.begin(), inverse.end()));
         // The size of all images in bytes is estimated from a single image at the middle focus distance.
@@ -134,7 +134,7 @@ class Exporter {
 
   private:
     /// Returns the bytes of a JPEG image. For sample files, the image is the mean of 64 views (reprojections
-    /// to lens points). For images of other programs, the usual method is used.
+    /// to lens points). For images of other programs, the method `layers` is used.
     [[nodiscard]] std::string picture(double f_number, double focus_m, int by) {
         std::vector<std::string> words{"focus", options_.input, fmt::format("--f-number={}", f_number),
                                        fmt::format("--focus={}", focus_m)};

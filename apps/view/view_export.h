@@ -13,10 +13,8 @@ struct ViewExportOptions {
 };
 
 /// Writes a page with JPEG images for several focus distances and f-numbers, and with a depth map on which
-/// the user clicks. The nine focus distances are quantiles of the depths in the frame. The f-numbers are 1, 2
-/// and 4 times that of the file. If the page would exceed `most_mb`, it gets fewer images, and then also
-/// smaller ones. The page and the result state this. Throws Error(wrong_arguments) if even the smallest page
-/// is too large.
+/// the user clicks. If the page would exceed `most_mb`, it gets fewer or smaller images. Throws
+/// Error(wrong_arguments) if even the smallest page is too large.
 [[nodiscard]] CommandResult export_view(const ViewExportOptions& options);
 
 }  // namespace postlens

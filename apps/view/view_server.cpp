@@ -110,8 +110,8 @@ struct ViewServer::Impl {
 
 ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<Impl>()) {
     httplib::Server& server = impl_->server;
-    // An idle connection occupies a thread until its timeout. There are therefore many threads and short
-    // timeouts.
+    // An idle connection occupies a thread until it times out. The server therefore has many threads and
+    // short timeouts.
     constexpr std::size_t threads = 32;
     constexpr time_t patience_s = 2;
     server.new_task_queue = [] { return new httplib::ThreadPool(threads); };  // NOLINT: the server deletes it
@@ -120,8 +120,8 @@ ViewServer::ViewServer(ViewSession& session, int port) : impl_(std::make_unique<
     server.set_keep_alive_timeout(patience_s);
     server.set_payload_max_length(0);
     server.set_tcp_nodelay(true);
-    // FD_CLOEXEC keeps the browser process from inheriting the socket. SO_REUSEPORT is not set, so that no
-    // other program can share the port.
+    // FD_CLOEXEC prevents the browser process from inheriting the socket. SO_REUSEPORT is not set, because
+    // another program could then share the port.
     server.set_socket_options([](socket_t socket) {
         ::fcntl(socket, F_SETFD, FD_CLOEXEC);
         const int yes = 1;

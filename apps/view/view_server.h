@@ -9,8 +9,8 @@
 namespace postlens {
 
 /// Serves the viewer's page and the replies of a session on 127.0.0.1. The path of every URL begins with a
-/// random token. Requests from other sites, which have a foreign Host or Origin, are refused. The page loads
-/// nothing from other servers.
+/// random token. Requests whose Host or Origin is another site are refused. The page loads nothing from other
+/// servers.
 class ViewServer {
   public:
     /// Binds the port. If `port` is 0, any free port is used. Throws Error(wrong_arguments) if the port is in

@@ -68,7 +68,7 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // Of the plan, the page only draws the noise of each tile of the light field. The rest is not sent.
+        // The page draws only the noise of each tile of the light field. The rest of the plan is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -108,7 +108,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// Of the options in picture_options(), those with which the causes of an error can be found.
+/// The options in picture_options() with which the causes of an error can be found.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -151,7 +151,7 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
 }
 
 /// Converts the name of a method in the result of a command. The name `auto` becomes `hybrid`, because with a
-/// scene both make a light field in which rays replace some samples.
+/// scene both methods work in the same way.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -321,8 +321,8 @@ ViewReply ViewSession::depths() {
 }
 
 /// Returns the image that `picture` makes with these parameters. If the last image was made with the same
-/// words, it is returned again. A new image is made from the file instead of the kept frame, so that other
-/// requests for images need not wait.
+/// parameters, it is returned again. A new image is made from a newly opened file, so that other requests for
+/// images need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

@@ -1,5 +1,5 @@
 // Answers the requests of the viewer's page for one frame. The page requests images, which the commands
-// `focus`, `shoot` and `render` make, and the nodes of the shading trees in a pixel.
+// `focus`, `shoot` and `render` make. It also requests the contents of single pixels.
 #pragma once
 
 #include <atomic>
@@ -45,12 +45,12 @@ class ViewSession {
     [[nodiscard]] ViewReply frame() const;
     /// Returns an image made by `focus`, or by `shoot` if the parameters have a shutter. The body begins with
     /// a JSON text: its length in bytes (32 bits, little endian), the text, and zeros up to a multiple of 4
-    /// bytes. RGB follows as half floats, row by row. If the JSON has a true has_ray_share, one more half
-    /// float per pixel follows: the fraction of the pixel that rays have computed.
+    /// bytes. RGB follows as half floats, row by row. If has_ray_share is true in the JSON, one more half
+    /// float per pixel follows: the fraction of the pixel's colour that comes from rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Each
-    /// of its pixels is as wide as "by" pixels of the frame, which the JSON states. The parameters crop and
-    /// focus-at are refused, and so are images of other programs.
+    /// of its pixels is as wide as "by" pixels of the frame. The number "by" is in the JSON. The parameters
+    /// crop and focus-at are refused. Images of other programs are refused too.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
     /// Returns an image that `render` makes of the scene, in the format of `picture`. Cancels only older
     /// requests for such images.
@@ -58,13 +58,13 @@ class ViewSession {
     /// Returns what a pixel shows (ViewedFrame::pixel). The parameters are x and y in px, and those of the
     /// lens.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
-    /// Returns the ids of all pixels (32 bits each), followed by their inverse focus distances in 1/m (half
-    /// floats). ImageDepths defines both.
+    /// Returns the ids of all pixels (32 bits each), followed by the inverse focus distances of all pixels
+    /// (half floats, in 1/m). See ImageDepths.
     [[nodiscard]] ViewReply depths();
-    /// Finds out why the image that `picture` makes with the same parameters differs from one made by rays
-    /// (find_error_causes). The body begins like that of `picture`. One byte per pixel follows, which is the
-    /// pixel's ErrorCause. The JSON lists "causes" in the order of ErrorCause, each with "name", "colour"
-    /// (sRGB) and "error_share".
+    /// Finds the causes of error in the image that `picture` makes with the same parameters, by comparison
+    /// with an image made by rays (find_error_causes). The body begins with a JSON text, like that of
+    /// `picture`. One byte per pixel follows, the pixel's ErrorCause. The JSON lists "causes" in the order of
+    /// ErrorCause, each with "name", "colour" (sRGB) and "error_share".
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();

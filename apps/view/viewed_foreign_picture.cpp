@@ -72,8 +72,7 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // The luminance is replaced by a tiny multiple of alpha if that is larger. Black samples are thus
-            // sorted by how much of the pixel they cover.
+            // The tiny multiple of alpha sorts black samples by how much of the pixel they cover.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -93,8 +92,8 @@ class ViewedForeignPicture : public ViewedFrame {
     }
 
   private:
-    /// Returns the lens from the options, or else from the file. Returns an empty value if neither has an
-    /// f-number, or neither has a focus distance.
+    /// Returns the lens from the options, or else from the file. Returns an empty value if the f-number or
+    /// the focus distance is missing.
     [[nodiscard]] std::optional<FocusGeometry> geometry_of(const LensOptions& lens) const {
         const ForeignCamera& camera = picture_.camera;
         const auto f_number = lens.f_number ? lens.f_number : camera.f_number;
@@ -107,7 +106,7 @@ class ViewedForeignPicture : public ViewedFrame {
                               Framing::keep, {film_distance_mm, picture_.pixel_pitch_mm()});
     }
 
-    /// Describes a sample. Null stands for the background behind all samples, which is infinitely far.
+    /// Describes a sample as JSON. If `sample` is null, describes the background, which is infinitely far.
     [[nodiscard]] Json node_of(const StackSample* sample,
                                const std::optional<FocusGeometry>& geometry) const {
         const double inverse_m = sample == nullptr ? 0 : static_cast<double>(sample->inverse_z);

@@ -32,22 +32,21 @@ class ViewedFrame {
     [[nodiscard]] virtual ImageDepths depths() const = 0;
     /// Returns the contents of the pixel at a raster position. "nodes" lists the nodes, sorted by their share
     /// of the pixel's light. Each node has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
-    /// "clicked" is the node or depth on which a click focuses, with "name" and "focus_m". A "focus_m" of
-    /// null means infinity. "clicked" itself is null if the file stores nothing there. Throws
-    /// Error(wrong_arguments) if the position or the lens is out of range.
+    /// "clicked" tells what a click on the pixel focuses on. It has "name" and "focus_m", where null means
+    /// infinity. It is null if the file stores nothing at this pixel. Throws Error(wrong_arguments) if the
+    /// position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
     /// Returns the open sample file for parse_command_line, or null for another program's image.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
-    /// A sample file and its open reader. Its pixels are `by` times as wide and as high as those of the
-    /// frame.
+    /// An open sample file. Its pixels are `by` times as wide and as high as those of the frame.
     struct Records {
         std::string input;
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Returns a temporary file with fewer records of the frame, for quick images (write_coarser_file). If
-    /// the frame has few records, the frame's own file is returned. Throws Error(wrong_arguments) for another
-    /// program's image.
+    /// Returns a temporary file with fewer records of the frame, for quick images (write_coarser_file). A
+    /// frame with few records needs no such file, and its own file is returned. Throws Error(wrong_arguments)
+    /// for another program's image.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 

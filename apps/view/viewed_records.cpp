@@ -84,8 +84,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means infinity. This is also the best focus if the inverse distance is negative, that is,
-            // for an image beyond infinity.
+            // Null means infinity. It is also used if the inverse distance is negative, because no lens can
+            // then focus on the node.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));

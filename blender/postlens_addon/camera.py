@@ -53,8 +53,8 @@ class Lens:
         return self.aperture_radius_m * film.pixels_per_radian * (1 / self.focus_m - 1 / distance_m)
 
     def distance_in_front_m(self, radius_px, film):
-        """Returns the distance, in m, that is nearer than the focus distance and at which circles of confusion have the
-        radius `radius_px`."""
+        """Returns the distance in front of the plane in focus, in m, at which circles of confusion have the radius
+        `radius_px`."""
         return 1 / (1 / self.focus_m + radius_px / (self.aperture_radius_m * film.pixels_per_radian))
 
     def options(self):

@@ -12,8 +12,9 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin around the frame, as a fraction of the frame's shorter side. Light from beyond this margin
-# that the lens spreads into the frame is not rendered. It is estimated from the pixels within the margin.
+# Largest margin around the frame, as a fraction of the frame's shorter side. The lens may also spread light
+# from beyond this margin into the frame. That light is not rendered, but estimated from the pixels within the
+# margin.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0

@@ -164,8 +164,8 @@ def render_passes(job, frame, margin_px, split_m):
 
 
 def focus_words(job, made, lens, output, moved=""):
-    """Returns the words of the focus command. `moved` is the front image after motion blur. It has a single layer, and
-    no depths or ids."""
+    """Returns the arguments of the focus command. `moved` is the front image after motion blur, which has a single
+    layer and neither depths nor ids."""
     film, margin = made.film, made.margin_px
     words = ["focus", moved or made.front, "-o", output, *lens.options(), "--film-width", f"{film.width_mm:.9g}"]
     words += ["--film-distance", f"{film.distance_mm:.9g}", "--metres-per-unit", "1", "--z", "axial"]

@@ -58,15 +58,15 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Least fraction of the error, 0 to 1, that find_error_causes must attribute to `cause` of this case.
+    /// Least fraction of the method's error, 0 to 1, that find_error_causes must attribute to `cause`.
     double named_at_least = 0;
 };
 
 struct AtlasCause {
     std::string word, meaning;
 };
-/// Returns the causes of error, in the order of the atlas document. The last one is "none". It is for cases
-/// whose extreme settings must not cause an error.
+/// Returns the causes of error, in the order of the atlas document. The last one is "none". It is the cause
+/// in cases that test extreme settings and expect no error.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if the file does not

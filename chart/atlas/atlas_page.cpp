@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns the case's view and two shares. The first is the share of pixels that the column "affected"
-/// covers. The second is the share of the error that `compare --map-causes` attributes to the case's cause.
+/// Returns a text with the case's view, the fraction of pixels in the column "affected", and the fraction of
+/// the error that `compare --map-causes` attributes to the case's cause.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);

@@ -39,8 +39,9 @@ struct AtlasResult {
 [[nodiscard]] std::string atlas_key(const AtlasCase& c);
 
 /// Runs one case. Temporary files are written to `folder`, which must exist, and removed afterwards. If the
-/// path `strip` is not empty, an image strip is written there. It shows the images of the method, the remedy
-/// and the reference, and the method's error map, side by side and 4 px apart. Throws Error.
+/// path `strip` is not empty, a strip of four images is written there: the image of the method, the image of
+/// the method that corrects its error, the reference, and the method's error map. The images are 4 px apart.
+/// Throws Error.
 [[nodiscard]] AtlasResult run_atlas_case(const AtlasCase& c, const std::filesystem::path& folder,
                                          const std::filesystem::path& strip = {});
 

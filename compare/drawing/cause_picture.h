@@ -6,9 +6,8 @@
 
 namespace postlens {
 
-/// Returns the sRGB colour in which images and the viewer show a cause. Grey means no cause, and the last
-/// cause is white. The other colours are the palette of Okabe and Ito, which colour-blind readers can
-/// distinguish.
+/// Returns the sRGB colour in which images and the viewer show a cause. Pixels without a cause are grey. The
+/// colours are those of Okabe and Ito, which colour-blind readers can distinguish. The last cause is white.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
 /// Draws the reference in grey, and each pixel with an error in the colour of the cause of the error. A

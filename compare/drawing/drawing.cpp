@@ -42,8 +42,8 @@ std::string escaped(const std::string& words) {
                 out += "&amp;";
                 break;
             default:
-                // File names may contain control characters and non-ASCII bytes. They are replaced, because
-                // they would make the XML invalid.
+                // File names may contain control characters and non-ASCII bytes. These are replaced, because
+                // they can make the XML invalid.
                 out += static_cast<unsigned char>(c) < 0x20 || static_cast<unsigned char>(c) > 0x7E ? '?' : c;
         }
     }

@@ -17,11 +17,11 @@ constexpr double narrowest_coc_px = 0.7;
 /// Blur diameters that the search tests. They are spaced by 0.5 px up to 8 px. Above 8 px, each diameter is a
 /// 16th larger than the one before.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels to compare. More pixels would not improve the search, because its apertures are
-/// about 10 % apart.
+/// Largest number of pixels to compare. More pixels would not improve the result, because the search only
+/// tests apertures about 10 % apart.
 constexpr std::size_t most_pixels = 12000;
-/// Residuals above this limit count linearly instead of quadratically. The errors of the blur model beside
-/// depth edges are about this large.
+/// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the blur model
+/// itself has errors of about this size.
 constexpr double linear_from = 0.1;
 
 /// Luminances and inverse depths (1/m) of a downscaled image. Each value is the mean of `factor` x `factor`
@@ -85,8 +85,8 @@ std::vector<double> diameters_up_to(double largest_px) {
     return out;
 }
 
-/// Table of squared robust residuals for every compared pixel and every blur diameter. A lens selects one
-/// diameter for each pixel.
+/// Table of squared robust residuals for every compared pixel and every blur diameter. Testing a lens takes
+/// one look-up per pixel, at the blur diameter that the lens causes there.
 class RoughModel {
   public:
     RoughModel(const Reduced& reduced, double largest_px) : diameters_px_(diameters_up_to(largest_px)) {
@@ -114,8 +114,9 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS of the residuals for a lens. `gain_px` is the diameter of the circle of confusion per
-    /// difference of inverse depth, in px m. It is proportional to the aperture.
+    /// Returns the RMS of the residuals for a lens. The diameter of the circle of confusion is `gain_px` (in
+    /// px m) times the difference between the inverse depth and the inverse focus distance. `gain_px` is
+    /// proportional to the aperture.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;

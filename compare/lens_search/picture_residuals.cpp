@@ -55,8 +55,8 @@ PictureResiduals::Tones PictureResiduals::tones_of(const Image& image) const {
 }
 
 const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place) {
-    // The solver works with the logarithm of the aperture, so an aperture that it returns to may differ by
-    // rounding.
+    // The solver works with the logarithm of the aperture. If it returns to an earlier lens, the aperture may
+    // differ by a rounding error.
     const auto same = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(a); };
     for (const auto& [at, tones] : focused_) {
         if (same(at.aperture_mm, place.aperture_mm) &&

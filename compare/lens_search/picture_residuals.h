@@ -35,8 +35,8 @@ class PictureResiduals {
     /// to the inverse focus distance 1/s (in 1/m). `focus_step_per_m` is half the step of the central
     /// difference in 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Writes the robust residuals of `image` instead of a result of `focus`. `of_even` does the same for a
-    /// constant image of the median tone.
+    /// Writes the robust residuals between `image` and the image whose lens is searched. `of_even` does the
+    /// same for a constant image of the median tone.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

@@ -15,8 +15,8 @@ inline double picture_tone(double luminance) {
     return std::log1p(std::max(luminance, 0.0) / middle_grey);
 }
 
-/// Returns a robust residual. Half its square is Huber's loss [huber1964], which grows linearly above
-/// `linear_from`.
+/// Returns a robust residual, which limits the influence of outliers. Half its square is Huber's loss
+/// [huber1964], which grows linearly above `linear_from`.
 inline double robust(double residual, double linear_from) {
     const double a = std::abs(residual);
     return a <= linear_from ? residual

@@ -9,11 +9,11 @@ namespace {
 
 /// Number of rows that are read at a time.
 constexpr int rows_per_band = 64;
-/// A pixel counts as a depth edge if the diameter of the circle of confusion varies by at least this much
-/// within it, in px.
+/// A pixel is a depth edge if the diameter of the circle of confusion varies by at least this many px within
+/// the pixel.
 constexpr double edge_px = 1;
-/// Margin, in px, added to the radius of a circle of confusion. It allows for the half diagonals of the pixel
-/// that spreads light and of the pixel that receives it, which are 1.41 px together.
+/// Margin, in px, added to the radius of a circle of confusion. The margin allows for the size of the pixel
+/// that spreads light and of the pixel that receives it. Half their diagonals together are 1.41 px.
 constexpr double margin_px = 1.5;
 
 std::size_t index_of(const RecordedDepths& d, int x, int y) {

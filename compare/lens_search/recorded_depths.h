@@ -12,7 +12,7 @@ namespace postlens {
 /// There is one entry per pixel, row by row.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
-    std::vector<float> nearest_per_m, farthest_per_m;  ///< farthest <= nearest; 0 where nothing was hit
+    std::vector<float> nearest_per_m, farthest_per_m;  ///< largest and smallest; 0 where nothing was hit
 
     [[nodiscard]] double nearest() const;   ///< largest inverse depth of all pixels, 1/m
     [[nodiscard]] double farthest() const;  ///< smallest inverse depth of all pixels, 1/m
@@ -23,11 +23,10 @@ struct RecordedDepths {
 /// Throws Error(invalid_input) for a damaged file.
 [[nodiscard]] RecordedDepths recorded_depths(const SampleFileReader& file);
 
-/// Returns 1 for each pixel in which `focus` is as accurate as the samples, and 0 for the others. In a
-/// reliable pixel, no hidden surface becomes visible and no light is missing. This is so if the pixel
-/// receives no light from a depth edge or from beyond the recorded area. A depth edge is a pixel within which
-/// the diameter of the circle of confusion (CoC) varies by 1 px or more. It spreads light as far as the
-/// larger of its CoC radii.
+/// Returns 1 for each pixel in which `focus` is as accurate as the samples, and 0 for the others. A pixel is
+/// reliable if it receives no light from a depth edge and none from beyond the recorded area. A depth edge is
+/// a pixel within which the diameter of the circle of confusion (CoC) varies by 1 px or more. Such a pixel
+/// spreads its light as far as the largest CoC radius within it.
 [[nodiscard]] std::vector<char> reliable_pixels(const RecordedDepths& depths, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -32,7 +32,8 @@ namespace postlens {
         e +
         2.885390082F * s * (1 + ss * (0.333333333F + ss * (0.2F + ss * (0.142857143F + ss * 0.111111111F))));
     // Computes exp2(p). p is split into an integer and a fraction in [-1/2, 1/2]. A Taylor series gives exp2
-    // of the fraction. Adding 1.5 * 2^23 rounds p, and leaves the integer in the low bits of the sum.
+    // of the fraction. Adding 1.5 * 2^23 to p rounds p to an integer. This integer is then in the low bits of
+    // the sum.
     constexpr float rounder = 12582912.0F;
     const float p = exponent * log2, shifted = p + rounder;
     const float f = (p - (shifted - rounder)) * 0.693147181F;

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-// The normal half floats, 2^-14 to 2^16, span 30 stops. Darker luminances need no exposures of their own.
+// Largest range of the exposures, in stops. This is the range of normal half floats, 2^-14 to 2^16.
 constexpr double most_stops = 30;
 
 // Returns the luminance of a pixel. Negative channels count as 0.

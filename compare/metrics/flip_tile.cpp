@@ -7,8 +7,9 @@
 #include "compare/metrics/fast_math.h"
 #include "core/multiversion.h"
 
-// States before a loop that its planes do not overlap. Without this macro the loops would not be vectorised,
-// because they use more pointers than the compiler checks for overlap.
+// Placed before a loop, this macro tells the compiler that the arrays in the loop do not overlap. The
+// compiler would otherwise not vectorise the loop, because the loop uses too many arrays for a check at run
+// time.
 #if defined(__clang__)
 #define POSTLENS_PLANES_DO_NOT_OVERLAP _Pragma("clang loop vectorize(assume_safety)")
 #else
@@ -33,7 +34,7 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps so that the positive ones sum to `share`. Negative ones, if there are any, sum to -share.
+// Scales the taps so that the positive taps sum to `share` and any negative taps sum to -share.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -54,8 +55,8 @@ double sum_of(const std::vector<double>& taps) {
 }  // namespace
 
 FlipFilters::FlipFilters(double pixels_per_degree) {
-    // Each Gaussian is a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is in degrees [andersson2020, table 1 and eq.
-    // 4].
+    // Each Gaussian has the form a sqrt(pi/b) exp(-pi^2 x^2 / b), where x is an angle in degrees
+    // [andersson2020, table 1 and eq. 4].
     constexpr double b_achromatic = 0.0047, b_red_green = 0.0053;
     constexpr double a1 = 34.1, b1 = 0.04, a2 = 13.5, b2 = 0.025;
     // Width, in degrees, of the filter that detects edges and points. It is measured from peak to trough
@@ -106,7 +107,8 @@ FlipDisplay FlipDisplay::at_exposure(double stops) {
 }
 
 double flip_tone_curve_inverse(double level) {
-    // Solves (n2 - level d2) x^2 + (n1 - level d1) x - level d0 = 0 for the positive root x.
+    // The tone curve is a quotient of two quadratic polynomials. Setting it equal to `level` gives the
+    // quadratic equation a x^2 + b x + c = 0, of which this is the positive root.
     const double a = tone_n2 - level * tone_d2, b = tone_n1 - level * tone_d1, c = -level * tone_d0;
     return (-b + std::sqrt(b * b - 4 * a * c)) / (2 * a);
 }

@@ -7,7 +7,8 @@
 namespace postlens {
 namespace {
 
-// Number of results that are summed at the same time. It is small enough for the sums to stay in registers.
+// Number of output values that are computed at the same time. It is small enough for their sums to stay in
+// registers.
 constexpr std::size_t block_px = 32;
 static_assert(tile_width % block_px == 0);
 

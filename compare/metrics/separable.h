@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Size, in px, of a tile of results. A filter of radius r also reads r px beyond each side of the tile. The
-/// planes of a tile fit into the cache of a core.
+/// Size, in px, of a tile of filtered pixels. A filter of radius r also reads r px beyond each side of the
+/// tile. The size is small enough for the data of a tile to fit into the cache of a core.
 inline constexpr int tile_width = 128, tile_height = 64;
 
 /// Calls body(x0, y0) for each of the tiles that cover width x height. The calls run in parallel.

@@ -27,9 +27,9 @@ std::array<float, 2 * window_radius + 1> window() {
     return out;
 }
 
-// The moments from which the SSIM of two images a and b is computed. With d = a - b, the two factors of SSIM
-// are 1 - mean(d)^2 / (...) and 1 - var(d) / (...). This is equivalent to the usual formula, but stays
-// precise if the images are nearly equal, because it does not subtract large sums.
+// The moments from which the SSIM of two images a and b is computed. They include the mean and the variance
+// of the difference d = a - b. The resulting formula is equivalent to that of [wang2004]. It stays precise if
+// the images are nearly equal, because it does not subtract large, nearly equal sums.
 struct Moments {
     TileChannel a, d, aa, bb, dd;
     explicit Moments(std::size_t size) : a(size), d(size), aa(size), bb(size), dd(size) {}

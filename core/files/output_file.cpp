@@ -20,8 +20,8 @@ namespace {
 
 // Paths of the existing temporary files, which the signal handler removes. To use or free a path, a thread
 // first exchanges its pointer for null. The signal handler and an OutputFile therefore never use the same
-// path at the same time. If there are more than slot_count files, the signal handler does not remove the
-// excess files.
+// path at the same time. The list holds at most slot_count paths. The signal handler does not remove any
+// further files.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -108,7 +108,7 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
     }
     // The temporary name keeps the target's extension, because image writers choose the format by the
     // extension. The process id in the name shows which process owns the file. The number distinguishes
-    // several files of one process, and also files of processes that have the same id in different
+    // several files of one process. It also distinguishes processes that have the same id in different
     // containers.
     const std::string stem = destination_.stem().string().substr(0, 200);
     int fd = -1;

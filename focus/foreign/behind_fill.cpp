@@ -18,9 +18,9 @@ constexpr float least_step_px = 1;
 /// Largest distance, in px, at which a farther surface is searched for.
 constexpr float farthest_px = 512;
 
-/// Signed CoC radii of a sample, in px. `own` belongs to the sample's true depth, which decides what hides
-/// what. `blur` is the radius with which the sample is blurred. The two differ if, for example, an object is
-/// kept sharp. Both are infinite in empty space, which is not blurred.
+/// Signed CoC radii of a sample, in px. `own` belongs to the true depth of the sample, which decides what
+/// hides what. `blur` is the radius with which the sample is blurred. They differ if, for example, an object
+/// is kept sharp. In empty space, which is not blurred, both are infinite.
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
@@ -57,8 +57,8 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // A pixel may have further samples behind its first opaque one. The estimated surface must
-                // lie behind all of them.
+                // A pixel may have further samples behind its first opaque one. The estimate is used for the
+                // surface behind all of them.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -87,8 +87,9 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds the translucent pixels that have only empty space behind them and around them (`fills_`). The
-    /// search treats these pixels as opaque. All other pixels that are not opaque count as empty space.
+    /// Finds the translucent pixels that have only empty space behind them and around them, and marks them in
+    /// `fills_`. The search treats these pixels as opaque. All other pixels that are not opaque count as
+    /// empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -165,10 +166,9 @@ class BehindSearch::Impl {
     };
 
     /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until `take`
-    /// returns true. The walk ends when the distance exceeds `blur_px`, which is the pixel's CoC radius, plus
-    /// the largest CoC radius of the picture. The walk also ends where the content is unknown, which is
-    /// outside both the raster and the stored window. Pixels of the raster that are not stored are empty
-    /// space.
+    /// returns true. The walk ends when the distance exceeds `blur_px`, the CoC radius of the pixel, plus the
+    /// largest CoC radius of the picture. The walk also ends where the content is unknown, which is outside
+    /// both the raster and the stored window.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -234,9 +234,9 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds depth edges in one direction. A depth edge is a pixel that is farther away than the pixel before
-    /// it, judged by the last samples of their stacks. For each stored pixel, `steps` gets the number of
-    /// steps to the next depth edge, or 0 if there is none within `most_steps`.
+    /// Finds depth edges in one direction. A depth edge is a pixel that is farther from the camera than the
+    /// pixel before it. The depth of a pixel is that of the last sample in its stack. For each stored pixel,
+    /// `steps` gets the number of steps to the next depth edge, or 0 if there is none within `most_steps`.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
         steps.assign(pixels(), 0);
@@ -268,8 +268,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface.
-    /// It must be so near in the image that blur can reveal it at this pixel.
+    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface
+    /// and that blur can reveal at this pixel.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -298,8 +298,8 @@ class BehindSearch::Impl {
     }
 
     /// Keeps only the surfaces of the object with the largest weight. Moves these surfaces to the front, in
-    /// their order, and returns their number. Without this, a small emitter beside an edge would colour
-    /// everything behind the edge.
+    /// their order, and returns their number. If all objects were kept, a small emitter beside an edge would
+    /// colour everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -437,8 +437,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The CoC is centred on the pixel. Rounding the depth to a level may enlarge the CoC by up to a
-            // quarter of a pixel.
+            // The CoC is centred on the pixel. Its radius may be up to a quarter of a pixel larger, because
+            // depths are rounded to levels.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Returns the window of the pixels whose content is known. These are the pixels that the file stores and all
-/// other pixels of the raster, which are empty space.
+/// Returns the window of the pixels whose content is known. A pixel is known if the file stores it or if it
+/// lies in the raster. Pixels of the raster that are not stored are empty space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};
@@ -37,9 +37,9 @@ struct Behind {
 /// farther surface.
 ///
 /// A surface counts as farther if its depth is larger and its signed CoC radius differs by at least a pixel.
-/// It must also be so near in the image that blur can reveal it. If samples have ids, only one object counts,
-/// the one with the largest sum of 1 / squared distance. Empty space counts as farther than all surfaces and
-/// is not blurred.
+/// It must also be so near in the image that blur can reveal it. If samples have ids, only one object counts.
+/// Each surface has the weight 1 / squared distance, and the object with the largest sum of weights is
+/// chosen. Empty space counts as farther than all surfaces and is not blurred.
 ///
 /// The depths and the id come from the nearest of the farther surfaces. The colour is the mean over the
 /// surfaces at about the same depth, weighted by 1 / squared distance. A translucent pixel is treated like an
@@ -65,9 +65,10 @@ class BehindSearch {
 /// Returns an upper bound, for each pixel of a window, of the share of the pixel that shows empty space after
 /// blurring. The bounds are stored row by row. A bound of 1 or more means the whole pixel.
 ///
-/// For a pixel with samples, the bound is the area of the empty pixels in the bounding square of the pixel's
-/// CoC, divided by the area of the CoC. For an empty pixel the bound is 1. A translucent sample counts as
-/// covering its pixel. `aberration_px` has the same meaning as in behind_fill.
+/// For a pixel with samples, the bound compares two areas: the empty pixels in the bounding square of the
+/// pixel's CoC, and the CoC itself. The bound is the first area divided by the second. For an empty pixel the
+/// bound is 1. A translucent sample counts as covering its pixel. `aberration_px` has the same meaning as in
+/// behind_fill.
 [[nodiscard]] std::vector<float> nothing_in_reach(const ForeignPicture& picture,
                                                   const FocusGeometry& geometry, const RasterWindow& window,
                                                   double aberration_px = 0);

@@ -37,7 +37,8 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
 /// Returns the samples along one side of the picture, beginning at the pixel (x, y).
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
     // Direction from the side into the picture. A side that begins in the upper left corner is the left or
-    // upper one, so the direction is to the right or down. From the other sides it is to the left or up.
+    // upper side, so the direction is to the right or down. From the lower or right side, the direction is up
+    // or to the left.
     const int dx = along_x != 0      ? 0
                    : x == p_.x_begin ? 1
                                      : -1,
@@ -94,8 +95,7 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // Beyond a corner of the picture, a sample of the corner's pixel continues only if it continues across
-    // both sides.
+    // At a corner of the picture, a sample is continued diagonally only if it is continued across both sides.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

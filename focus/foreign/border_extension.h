@@ -12,13 +12,13 @@
 
 namespace postlens {
 
-/// Continues the samples of the image's outermost pixels beyond the border. A sample continues outwards as
-/// far as its surface reaches inwards from the border, because on average a border cuts a surface in the
-/// middle. It continues at most as far as its circle of confusion reaches. Its colour and alpha are the means
-/// over the length of the surface inside the image.
+/// Continues the samples of the outermost pixels beyond the border of the image. On average, the border cuts
+/// a surface in the middle. A sample is therefore continued outwards as far as its surface extends into the
+/// image, but not farther than its circle of confusion reaches. Its colour and alpha are means over this part
+/// of the surface.
 ///
 /// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Pixels of the raster
-/// that are not stored are empty space, so nothing continues into them.
+/// that are not stored are empty space, so nothing is continued into them.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.

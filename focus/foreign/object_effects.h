@@ -24,9 +24,9 @@ struct ObjectEffects {
 };
 
 /// Applies holdouts, sharp objects and depth offsets to the samples of a picture. Occlusion always uses the
-/// true depth of an object. An object that an offset would move to the camera or behind it is placed 1 mm in
-/// front of the camera. In this case the warning `offset` is added to picture.repairs. Throws the errors of
-/// `choose_samples`.
+/// true depth of an object. If an offset would move an object to the camera or behind it, the object is
+/// placed 1 mm in front of the camera, and the warning `offset` is added to picture.repairs. Throws the
+/// errors of `choose_samples`.
 void apply_object_effects(ForeignPicture& picture, const ObjectEffects& effects, double inverse_focus_per_m);
 
 }  // namespace postlens

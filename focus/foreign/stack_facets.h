@@ -31,9 +31,9 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image as quadrilaterals, sorted by pixel. The quadrilaterals also include the estimated
-/// surfaces behind edges and beyond the border. Where neighbouring quadrilaterals continue one surface, their
-/// common corners have the same depth.
+/// The samples of an image as quadrilaterals, sorted by pixel. They include the estimated surfaces behind
+/// edges and beyond the border. Where neighbouring quadrilaterals show one surface, their common corners have
+/// the same depth.
 class Facets {
   public:
     /// `behind` contains one estimate per pixel, or is empty. `border` must belong to the same picture.

@@ -41,8 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel, whether empty space is behind it. Empty space is not blurred, so views that see
-/// past the pixel's samples see empty space.
+/// Returns, for each pixel, whether empty space is behind it. Empty space is not blurred. Views that see past
+/// the samples of such a pixel therefore see empty space.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -64,10 +64,10 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a facet is opaque in a view. A facet is opaque if its alpha exceeds a threshold that
-/// differs from view to view. The thresholds of a facet form a van der Corput sequence over the views,
-/// scrambled with the facet's own seed. Each facet is thus opaque independently of the others, and the
-/// transmittances of facets behind each other multiply.
+/// Returns whether a facet (the quadrilateral of a sample) is opaque in a view. A facet is opaque if its
+/// alpha exceeds a threshold that differs from view to view. The thresholds of a facet form a van der Corput
+/// sequence, scrambled with the facet's own seed. Facets behind each other are thus opaque independently, and
+/// their transmittances multiply.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
@@ -129,9 +129,9 @@ class Band {
     }
 
   private:
-    /// Depth order of the quadrilaterals. If two have the same depth, the one with fewer samples in front of
-    /// it in its own pixel is in front. Parts of one sample thus keep their order even if they are blurred
-    /// differently.
+    /// Depth order of the quadrilaterals. Among quadrilaterals of the same depth, the one with fewer samples
+    /// in front of it in its own pixel comes first. Parts of one sample thus keep their order even if they
+    /// are blurred differently.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -241,8 +241,7 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // If all samples that a view meets in a pixel are transparent in this view, the view sees past
-        // everything in the image.
+        // If all samples of a pixel are transparent in this view, the view sees past everything in the image.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

@@ -40,21 +40,21 @@ struct StackField {
     /// are opaque at random in each view.
     Image image;
     /// Per pixel of the window, the fraction of the views that see past everything in the image. Such a view
-    /// looks beyond the image's border or behind the last sample of a stack. Empty space behind a pixel
-    /// counts as part of the image.
+    /// looks beyond the image's border or sees nothing behind the last sample of a pixel. Empty space behind
+    /// a pixel counts as part of the image.
     std::vector<float> unseen;
-    /// Per pixel of the window, the sum of the alphas of all visible samples, as a mean over the views.
-    /// Holdouts count as well. The expected value is 1 minus the expected value of `unseen`. The value is at
-    /// least 1 for a pixel with empty space behind it.
+    /// Per pixel of the window, the sum of the alphas of all visible samples, including holdouts, as a mean
+    /// over the views. Its expected value is 1 minus that of `unseen`. The value is at least 1 for a pixel
+    /// with empty space behind it.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
 
 /// Draws a view of the image from each lens point and returns the mean of the views.
 ///
-/// Each sample of a pixel's stack is drawn as a quadrilateral, the square of its pixel. At each corner of the
-/// square, samples of the same surface meet (are_one_surface). The corner is reprojected with their mean
-/// inverse depth.
+/// Each sample of a pixel is drawn as a quadrilateral, the square of the pixel. Each corner of the square has
+/// the mean inverse depth of the samples of the same surface that meet there (are_one_surface). The corner is
+/// reprojected with this depth.
 ///
 /// A view has one sample point in each pixel and shows the nearest opaque quadrilateral there. Each
 /// quadrilateral is opaque in a random part of the views, whose fraction equals its alpha (stochastic
@@ -62,16 +62,15 @@ struct StackField {
 /// along each ray through the lens.
 ///
 /// `behind` contains the estimated surface behind each pixel, which is added to the end of the pixel's stack.
-/// It may be empty. Samples at the border of the image continue beyond the border (BorderExtension).
+/// It may be empty. Samples at the border of the image are continued beyond the border (BorderExtension).
 ///
 /// The result is bit-identical for any number of threads and any `drawn`. Throws Error(wrong_arguments) if
 /// the number of views is out of range. Throws Error(out_of_memory).
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides colours and alpha by StackField::covered, and limits alpha to 1. The views that see something in a
-/// pixel thus also stand for those that see past the image. If no view of a pixel sees anything, the pixel
-/// keeps its values.
+/// Divides colours and alpha by StackField::covered, and limits alpha to 1. Views that see past the image
+/// thus no longer count in the mean. If no view of a pixel sees anything, the pixel keeps its values.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -9,7 +9,7 @@ namespace postlens {
 namespace {
 
 /// Smallest alpha of a sample. A sample that emits light but covers nothing needs a positive weight to be
-/// composited. It must be so small that a thousand such samples take at most 1e-4 of the light behind them.
+/// composited. The weight is so small that even many such samples hide almost nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;
@@ -34,18 +34,17 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // No lens point sees light behind another sample of the same surface, because both samples move together
-    // when the lens point moves.
+    // Light behind another sample of the same surface cannot be seen from any lens point. Both samples move
+    // together when the lens point moves.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // Compute `covered`, the share of the light that no lens point sees. The surface that hides this light
-    // moves together with it when the lens point moves. Behind a translucent sample, the share is computed
-    // from `independence`, as in `composite`.
+    // Compute `covered`, the share of the light that no lens point sees. The surface in front always hides
+    // this light, because both move together when the lens point moves. Behind a translucent sample, the
+    // share is computed from `independence`, as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point, so it moves independently of every surface that
-        // hides it.
+        // Empty space looks the same from every lens point. It does not move with any surface that hides it.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

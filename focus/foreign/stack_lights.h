@@ -18,7 +18,7 @@ enum class StackValue { colour, alpha };
 
 /// Converts stacks one at a time.
 ///
-/// T, the transmittance in front of a sample, is the product of (1 - alpha) of all samples in front of it.
+/// Let T be the transmittance in front of a sample, the product of (1 - alpha) of all samples in front of it.
 /// The visible share of the sample is T alpha and its hidden share is (1 - T) alpha. Its premultiplied colour
 /// is divided in the same ratio. Empty space at infinity fills the rest of the pixel, so the visible shares
 /// of a pixel add up to 1.

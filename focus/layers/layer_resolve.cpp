@@ -8,9 +8,9 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Smallest sum of weights at a pixel for which only the radiance of a path's nodes is used. If the weights
-/// of the nodes add up to less, a substitute is blended in: the path's radiance, scattered with the kernel of
-/// the mirror or glass.
+/// Smallest sum of weights for which the nodes of a path alone determine the path's radiance at a pixel. If
+/// the sum is smaller, a substitute is blended in: the path's radiance, scattered with the kernel of the
+/// mirror or glass.
 constexpr double enough_weight = 0.05;
 
 /// The nodes at a pixel that have the same path (sequence of reflections and transmissions), and their total
@@ -29,9 +29,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface. The weight is the
-/// share of the surface that shows the path, which `mask` states. The radiance is assumed to be visible from
-/// the same lens points as the surface.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface. `mask` states the
+/// share of the surface that shows the path. The radiance is assumed to be visible from the same lens points
+/// as the surface.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -41,8 +41,8 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// Adds the radiance of a path to `fragment`, the light of a mirror or glass at this pixel. The mirror or
-/// glass is the surface `shown`. The weights are the masks of the path that belong to this surface.
+/// Adds the radiance of a path to `fragment`, the light of a mirror or glass at this pixel. `shown`
+/// identifies the mirror or glass.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -108,8 +108,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path has already added its radiance here, so stand_in, the substitute for missing nodes,
-        // is not needed.
+        // The longer path has already added its radiance here, so the substitute for missing nodes is not
+        // needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

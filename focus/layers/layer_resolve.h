@@ -35,9 +35,8 @@ inline constexpr double smallest_layer_weight = 1e-12;
 /// with the surface's kernels, so that the outline of a mirror is blurred like the mirror and not like the
 /// reflection.
 ///
-/// The mask may reach a pixel that no node of the path reaches. This happens beside the outline of a mirror
-/// that is more out of focus than its reflection. There, the path's colours are scattered with the mask's
-/// kernels instead.
+/// If a mirror is more out of focus than its reflection, its blurred mask may reach pixels that no node of
+/// the reflection reaches. In these pixels, the path's colours are scattered with the mask's kernels instead.
 [[nodiscard]] std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms,
                                                       const FocusGeometry& geometry);
 

@@ -8,8 +8,7 @@ namespace postlens {
 namespace {
 
 /// CoC radii, in px, from which samples are placed only in steps of a quarter pixel or of a whole pixel.
-/// Samples of a pixel then merge into fewer splats. An edge blurred by a uniform response changes by less
-/// than 1e-3 of its contrast.
+/// Samples of a pixel then merge into fewer splats. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
 /// CoC radii, in px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
@@ -25,12 +24,13 @@ double signed_radius_px(const FocusGeometry& geometry, double inverse_depth_per_
     return std::clamp(geometry.coc_diameter_px(inverse_depth_per_m) / 2, -most, most);
 }
 
-/// Returns the factor by which the position at which light arrives, in px, must be multiplied to estimate the
-/// lens point of that light, in lens radii. The estimate is the linear least-squares estimate.
+/// Returns the factor that converts the position at which light arrives, in px, to an estimate of the lens
+/// point through which the light passed, in lens radii. The estimate is the linear least-squares estimate.
 ///
 /// Light through the point q of the unit disc arrives at R q + S |q|^2 q, where R is the CoC radius and S the
-/// spherical aberration. Along each axis, this position has the variance R^2 / 4 + R S / 3 + S^2 / 8. The
-/// extent of a pixel adds 1 / 12. The covariance of the position and q is R / 4 + S / 6.
+/// spherical aberration. The factor is the covariance of this position and q, divided by the variance of the
+/// position. Along each axis, the covariance is R / 4 + S / 6. The variance is R^2 / 4 + R S / 3 + S^2 / 8,
+/// plus 1 / 12 for the extent of a pixel.
 double lens_radii_per_px(const FocusGeometry& geometry, double inverse_depth_per_m, double spherical_px) {
     const double r = signed_radius_px(geometry, inverse_depth_per_m), s = spherical_px;
     return (r + 2 * s / 3) / (r * r + 4 * r * s / 3 + s * s / 2 + 1.0 / 3);
@@ -79,8 +79,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
 }
 
 // Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The slot of
-// the cache is selected by the hash of the kernel's key. The kernel's number would not do, because it depends
-// on the timing of threads, and so would the result.
+// the cache is selected by the hash of the kernel's key. The number of the kernel is not used, because it
+// depends on the timing of threads, and the image must not.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
@@ -118,9 +118,8 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Sum the radiance of subtrees. The nodes of the shading tree are sorted by path, and a child comes after
-    // its parent. In backward order, the sum of each node is therefore complete before it is added to the
-    // parent.
+    // Sum the radiance of subtrees. In the list of nodes, a child comes after its parent. In backward order,
+    // the sum of each node is therefore complete before it is added to the sum of the parent.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -137,8 +136,8 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
 }
 
 // A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. The
-// mask of the far side is therefore blurred with the kernel of the near side. The far side's own reprojection
-// matrix may belong to a caustic and would blur the mask far too much.
+// mask (visible share) of the far side is therefore blurred with the kernel of the near side. The far side's
+// own reprojection matrix could blur the mask far too much.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {

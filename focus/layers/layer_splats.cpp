@@ -12,8 +12,8 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, in px. One test decides whether any splat (impulse response) of a tile reaches a block of
-/// the image.
+/// Edge of a tile, in px. All splats of a tile are skipped together if none of them reaches a block of the
+/// image.
 constexpr int tile_px = 64;
 
 }  // namespace
@@ -239,8 +239,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Rows of the file that are not read again only contribute splats that reach far. These were kept when
-    // the rows were first read.
+    // Some rows of the file are not read again. They only contribute splats that reach far from their row.
+    // These were kept when the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

@@ -43,8 +43,8 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// Surface of the node. For masks, it is the surface of the parent node, or empty if the parent is the
-    /// primary node. It is empty for outer masks.
+    /// The surface to which the node belongs. For masks, it is the surface of the parent node, or empty if
+    /// the parent is the primary node. For outer masks, it is also empty.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
@@ -57,15 +57,14 @@ struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// How fast the lens point changes over the kernel, in lens radii per px. Light that arrives d px from
+    /// How fast the lens point changes across the kernel, in lens radii per px. Light that arrives d px from
     /// the anchor (x, y) passed through the lens point d * lens_per_px, on average.
     float lens_per_px = 0;
-    /// The part of the weight that no lens point sees. The surface in front hides it everywhere, because both
+    /// The part of the weight that no lens point sees. The surface in front always hides it, because both
     /// surfaces move together when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// A window around the kernel, in steps of `reach_step_px` from the anchor (x, y). If the window does not
-    /// reach a block, the kernel need not be read, which saves time because the kernel is rarely in the
-    /// processor's cache. Set by LayerSplats.
+    /// The pixels that the kernel reaches: a rectangle around the anchor (x, y), in steps of `reach_step_px`.
+    /// If a block of the image lies outside it, the kernel is not read, which saves time. Set by LayerSplats.
     std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
     static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
     /// Returns whether the window and `rows` have a pixel in common.

@@ -11,7 +11,8 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double TwoDoubles __attribute__((vector_size(16)));
-/// Types for reading and writing numbers in memory. Variables of these types would not be kept in registers.
+/// Types for loading numbers from memory and for storing them. Variables of these types would not be kept in
+/// registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -37,9 +38,9 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and further values from which lens_at() computes the lens moments. These are
-/// the light times lens_per_px, and this product times the splat's position. Vectors of eight doubles would
-/// take twice as long on processors without AVX-512.
+/// The values of PlainValues, and further values from which lens_at() computes the lens moments (sums of
+/// light times lens point). The further values are the light times lens_per_px, and this product times the
+/// splat's position.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
@@ -111,8 +112,8 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Sets `taps` to the differences between neighbouring pixels at an edge of the kernel. The values change
-/// from `before` to `after` there.
+/// Computes the differences between neighbouring pixels at an edge of the kernel, where the values change
+/// from `before` to `after`. Stores them in `taps`.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);

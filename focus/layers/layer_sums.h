@@ -13,10 +13,9 @@ namespace postlens {
 
 /// Sums of colour, weight and depth, each multiplied by the kernel.
 ///
-/// The uniform interior of a kernel row is stored as differences between neighbouring pixels, as in
-/// PointScatter. The cost of a splat is therefore proportional to the length of its kernel's outline. Rows
-/// without an interior are added directly, because differences would leave rounding errors in all pixels to
-/// the right.
+/// In each row of a kernel, the uniform interior is stored as differences between neighbouring pixels. The
+/// cost of a splat is therefore proportional to the length of its kernel's outline. Rows without an interior
+/// are added directly.
 ///
 /// Adjacent splats that share a kernel are added together, row by row, which is three times as fast.
 class LayerSums {
@@ -34,8 +33,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[stride_ - 2]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[stride_ - 1]; }
-    /// Returns the lens moments of the sums that `at` returns. In a lens moment, each term of the sum is
-    /// multiplied by the lens point through which its light passed, in lens radii.
+    /// Returns the lens moments of the sums that `at` returns. A lens moment is the sum of the same terms,
+    /// each multiplied by the lens point through which its light passed, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
   private:

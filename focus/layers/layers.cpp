@@ -27,8 +27,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // A surface that fills the pixel has the weight `open`, because it covers all of the lens that is open.
-    // The weights are scaled so that such a surface has the weight 1.
+    // A surface that fills the pixel has the weight `open`, the share of the lens that transmits light. The
+    // weights are scaled so that such a surface has the weight 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -39,15 +39,16 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // The result may leave the range of the recorded colours. Sums of differences have rounding errors,
-        // and colours are approximated as linear functions of the lens point.
+        // The result may leave the range of the recorded colours because of rounding errors and because
+        // colours are approximated as linear functions of the lens point.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
 /// Returns whether the splats of a part need lens moments, which describe through which side of the lens the
-/// light passes. Reflected and transmitted nodes need none, because they are composited by alpha alone.
+/// light passes. Reflected and transmitted nodes need none, because only the surface that shows them is
+/// composited by depth.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

@@ -55,9 +55,9 @@ void sort(std::span<Fragment> fragments, const Before& before) {
 void sort_by_depth(std::span<Fragment> fragments) {
     sort(fragments,
          [](const Fragment& a, const Fragment& b) { return a.inverse_depth_per_m > b.inverse_depth_per_m; });
-    // Depths are means, so rounding errors would decide the order of surfaces that lie in one plane. There,
-    // the surface with the smaller alpha is composited first. Otherwise a wall that fills the pixel could
-    // hide an emitter on the wall.
+    // Surfaces that lie in one plane have nearly equal depths. Rounding errors would decide their order. The
+    // surface with the smaller alpha is therefore composited first. Otherwise a wall that fills the pixel
+    // could hide an emitter on the wall.
     constexpr double one_plane = 1e-5;
     for (std::size_t begin = 0, end = 1; begin < fragments.size(); begin = end++) {
         while (end < fragments.size() &&
@@ -95,9 +95,9 @@ struct Arrived {
 };
 
 /// Returns the coverage by those surfaces in front that move together with a surface when the lens point
-/// moves. `radius_px` is the signed CoC radius of that surface. The nearer a surface in front is, the more
-/// its radius differs. If one of them moves independently, all surfaces in front of it therefore move
-/// independently, too.
+/// moves. `radius_px` is the signed CoC radius of that surface. The search goes from the surface towards the
+/// lens. It ends at the first surface that moves independently, because all surfaces in front of that one do
+/// so, too.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -133,8 +133,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // The surface's coverage is at most the share of the lens that is still uncovered. It is at least the
-        // part of the surface that nothing can hide.
+        // Limit the coverage of the surface. It is at most the share of the lens that is still uncovered. It
+        // is at least the part of the surface that nothing can hide.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
@@ -151,9 +151,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Upper bound of the lens moment of a part of the unit disc, computed from the part's area as a
-        // fraction of the disc. The moment of a half disc is 0.21. The moment of a small part at the rim
-        // equals its area.
+        // Limit the lens moment to that of a part of the unit disc with the area free.mean, as a fraction of
+        // the disc. No such part has a larger moment than area times (1 - area).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

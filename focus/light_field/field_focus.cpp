@@ -30,8 +30,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Divides objects into classes that move alike on the raster. Each moving object has its own class. All
-/// objects that move only with the camera are in class 0.
+/// Divides objects into classes. The objects of one class move alike on the raster. Each moving object has
+/// its own class. All objects that move only with the camera are in class 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -136,7 +136,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // With motion, some highlights are shown by the views instead of being spread by impulse responses. These
+    // With motion, the views show some highlights that would otherwise be spread by impulse responses. These
     // are highlights that moving objects reflect, and highlights on large moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
@@ -162,8 +162,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, the choice of highlights needs all surfaces at once (leave_to_lens). If surfaces are
-        // read strip by strip, no highlights are chosen.
+        // With rays, highlights can only be chosen if all surfaces are known at once (leave_to_lens). If
+        // surfaces are read strip by strip, no highlights are chosen.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -185,7 +185,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// Describes the light field without its surfaces and without sets of views. The caller adds both.
+/// Describes the light field. The caller adds the surfaces and the sets of views.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;
@@ -259,8 +259,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Strips are read later and may contain highlights. A highlight needs all patches (planar parts of
-        // surfaces) that any lens point sees.
+        // Strips are read later and may contain highlights. To find what hides a highlight, all patches
+        // (planar parts of surfaces) that any lens point sees are needed.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
@@ -276,8 +276,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Rays replace the reflected and transmitted surfaces of a piece if this takes less time than drawing
-        // them. This choice must not depend on the views of this call, so the whole lens is assumed.
+        // Rays replace the reflected and transmitted surfaces of a piece (square of the image) if this takes
+        // less time than drawing them. The choice must not depend on the views of this call, so the whole
+        // lens is assumed.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

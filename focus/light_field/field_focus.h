@@ -35,9 +35,9 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// If present, pixels are left out if nothing moves in them and all views see a single surface, because
-    /// scattering is exact for them. This happens only if such pixels make up at least this share of the
-    /// image. If absent, all pixels are drawn.
+    /// Allows pixels to be left out, because scattering is exact for them. These are the pixels in which
+    /// nothing moves and all views see a single surface. They are left out only if they make up at least this
+    /// share of the image. If absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If present, only the pixels of the window within this crop are drawn, bit-identical to those of the
@@ -45,12 +45,11 @@ struct FieldFocusSettings {
     std::optional<Crop> crop;
     int piece_px = SeenTile::edge;  ///< PatchField::piece_px
     /// Memory limit for the surfaces, in bytes. If all surfaces together need more, the image is drawn in
-    /// strips, and the surfaces are read again for each image. A strip needs a quarter of the limit. The
-    /// result is bit-identical.
+    /// strips (groups of rows), and the surfaces are read again for each image. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces rays for those samples of views whose colours the records do not determine. If null, no rays
-    /// are traced. With rays, no pixel is left out or unknown. Highlights are then spread by their impulse
-    /// responses only if all rays get the same radiance from them.
+    /// are traced. With rays, every pixel is drawn and known. A highlight is then spread by its impulse
+    /// response only if all rays that hit it return the same radiance.
     const SightRays* rays = nullptr;
 };
 
@@ -74,8 +73,8 @@ struct FieldViews {
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// Index of the image to which this set of views belongs, among the images drawn together. Sets that
-    /// belong to one image must draw different pieces of it.
+    /// The number of the image to which this set of views belongs. Several images may be drawn together. Sets
+    /// that belong to one image must draw different pieces of it.
     std::size_t picture = 0;
 };
 
@@ -102,13 +101,12 @@ class FieldFocuser {
   private:
     struct Prepared;
     [[nodiscard]] PatchField outline() const;
-    /// Converts a fraction u of the exposure, from 0 to 1, to the instant before which this fraction of the
-    /// light arrives.
+    /// Returns the instant at which the shutter has let through the fraction `u` (from 0 to 1) of the light.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
     /// Finds the pixels to leave out because they show a single surface (OneSurface). Uses the surfaces of
-    /// the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if no set
-    /// of views leaves pixels out.
+    /// the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if all
+    /// pixels must be drawn.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;
     FocusFrame& frame_;

@@ -13,23 +13,23 @@
 namespace postlens {
 namespace {
 
-/// Smaller semi-axis of the CoC, in px. If it is larger than this, the mean of the views would show a
-/// highlight as separate dots.
+/// Limit for the smaller semi-axis of the CoC, in px. If a highlight is blurred more than this, the mean of
+/// the views would show it as separate dots.
 constexpr double spread_from_px = 2;
-/// Smaller semi-axis of the CoC, in px. If it is smaller than this, a pixel receives the light of a highlight
-/// through the whole lens.
+/// Limit for the smaller semi-axis of the CoC, in px. If a highlight is blurred less than this, a pixel
+/// receives its light through the whole lens.
 constexpr double seen_by_all_px = 0.5;
-/// Limits of the area, in px^2, of the highlights of a sheet (one surface within a square of the raster).
-/// Smaller highlights are spread by their impulse response even if they are hardly blurred. Below sharp_px2,
-/// the views would show the edges of a highlight with noise. Below small_px2, few views would hit a reflected
-/// highlight that is partly hidden. Larger areas would need many sources.
+/// Limits for the total area, in px^2, of the highlights of one surface within a square of the raster.
+/// Highlights below the limit are spread by their impulse response even if they are hardly blurred. sharp_px2
+/// is the usual limit. small_px2 is the limit for reflected highlights that are partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edges, in px, of the squares in which the highlights of one surface are merged. merged_px is used if the
 /// blur is at least spread_from_px, and merged_sharp_px otherwise.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
-/// Limits for the number of instants that form the streak of a moving highlight. The more instants a streak
-/// needs, the larger are the squares in which highlights are merged. Up to the first limit they are 1/8 px
-/// wide, up to the second 1/4 px, and beyond it merged_px.
+/// Limits for the number of instants that form the streak of a moving highlight. Neighbouring highlights are
+/// merged within squares of the image, which are larger if a streak needs many instants. Up to the first
+/// limit the squares are 1/8 px wide, up to the second 1/4 px. Beyond the second limit they are merged_px
+/// wide.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// Largest number of sources (highlights at one instant) of all moving highlights together. Each highlight
 /// has at least least_moments sources, even if the limit is exceeded.
@@ -37,8 +37,8 @@ constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. Radiance above this value is spread as a highlight.
 constexpr float white = 1;
-/// Smallest radiance above white, in any channel, of a highlight that does not move. Dimmer light has hardly
-/// more noise in the views than a white surface.
+/// Smallest radiance above white, in any channel, of a highlight that does not move. Dimmer light is shown by
+/// the views with little noise.
 constexpr float least_radiance = 1;
 /// Edge, in px, of the squares in which all highlights share one computation of visibility.
 constexpr double group_px = 1.5;
@@ -48,9 +48,9 @@ double light_of(const std::array<float, 3>& rgb) {
 }
 
 /// Returns the distance, in px, between the middle of a highlight's light and the middle of its impulse
-/// response. `slope` is Highlight::slope. Seen from the lens point u, in lens radii, a plane surface has an
-/// area proportional to 1 - radius_px_m * dot(slope, u). For a round lens, the mean lens point of its light
-/// is therefore -radius_px_m * slope / 4. Lens points behind the surface's plane see nothing of it.
+/// response. A highlight on an inclined surface looks larger from one side of the lens than from the other,
+/// so more of its light passes through that side. `slope` is Highlight::slope, the inclination of the
+/// surface.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
@@ -89,13 +89,13 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Spreading by impulse responses ignores surfaces that hide the reflection of a highlight within a
-        // mirror. A sharp reflected highlight that is partly hidden is therefore spread only if few views
-        // would hit it.
+        // Impulse responses do not take into account that a surface inside a mirror may hide the reflection
+        // of a highlight. A sharp reflected highlight that is partly hidden is therefore left to the views,
+        // unless few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // If a surface is hardly blurred, the views already show its visible part. If it is wider than its
-        // blur, a pixel sees only a part of it. All highlights of a group would then wrongly share one shadow
-        // of a nearer surface.
+        // A highlight that is hardly blurred is shown by the views. A highlight that is wider than its blur
+        // is also left to the views. A pixel sees only a part of it, and all highlights of a group would
+        // wrongly share one shadow of a nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -222,8 +222,8 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A kernel is the response of a point, which lies in a single pixel. A moving highlight may lie across
-    // the border between pixels. If its kernel is about as small as a pixel, the highlight is therefore
+    // A kernel is the response of a point, which lies in a single pixel. A moving highlight may cross the
+    // border between two pixels. If its kernel is about as small as a pixel, the highlight is therefore
     // divided at the border.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
@@ -251,7 +251,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
 }
 
 // Groups the highlights of one surface that lie in the same square of edge group_px. Visibility is computed
-// only once per group, which displaces the shadow of a nearer surface by less than group_px.
+// only once per group. A nearer surface's shadow is thus displaced by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

@@ -16,16 +16,17 @@
 namespace postlens {
 
 /// Returns the rule by which `tree_sheets` selects highlights. A highlight that is not selected appears once
-/// per view, so the mean of a few views shows ghosts of it. The rule selects nothing if the impulse response
-/// varies over the image or differs from the shape of the aperture.
+/// per view, so the mean of a few views shows several copies of it. No highlight is selected if the impulse
+/// response varies over the image or differs from the shape of the aperture.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
-/// The highlights that were taken out of the recorded surfaces. The light of a highlight reaches a pixel
+/// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
 /// through one lens point. The light is added if that lens point sees the highlight.
 ///
 /// Visibility is computed exactly for the brightest highlights of a tile, if they are seen directly and do
 /// not move. For these, the nearer surfaces are rasterised along the rays from the highlight (PointRays). For
-/// all other highlights, the views nearest to the lens point and to the instant decide on visibility.
+/// all other highlights, a few views decide whether the highlight is visible. These are the views nearest to
+/// the lens point and to the instant.
 class FieldHighlights {
   public:
     /// Keeps a reference to `sheets`. `window` states the pixels of the image. `motion` is null if nothing
@@ -41,9 +42,10 @@ class FieldHighlights {
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Implements Lights::aim. Each line joins a random point of a recorded highlight to a lens point from
-    /// which the pixel sees the highlight. Only highlights that reach the pixel are used. For a sharp moving
-    /// highlight, the lines are random lines of the pixel at instants at which the highlight is near.
+    /// Implements Lights::aim. Each line runs from a random point of a recorded highlight to a lens point
+    /// from which the pixel sees this point. Only highlights whose light reaches the pixel are used. For a
+    /// sharp moving highlight, the lines are random lines of the pixel at instants at which the highlight is
+    /// near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the sources that reach a rectangle within a row of tiles.
@@ -52,8 +54,8 @@ class FieldHighlights {
   private:
     class OverViews;
     /// One of the highlights that are merged into a source, which is spread as one point of light. The
-    /// highlight is a square around `at`, which is relative to the source's position. `area_until` is the sum
-    /// of the areas of the source's parts up to and including this one, in px^2.
+    /// highlight is a square around `at`, which is relative to the source's position. `area_until` is the
+    /// total area, in px^2, of this highlight and those before it in the source.
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -76,7 +78,7 @@ class FieldHighlights {
         std::uint32_t group = 0;                  ///< index into groups_
         std::uint32_t first_part = 0, parts = 0;  ///< elements of parts_
     };
-    /// Neighbouring highlights that share one computation of visibility, which is made at their centre.
+    /// Neighbouring highlights for which visibility is computed once, at their centre.
     struct Group {
         Source middle;
         int column = 0, row = 0;  ///< position of the group's square in the grid of groups
@@ -108,7 +110,7 @@ class FieldHighlights {
     /// source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
     /// Returns whether a sharp moving source passes so near to the pixel that its light may reach the pixel.
-    /// Allows for errors of the records.
+    /// Includes a margin for errors of the recorded positions.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;

@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// Factor and margin by which a highlight's kernel may be larger than the highlight's CoC. To save memory,
-/// similar kernels are replaced by one of a rounded size. Kernels may also be misplaced by up to a pixel.
+/// A highlight's kernel may be larger than its CoC by this factor and this margin. The reason is that similar
+/// kernels are replaced by one of a rounded size.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A distance in px. If some view displaces a surface farther than this from its square of the raster, the
-/// surface is kept in memory. All kept surfaces together need at most most_far_bytes.
+/// A distance in px. A surface is kept in memory if some view displaces it farther than this from its square
+/// of the raster. All kept surfaces together need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 

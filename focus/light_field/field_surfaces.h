@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// The sheets of each recorded instant, and their patches. A sheet is a surface within a square of the
-/// raster, a patch is a planar part of a sheet. The patches have references to the sheets.
+/// The surfaces of each recorded instant, in two forms. A sheet is a surface within a square of the raster. A
+/// patch is a planar part of a sheet and has references to the sheet.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -34,23 +34,23 @@ struct FieldSurfaces {
 
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
-/// Estimates how much memory a file's surfaces and patches need, in bytes per record. Builds a few rows of
-/// squares of the first instant to find out. Values range from 25 in scenes without reflections to 140 in
-/// scenes with many small reflecting objects.
+/// Estimates how much memory a file's surfaces and patches (planar parts of surfaces) need, in bytes per
+/// record. To find out, builds the surfaces in a few rows of squares of the raster.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
 /// Reads the surfaces of an image for one strip (group of rows) after another. Each strip gets the surfaces
-/// that reach it in any view. The first read measures how far the surfaces of each row of squares reach, and
-/// keeps the few surfaces that reach far. For each later strip, only the rows close to the strip are read.
+/// that any view shows in it. The first read measures how far views displace each surface. The few surfaces
+/// that are displaced far are kept in memory. For each later strip, only the rows close to the strip are
+/// read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views` describes the views, without recorded instants. A strip
-    /// also gets the surfaces that reach it from any other lens point within views.lens_reach_px.
-    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px, and limits the
-    /// reach of highlights. `motion` is the motion of highlights, and null if no highlight moves.
+    /// Keeps references to its arguments. `views` describes the views, without recorded instants.
+    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It limits the
+    /// distance at which highlights are read. `motion` is the motion of highlights, and null if no highlight
+    /// moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
@@ -65,7 +65,7 @@ class FieldStrips {
                                                           double most_records) const;
 
   private:
-    /// The raster rows [first, last) that a surface reaches. The range is empty at first.
+    /// The raster rows [first, last) in which views may show a surface. The range is empty at first.
     struct Reach {
         double first = std::numeric_limits<double>::infinity(), last = -first;
         void include(double from, double to) {
@@ -74,7 +74,7 @@ class FieldStrips {
         }
     };
     /// Surfaces of neighbouring squares of the raster that views displace far. Each has the range of raster
-    /// rows that it reaches.
+    /// rows in which views may show it.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -14,7 +14,7 @@ namespace {
 
 /// Number of attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// If a sharp moving light is near, the number of lines is multiplied by this, because many of them miss the
+/// If a sharp moving light is near, this many times as many lines are used, because many of them miss the
 /// light.
 constexpr int passing_lines = 16;
 
@@ -38,7 +38,8 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// Returns the instant at which the fraction `part` of the spans' duration has passed.
+    /// A span is a part of the exposure. Returns the instant at which the fraction `part` of the total
+    /// duration of the spans has passed.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -135,8 +136,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The records miss some parts of a moving light. These parts lie beside the recorded ones, so the
-            // lines pass through random positions in the pixel.
+            // The records miss some parts of a moving light, beside the recorded parts. The lines therefore
+            // pass through random positions in the pixel.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -155,8 +156,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // If the response covers less than a pixel, few lines between the highlight and the pixel pass
-        // through the lens. If it covers more, few lines through the lens meet the pixel.
+        // If the response is smaller than a pixel, few lines from the highlight to the pixel pass through the
+        // lens. If it is larger, few lines through the lens meet the pixel.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

@@ -19,21 +19,21 @@ namespace {
 
 /// A surface hides a highlight if its 1/z' exceeds the 1/z' of the highlight by more than this factor.
 constexpr float nearer = 1.02F;
-/// The visibility samples of a tile may cost as much as drawing all views of the tile. If the tile has fewer
-/// views than this number, the samples may cost as much as drawing this number of views.
+/// Limit for the cost of all visibility samples of a tile. They may cost as much as drawing this number of
+/// views of the tile, or all of its views if there are more.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// The position that represents a group's highlights for each visibility sample, in standard deviations from
-/// the centre of the group. The positions have mean 0 and variance 1 along each axis. They are uncorrelated
-/// with drawn_samples, because a correlation would make the edges of shadows too soft or too hard.
+/// For each visibility sample, the position that represents all highlights of a group. It is relative to the
+/// centre of the group and in standard deviations of the group's highlights. The positions have mean 0 and
+/// variance 1 along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// A nearer surface casts one shadow for each highlight of a group. If the standard deviation of the shadows'
-/// positions is at most this, in px, a single shadow replaces them.
+/// A nearer surface casts one shadow for each highlight of a group. If these shadows lie closer together than
+/// this, they are replaced by a single shadow. The limit is a standard deviation, in px.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
@@ -75,7 +75,8 @@ class FieldHighlights::OverViews final : public Lights {
         std::vector<std::uint32_t> all;
     };
     /// Returns the three views nearest to each cell of a table over the lens, which has `edge` by `edge`
-    /// cells. `away2(view)` is added to the squared distance between the view and the cell, in lens radii.
+    /// cells. Distances are measured on the lens, in lens radii. `away2(view)` is added to the square of a
+    /// view's distance.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -107,8 +108,9 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` spans, each with its own table of nearest views. In distances
-    /// between views, the whole exposure counts as `lens_radii_of_open` lens radii.
+    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. A
+    /// distance in time is converted to a distance on the lens. The whole exposure counts as
+    /// `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -193,10 +195,9 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // A visibility sample rasterises the surfaces in front of a group of highlights, in the part of the tile
-    // that the group's light reaches. The cost of a sample is proportional to the area of this part, and at
-    // least least_cost. All visibility samples together may cost as much as drawing the views of the tile, or
-    // least_drawn views if the tile has fewer.
+    // A visibility sample rasterises the surfaces in front of a group of highlights. Its cost is proportional
+    // to the area of the tile that the group's light reaches, and at least least_cost. The samples of all
+    // groups are limited by least_drawn.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -230,11 +231,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which the visibility of a group of highlights is sampled. The offset
-    // differs between groups, so that the samples of many highlights do not all miss the same nearer surface.
-    // It also differs between sets of views, so that the difference between two images includes the error of
-    // this sampling. It is computed from the group's position, because the number of a group depends on the
-    // crop.
+    // Random offset of the positions at which the visibility of a group of highlights is sampled. It differs
+    // between groups, so that the groups do not all miss the same nearer surface. It also differs between
+    // sets of views, so that the difference between two images shows the error of the sampling. It is
+    // computed from the group's position, because the number of a group depends on the crop.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -264,8 +264,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // A nearer surface casts one shadow for each highlight of an emitter. If these shadows can be told apart,
-    // four positions represent the highlights of a group. They have the same standard deviation as the
+    // A nearer surface casts one shadow for each highlight of a group. If these shadows can be told apart,
+    // four positions represent the highlights. The positions have the same standard deviation as the
     // highlights.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;

@@ -11,8 +11,8 @@ namespace postlens {
 /// that rays must leave out.
 ///
 /// A ray can only tell which surface it hits. For each surface, therefore, either all radiance above the
-/// limit is a highlight, or none. None is a highlight if rays get different radiance from the surface
-/// (SightRays::steady), or if the records do not contain the highlight completely.
+/// limit is a highlight, or none. A surface has no highlights if rays get different radiance from it
+/// (SightRays::steady), or if the records do not contain all of its bright light.
 ///
 /// If nothing moves, rays then measure the edges of the highlights (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,

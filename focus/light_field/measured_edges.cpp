@@ -21,20 +21,19 @@ namespace {
 /// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
 /// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area of a small light, in px^2. Its circle of confusion is as bright as its area is large, so the area
-/// must be known well. More rays are therefore traced, finest_rays^2, and only near the light's records. The
-/// area is then known to 1 % or better.
+/// Area of a small light, in px^2. The brightness of its circle of confusion is proportional to its area, so
+/// the area must be known well. A pixel with a small light therefore gets more rays, finest_rays along each
+/// axis, but only near the light's records. The error of the area is then at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
 /// The measured area is divided into n x n squares. The rays of one square that hit the light form one
 /// highlight.
 constexpr int edge_squares = 8;
-/// Largest number of pixels that are measured, as a share of the cells of all sheets. It is at least
-/// least_measured. If more pixels contain an edge, none are measured. Small lights get fewer rays if they
-/// would otherwise need more rays in total than this many pixels need.
+/// Limits for the number of pixels that are measured. At most this share of the cells of all sheets is
+/// measured, or least_measured if that is more. If more pixels contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// If the area of the highlights in a pixel exceeds this, in px^2, they fill the pixel.
+/// If the highlights in a pixel cover more than this area, in px^2, they fill the whole pixel.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column
@@ -58,10 +57,9 @@ struct BrightSurface {
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
     /// Returns, in order, the pixels that an edge of the bright part crosses or may cross.
     ///
-    /// Leaves out pixels in which rays through the pinhole would not measure the edge better than the
-    /// records. These are the pixels in which a nearer surface hides a part of the light. For larger lights,
-    /// pixels in mirrors and glass are left out, too. The same applies if the records of the pixel or of a
-    /// neighbour are closer together than the rays.
+    /// Leaves out pixels in which a nearer surface hides a part of the light, because rays through the
+    /// pinhole do not reach that part. For larger lights, pixels in mirrors and glass are left out, too. The
+    /// same applies if the records there are closer together than the rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
     /// Returns the part of a pixel into which the recorded light of the pixel and its neighbours may extend.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
@@ -84,7 +82,7 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light ends before the next record, and each record represents a quarter of its cell.
+            // The light ends somewhere between two records. Each record represents a quarter of its cell.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

@@ -18,12 +18,12 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// The highlights of one surface within a square of the raster are spread as streaks of impulse responses
-    /// if their total area, in px^2, is at most this. Larger highlights already form streaks in the mean of
+    /// Largest total area, in px^2, of the highlights of one surface within a square of the raster, for which
+    /// they are spread as streaks of impulse responses. Larger highlights already form streaks in the mean of
     /// the views.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
-    /// highlights leave no visible dots in the mean of the views.
+    /// highlights already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 
     /// Returns the motion of an object from the recorded instant to another instant. At that instant, the
@@ -33,7 +33,7 @@ class HighlightMotion {
     /// responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
-    /// Returns whether the surface with this key is seen directly and moves.
+    /// Returns whether the surface with this key (its path and object) is seen directly and moves.
     [[nodiscard]] bool moves(const SheetKey& key) const { return key.path.bits() == 0 && moves_(key.id); }
     /// Returns whether a moving highlight is spread as a streak. `area_px2` is BrightSheet::area_px2.
     [[nodiscard]] static bool takes(const Highlight& light, float area_px2);
@@ -44,18 +44,18 @@ class HighlightMotion {
         double share = 1;  ///< share of the highlight's energy
     };
     /// Returns the number of instants that form a highlight's streak. It is a power of two of at most
-    /// `most_moments`, and 1 if the highlight does not move. From one instant to the next, position and CoC
-    /// radius together change by at most half a pixel, or by a quarter of the smallest CoC radius. The larger
-    /// of these limits applies. If this would need more than `most_moments` instants, the steps are larger.
+    /// `most_moments`, and 1 if the highlight does not move. The number is so large that the highlight moves
+    /// and grows by at most half a pixel from one instant to the next. If the highlight is blurred, these
+    /// steps may be as large as a quarter of its CoC radius.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` instants, one in each of `count` equal parts of the exposure.
-    /// Instants are omitted if the highlight lies behind the camera, or if its light cannot reach an image. A
-    /// highlight that does not move gets a single element with u = -1.
+    /// Instants are omitted if the highlight lies behind the camera, or if its light cannot reach an image.
+    /// For a highlight that does not move, the result has a single element with u = -1.
     ///
-    /// Each instant is the middle of its part of the exposure. If `turned` is set, the instant is shifted
-    /// within its part by an amount that depends on the raster position. Several highlights that lie close
-    /// together then form a streak with fewer instants than moments_wanted.
+    /// Each instant is the middle of its part of the exposure. If `turned` is set, the instant is shifted by
+    /// an amount that depends on the raster position. Neighbouring highlights then have different instants,
+    /// so their common streak needs fewer instants of each.
     [[nodiscard]] std::vector<Moment> moments(const Highlight& light, const SheetKey& key, int count,
                                               bool turned = false) const;
 

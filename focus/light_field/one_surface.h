@@ -10,9 +10,8 @@
 namespace postlens {
 
 /// One value per cell of `edge` x `edge` px of the window, row by row. The value is 1 if all lens points see
-/// a single object in the cell. The object's surface must not overlap itself or be too steep for the lens.
-/// The value is 0 for all other cells, for example cells with unrecorded parts or with reflected or
-/// transmitted nodes.
+/// a single object in the cell, and 0 otherwise. It is also 0 if the object's surface overlaps itself or is
+/// too steep for the lens.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;

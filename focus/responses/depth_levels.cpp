@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest step of the CoC diameter, in px, between depth levels with equal steps of z'. This step is about
-/// twice as large as in LevelTable, because there may be at most `most_linear_levels` such levels.
+/// Largest step of the CoC diameter, in px, between depth levels with equal steps of z'. The step is not
+/// smaller, because there may be at most `most_linear_levels` such levels.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -17,13 +17,13 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns the number of levels with equal steps of z'. The CoC diameter is G / z' plus a constant, so it
-/// changes fastest at the near end. The levels limit the error of the diameter there to half of
-/// linear_step_px.
+/// Returns the number of levels with equal steps of z'. The CoC diameter is a constant divided by z', plus
+/// another constant, so it changes fastest at the near end. The number is chosen so that the error of the
+/// diameter there is at most half of linear_step_px.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // The CoC changes most in the first step. Half of this step, h, may change the CoC by at most the
-    // tolerance linear_step_px / 2. At the nearest depth z, this means gain (1 / z - 1 / (z + h)) =
-    // tolerance.
+    // The CoC changes most in the first step. Let h be half of this step, and z the nearest depth. Rounding
+    // by h may change the CoC by at most the tolerance, linear_step_px / 2. This means gain (1 / z - 1 / (z +
+    // h)) = tolerance.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;

@@ -33,21 +33,21 @@ struct DepthRange {
 /// Returns the largest CoC diameter in the range, in px.
 [[nodiscard]] double largest_coc_px(const DepthRange& range, const FocusGeometry& geometry);
 
-/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth. Distances
-/// between depths are measured in the chosen spacing.
+/// A set of depth levels. A sample uses the impulse response of the level nearest to its depth.
 ///
 /// If the number K of levels is given, K equal steps cover the range from the nearest to the farthest finite
 /// z'. There is one more level for infinity [potmesil1981].
 ///
-/// If K is not given, the inverse spacing uses the levels of LevelTable, which lie around the focus. Samples
-/// in focus are then exactly sharp, and equal CoCs in front of and behind the focus share a level. The linear
-/// spacing has enough levels to round the CoC to half a pixel, but at most `most_linear_levels`.
+/// If K is not given, it depends on the spacing. The inverse spacing uses the levels of LevelTable, which lie
+/// around the focus. Samples in focus are then exactly sharp, and equal CoCs in front of and behind the focus
+/// share a level. The linear spacing has enough levels to round the CoC to half a pixel, but at most
+/// `most_linear_levels`.
 class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// Radius at the depth in focus, in px. It is above 0, so that the disc has an area, and so small that
-    /// the disc lies within one pixel.
+    /// Radius at the depth in focus, in px. It is not 0, because the disc must have an area. The disc still
+    /// lies within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
     /// Largest radius, in px. A sample with a larger radius would add less than 1e-10 to any pixel, and
     /// uniformly over the image.
@@ -57,9 +57,9 @@ class DepthLevels {
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. If the number of levels
-    /// was given or the spacing is linear, there may be no level for inverse depths outside the range.
-    /// Negative inverse depths, which belong to images behind the lens, are an example.
+    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing if there
+    /// is no level for this depth. This happens outside the range of depths, if the number of levels was
+    /// given or the spacing is linear.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);

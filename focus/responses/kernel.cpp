@@ -15,8 +15,7 @@ namespace postlens {
 namespace {
 
 /// Smallest length, in px, of the uniform interior of a kernel row. A shorter interior is stored as single
-/// values (taps), because the differences at its ends cost as much as a few taps. Values from 4 to 12 px are
-/// about equally fast (bench/scatter_bench.cpp).
+/// values (taps), because that is as fast.
 constexpr int shortest_inner_px = 6;
 
 /// Radius, in px, of the disc that replaces an ellipse of size 0. The kernel of this disc equals the kernel

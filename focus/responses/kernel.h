@@ -21,9 +21,9 @@
 namespace postlens {
 
 /// One row of a kernel. Columns are relative to the anchor of a splat, which is an integer raster position.
-/// All pixels in [inner_begin, inner_end) have the value Kernel::inner. Every other pixel of [x_begin, x_end)
-/// has its own value, called a tap. Taps are stored from left to right. If all pixels have a tap, inner_begin
-/// == inner_end == x_end.
+/// The row covers the columns [x_begin, x_end). The pixels in the interior, [inner_begin, inner_end), all
+/// have the value Kernel::inner. Every other pixel has its own value, called a tap. Taps are stored from left
+/// to right. A row without an interior has inner_begin == inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
@@ -73,8 +73,9 @@ struct KernelKey {
     /// Step to which the sizes of ellipses are rounded, in px. The outline then has an error of at most an
     /// eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
     ///
-    /// Highlights use the largest fineness whose limit in fineness_below_px exceeds their size, because an
-    /// error of their size changes their brightness.
+    /// Finer steps are only used for highlights. A highlight's ellipse that is smaller than
+    /// fineness_below_px[k] may use the fineness k. Small ellipses need it, because an error of their size
+    /// changes their brightness.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -94,23 +95,21 @@ struct KernelKey {
     std::int32_t cell_log2 = 0;  ///< the cell is 2^cell_log2 px wide; if 0, one cell is the whole image
 
     [[nodiscard]] static KernelKey disc(std::uint32_t level) { return {.level = level}; }
-    /// Returns the key of an ellipse. `fine` asks for the finest steps that the size of the ellipse allows.
+    /// Returns the key of an ellipse. If `fine` is set, the size is rounded to the finest step that is
+    /// allowed for an ellipse of this size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// A 2x2 map from the aperture to the image keeps this many leading bits of its largest entry. It is
-    /// never rounded more finely than to a step.
+    /// Number of leading bits that are kept of the largest entry of a map. A map is the 2x2 matrix from the
+    /// aperture to the image.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
     /// Rounds the key more coarsely, so that several keys share a kernel. If `times` is 0, nothing changes.
-    ///
-    /// An ellipse keeps (ellipse_bits - times) leading bits of its largest number. If this number has fewer
-    /// than ellipse_bits bits, it loses `times` bits. The other numbers of the ellipse are rounded to the
-    /// same step, and its phase to half that step. A map keeps (map_bits - times) bits, and the width of its
-    /// cell is doubled `times` times.
+    /// Each further time doubles the step to which the shape is rounded.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns the number of bits of the key's largest size, in steps.
+    /// Returns the number of bits of the largest size that the key contains. Sizes are integers, in units of
+    /// step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -128,10 +127,9 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels (impulse responses on the pixel grid), each with a number. A KernelKey describes a kernel, and
-/// `number_of` returns the kernel's number. Any thread may call `number_of` at any time before `build`, which
-/// builds the kernels of all requested keys. The number of a key depends on the timing of threads, but its
-/// kernel does not.
+/// Kernels (impulse responses on the pixel grid), each with a number. First, any thread may request the
+/// numbers of keys with `number_of`. Then `build` builds the kernels of all requested keys. The number of a
+/// key depends on the timing of threads, but its kernel does not.
 class KernelTable {
   public:
     /// `disc_radius_px` contains the radius of each depth level. The disc of level i at the subpixel position
@@ -142,10 +140,10 @@ class KernelTable {
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
     /// Marks the disc of a depth level at the subpixel position (0, 0) as needed.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
-    /// Builds the kernels, in parallel. Call it once, after all keys have been requested. If the kernels of
-    /// ellipses need more than `memory_limit_bytes`, ellipses are coarsened (KernelKey::coarsen), one octave
-    /// of size at a time. The octave that saves most bytes for its loss of accuracy is coarsened first.
-    /// Throws Error(out_of_memory) if all kernels together exceed the memory.
+    /// Builds the kernels, in parallel. Call this function once, after all keys have been requested. If the
+    /// kernels of ellipses need more than `memory_limit_bytes`, the ellipses are rounded more coarsely
+    /// (KernelKey::coarsen), so that more of them share a kernel. Throws Error(out_of_memory) if all kernels
+    /// together exceed the memory.
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
     /// Frees the memory of the keys. Call it after `build`. number_of must not be called afterwards.

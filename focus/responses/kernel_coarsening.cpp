@@ -23,8 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // packed() has 17 bits per number. If values were larger, the packed keys of different shapes could be
-    // equal.
+    // packed() has 17 bits per number. Larger numbers would not fit, and the keys of different shapes could
+    // be equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -60,9 +60,9 @@ void KernelKey::coarsen(int times) {
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Coarsening rounds sizes and positions more coarsely, so that more samples share a kernel. All kernels
-// within one octave of size are coarsened the same number of times, which limits the relative error of their
-// size. A common absolute step would round small kernels to size 0.
+// Rounds sizes and positions more coarsely, so that more samples share a kernel. All kernels within one
+// octave of size are rounded alike. This limits the relative error of their size. A common absolute step
+// would round small kernels to size 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -82,9 +82,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // After each step, only one of several equal keys is processed further, because equal keys nearly
-        // always stay equal. The keys are sorted first, so that the choice does not depend on the order in
-        // which threads requested them.
+        // Equal keys nearly always stay equal. After each step, only one of them is therefore processed
+        // further. The keys are sorted first, so that the choice does not depend on the order in which
+        // threads requested them.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)

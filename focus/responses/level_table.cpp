@@ -9,12 +9,11 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between the diameters of the table, in px. It is slightly less than half a pixel, so that the error
-/// of a CoC diameter stays below a quarter of a pixel.
+/// Largest step between the diameters of the table, in px. With this step, rounding changes a CoC diameter by
+/// less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
 /// Step between the diameters of small discs. It is a fiftieth of the diameter, but at least an eighth of a
-/// pixel. A step of half a pixel would change the brightness of a small disc, for example of a highlight, by
-/// a fifth.
+/// pixel. A larger step would change the brightness of small highlights.
 constexpr double small_step_px = 0.125, small_step_share = 0.02;
 constexpr double smallest_px = small_step_px / small_step_share,
                  small_px = step_diameter_px / small_step_share;
@@ -49,7 +48,7 @@ double diameter_after(double steps) {
 /// their levels are looked up in the table.
 constexpr std::size_t together = 128;
 
-/// Computes diameters and their cells in the table. A diameter beyond the end of the table gets cell 0.
+/// Computes diameters and their cells in the table. A diameter that the table does not contain gets cell 0.
 POSTLENS_MULTIVERSION
 void find_cells(int cells_per_px, int end_px, const FocusGeometry& geometry,
                 const double* __restrict inverse_depth_per_m, std::size_t count, double* __restrict wide_px,

@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The rounded diameters of circles of confusion. A CoC uses the nearest of them. All lenses share this
+/// The table of rounded CoC diameters. A circle of confusion uses the nearest of them. All lenses share this
 /// table. The steps between the diameters grow from 1/8 px to half a pixel. From `even_diameter_px` on they
 /// are 1/500 of the diameter.
 class LevelTable {
@@ -22,8 +22,7 @@ class LevelTable {
 
     /// Returns the diameter of a level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the nearest level from its definition, with logarithms. `diameter_px` must be finite. Its
-    /// sign is ignored.
+    /// Computes the nearest level without the table. `diameter_px` must be finite. Its sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
     /// Returns the nearest level. It is read from the table if the diameter is below the end of the table,
     /// and computed otherwise.

@@ -43,9 +43,8 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The transmittance must match the kernel, whose vignetting is computed at the depth of the level. This
-    // depth is therefore used instead of the node's depth. Otherwise 0.4 % of all light would be lost if
-    // levels are half a pixel apart.
+    // The transmittance must be computed at the same depth as the kernel's vignetting, which is the depth of
+    // the level. The node's own depth is not used here, because a part of the light would then be lost.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);

@@ -65,8 +65,8 @@ class NodeResponses {
     /// the image are multiplied by it. The transmittance is 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
     /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`. The
-    /// weights that arrive at the pixel add up to this share. The normalised pixel is multiplied by the
-    /// share.
+    /// weights of the splats that reach a pixel add up to this share. After normalisation, the pixel is
+    /// multiplied by the share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),

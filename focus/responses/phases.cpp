@@ -10,13 +10,11 @@ namespace postlens {
 namespace {
 
 /// CoC radius, in px, from which a sample is scattered as a single disc at its own position. A sample with a
-/// smaller radius is divided between the pixels around it if its weight differs between them. Each part is
-/// placed inside its pixel, so the image for a CoC of 0 equals the pinhole image.
+/// smaller radius is divided between the pixels around it if its weight differs between them.
 constexpr double one_disc_from_px = 2;
 
 /// Returns the number of subpixel positions per px at which kernels of this radius are built. A sample
-/// between two positions is distributed over both, which preserves the centroid. For radii of 2 px or more,
-/// this changes the profile of a blurred edge by about 1e-4 of its contrast or less.
+/// between two positions is distributed over both, which preserves the centroid.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
@@ -24,9 +22,10 @@ int phases_per_px(double radius_px) {
 
 /// Returns the displacement, in px, of a corner sample between quadtree leaves of different sizes.
 ///
-/// The sum over corners is the trapezoidal rule. At each end of a run of leaves of size h, this rule has an
-/// error of h^2 / 12 times the slope (Euler-Maclaurin). Leaves are divided along edges, so the error would
-/// blur edges. It is compensated by moving the corner, which has the weight h / 2, by h / 6 into the leaf.
+/// The sum over corners is the trapezoidal rule. Its error at each end of a row of leaves of size h is h^2 /
+/// 12 times the slope of the colour (Euler-Maclaurin). This error would blur edges, because leaves are
+/// divided along edges. To compensate for it, each leaf's part of the corner, which has the weight h / 2, is
+/// moved by h / 6 into the leaf.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {

@@ -28,8 +28,8 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Distance, in px, by which the lens's second rim (cats_eye) moves in the impulse response if the
-        // scene point moves by 1 px in the image.
+        // Light passes through two circular openings of the lens (cats_eye). If the scene point moves by 1 px
+        // in the image, the second opening moves by this distance, in px, in the impulse response.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);

@@ -43,8 +43,7 @@ class ResponseModel {
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
     /// Returns the width, in px, of the part of the image in which one kernel can be used for this map.
-    /// Within this part, the outline changes by less than half a pixel, or by little relative to its size. 0
-    /// means the whole image.
+    /// Within this part, the change of the outline is not visible. 0 means the whole image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -62,8 +61,8 @@ class ResponseModel {
     /// transmitted.
     [[nodiscard]] virtual Kernel kernel(const ResponseRequest& /*request*/) const { return {}; }
 
-    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. Models whose kernels are
-    /// expensive to build need this.
+    /// Returns the CoC radius, in px, from which fewer subpixel positions are used. This saves time for
+    /// models whose kernels are expensive to build.
     [[nodiscard]] virtual double few_phases_from_px() const { return HUGE_VAL; }
 
     /// Returns whether red, green and blue have their own responses. In this case `channel_kernels` is called
@@ -86,8 +85,8 @@ class ResponseModel {
                                                             double half_diagonal_px);
 
 /// Creates the model of an impulse response. `half_diagonal_px` is half the diagonal of the image, in px of
-/// `geometry`. Throws Error(wrong_arguments) and Error(invalid_input) in the same cases as read_aperture.
-/// Also throws for a real lens. Use lens_model (focus/lens_model.h) for real lenses.
+/// `geometry`. For a real lens, use lens_model (focus/lens_model.h) instead. Throws an error for a real lens,
+/// and the errors of read_aperture.
 [[nodiscard]] std::unique_ptr<ResponseModel> response_model(const Impulse& impulse,
                                                             const FocusGeometry& geometry,
                                                             double half_diagonal_px);

@@ -22,8 +22,8 @@ namespace postlens {
 }
 
 /// The plain corners of some rows, stored row by row with the width of the band. A plain corner has weight 1,
-/// and only its first surface has radiance. Corners on the border of the raster have less than the weight of
-/// four pixels, so they are never plain.
+/// and only its first surface has radiance. Corners on the border of the raster have fewer than four pixels
+/// around them and are never plain.
 struct PlainCorners {
     /// 1/z' of the corner at each column, in 1/m. Corners that are not plain have the value `not_plain`.
     std::vector<double> inverse_depth;

@@ -33,7 +33,7 @@ class PointScatter {
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row that have a similar reach (reach_classes) and may reach rows_.
+    /// The splats of one source row that have kernels of similar size (reach_classes) and may reach rows_.
     struct Pass {
         std::span<const Splat> splats;
         int y;

@@ -9,11 +9,11 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows that are summed in float before the sums are added to sums in double. The number is
-/// small enough that the rounding error stays below 1e-6 of a sum.
+/// Number of source rows that are summed in float. The sums are then added to sums in double. The number is
+/// so small that the rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
 /// Number of source rows that are filtered together, for one strip (64 columns of a block) after another.
-/// With this number, the sums of one strip and channel stay in the L1 cache for CoC radii up to 64 px.
+/// With this number, the sums of one strip usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -88,8 +88,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the result of filtering a source row in which all values are 1. Where all pixels in the kernel's
-/// reach have the same value, filtering only multiplies this value by the sum of the kernel row.
+/// Adds the result of filtering a source row in which all values are 1. For such a row, no filtering is
+/// needed: the result is the sum of the kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -128,9 +128,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// For each channel: the colours in the raster if the run covers the line, otherwise null. `line_at` is
-    /// the index in lines_ of a copy of the colours. `running_at` is the index in running_ of their running
-    /// sums.
+    /// For each channel: the colours in the raster if the run covers the whole line, otherwise null. If they
+    /// are null, `line_at` is the index in lines_ of a copy of the colours. `running_at` is the index in
+    /// running_ of the running sums of the colours.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -215,8 +215,9 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // The line is the part of a source row that is filtered for the run. It contains the columns of all
-    // strips that the run reaches, `reach` columns on either side, and one more column for the running sums.
+    // A line is the part of a source row that is needed to filter it for the run. It contains the columns of
+    // all strips that the run reaches, and `reach` more columns on either side. It has one more column for
+    // the running sums.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);
@@ -237,8 +238,7 @@ void RunScatter::lay_line(LaidRun& laid, int channel, int line_end) {
         channel < 3 ? tables_.raster_row(channel, laid.y) + (laid.from - tables_.source().x_begin) : nullptr;
     if (inside == length && source != nullptr) {
         laid.in_raster[c] = source;
-        // Prefetch the line. Strips read it in parts, in an order that the hardware prefetcher does not
-        // predict.
+        // Prefetch the line. The hardware prefetcher does not predict the order in which strips read it.
         for (std::size_t i = 0; i < length; i += cache_line_floats) __builtin_prefetch(source + i);
     } else {
         laid.line_at[c] = lines_used_;

@@ -12,10 +12,9 @@ namespace postlens {
 /// Discs are centred on integer coordinates, so kernels are symmetric. A filtered source row is therefore
 /// used for two rows of the image, and the single values of a kernel row (taps) come in pairs.
 ///
-/// The interior of a kernel row is computed as a difference of running sums. These sums use double, so that a
-/// bright sample leaves no rounding error outside its reach. All other terms are positive. They are added in
-/// float for a few source rows, then in double. The order of every sum depends only on the tables, not on
-/// threads.
+/// The interior of a kernel row is computed as a difference of running sums. Running sums use double, so that
+/// a bright sample leaves no rounding error to its right. All other sums are computed in float for a few
+/// source rows and then added in double. The order of every sum depends only on the tables, not on threads.
 class RunScatter {
   public:
     /// Number of columns in a strip, which is a part of a block of pixels.

@@ -16,8 +16,8 @@ namespace postlens {
 namespace {
 
 // Size of a block, in px. A run (adjacent samples that share a disc) adds to as many rows as its disc is
-// high. With 16 B per pixel, these rows fit into the L2 cache. Larger blocks share more work, and smaller
-// blocks keep more threads busy. Measured with bench/scatter_bench.cpp.
+// high. These rows should fit into the L2 cache. Larger blocks share more work, and smaller blocks keep more
+// threads busy. Measured with bench/scatter_bench.cpp.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
 /// Number of rows for each call of PointScatter. A call needs 64 B per pixel and tests every splat once.
@@ -28,8 +28,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// The sums of one row of a strip for each channel. Each element points to strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel. It is the weight that arrived plus the weight of empty space. Empty space
-/// raises a sum of weights below 1 to 1, but adds at most `most_nothing`.
+/// Returns the divisor of a pixel. It is the sum of the weights that arrived. If this sum is below 1, empty
+/// space raises it, to at most 1 and by at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -41,8 +41,8 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
     const double* __restrict g = sums[1];
     const double* __restrict b = sums[2];
     const double* __restrict weight = sums[3];
-    // Sums of differences have rounding errors, which may make a value slightly negative. Values are
-    // therefore clamped to 0, unless the scene has negative colours.
+    // Rounding errors may make a value slightly negative. Values are therefore clamped to 0, unless the scene
+    // has negative colours.
     const double least = may_be_negative ? -std::numeric_limits<double>::infinity() : 0;
     for (int i = 0; i < strip_width; ++i) {
         const double scale = weight[i] > smallest_weight ? 1 / filled(weight[i], nothing[i]) : 0;
@@ -53,7 +53,7 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
 }
 
 /// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
-/// in `points` must come from the kernels of this channel. Only the channel's colour and the weight are used.
+/// in `points` must come from the kernels of this channel. The sums of the other two colours are ignored.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the smallest number of adjacent samples with the same disc for which a run is used. If there are
-/// fewer, single splats are faster. The cost of a run grows with the area that it reaches. The cost of a
-/// splat grows only with the length of its kernel's outline. Measured with bench/scatter_bench.cpp.
+/// Returns the smallest number of adjacent samples with the same disc for which a run is faster than single
+/// splats. The cost of a run grows with the area of the disc. The cost of a splat grows only with the length
+/// of its kernel's outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }
@@ -81,9 +81,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Only directly visible surfaces count for the largest CoC, because the matrix W of other surfaces is
-    // unbounded near a caustic. Infinitely far surfaces do not count either, because the CoC of empty space
-    // is not visible.
+    // Only directly visible surfaces at a finite depth count for the largest CoC. The matrix W of a reflected
+    // or transmitted surface is unbounded near a caustic. The CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -244,7 +243,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // The reach is enlarged by 1 px on each side, because a kernel may lie up to 1 px from its anchor.
+    // The rectangle of reached pixels is enlarged by 1 px on each side, because a kernel may lie up to 1 px
+    // from its anchor (integer raster position).
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -366,8 +366,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Rows that are not added again only contribute splats that reach far. These were kept when the rows were
-    // first added.
+    // Some rows are not added again. They only contribute splats that reach far from their row. These were
+    // kept when the rows were first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

@@ -49,16 +49,16 @@ struct Reach {
     void include(const Reach& other);
 };
 
-/// Number of classes into which the splats of a row are divided by how far they reach. Without classes, a
-/// single large CoC would make distant blocks of the image test all small splats of the row.
+/// Number of classes into which the splats of a row are divided by the size of their kernels. Blocks far from
+/// the row then only test the splats of the classes with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// Reach class c (splats with a similar reach) consists of the splats [class_begin[c], class_begin[c +
-    /// 1]). class_reach[c] is the union of their reaches.
+    /// A reach class c consists of splats with kernels of similar size, [class_begin[c], class_begin[c + 1]).
+    /// class_reach[c] contains all pixels that a splat of the class reaches.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
     /// The rows that the runs of this row reach, [run_dy_begin, run_dy_end), relative to this row.
@@ -107,8 +107,10 @@ class SplatTables {
     void survey() { keep_ = Keep::none; }
     /// Starts a strip (group of rows) of the image. Only splats that reach `part`, a window in raster px, are
     /// kept. Returns the ranges of rows [begin, end) that must be added again, in this order, before
-    /// finish_strip(). The first call returns all rows. May be called any number of times after finish(). The
-    /// height of each strip is a multiple of `block_px`.
+    /// finish_strip(). The first call returns all rows. The height of each strip must be a multiple of
+    /// `block_px`.
+    ///
+    /// May be called any number of times after finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
     /// Returns the number of splats that reach the rows [begin, end) of blocks. Call it after a first strip
@@ -128,8 +130,8 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The rows that the runs (adjacent samples with the same disc) of any row reach, relative to that row.
-    /// class_reach has the same for the splats of a reach class.
+    /// The rows that the runs (adjacent samples with the same disc) of a row reach, relative to that row. The
+    /// range holds for all rows. class_reach is the same for the splats of a reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {

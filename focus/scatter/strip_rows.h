@@ -59,9 +59,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items, which are those that reach at least a certain distance. As long
-    /// as they exceed the limit, this distance is doubled, and items that reach less far are dropped. Call it
-    /// each time that further rows are complete.
+    /// Limits the memory of the kept items. An item is kept if it reaches at least a certain distance. While
+    /// the kept items exceed the limit, this distance is doubled, and items that do not reach it are dropped.
+    /// Call this function each time that further rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
@@ -112,8 +112,8 @@ class StripRows {
         }
         return out - gone;
     }
-    /// Returns the kept items of a row, which are those that reach far, in order. If the row is not read
-    /// again, these are the only items that it contributes.
+    /// Returns the kept items of a row, in order. These are the items that reach far. A row that is not read
+    /// again contributes only these items.
     [[nodiscard]] std::span<const Far> far(int y) const {
         return rows_[static_cast<std::size_t>(y - y_begin_)].far;
     }

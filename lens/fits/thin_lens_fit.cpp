@@ -36,9 +36,9 @@ struct Difference {
     }
 };
 
-/// Fit of the CoC c = K |q - x|, where x = 1/z. The pairs can be divided at each depth into those behind and
-/// those in front of the focus. Each division gives a straight line, and the line with the smallest error is
-/// used.
+/// A fit of the CoC diameter c = K |q - x|, where x = 1/z and q = 1/s. The focus is unknown, so the fit tries
+/// every division of the pairs into those behind and those in front of the focus. Each division gives a
+/// straight line, and the line with the smallest error is used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };

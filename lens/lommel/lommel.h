@@ -10,7 +10,8 @@ namespace postlens {
 
 /// Returns I(u, v) = |2 int_0^1 J0(v p) exp(-i u p^2 / 2) p dp|^2 [born1999, 8.8.1], the intensity relative
 /// to the peak in focus. I(0, 0) is 1, and I is even in u and v. Accepts any finite u and v, and needs O(v)
-/// steps. For |u| up to 5000, the error is below 1e-12 and also below 1e-9 of the response's peak.
+/// steps. For |u| up to 5000, the absolute error is below 1e-12, and the error relative to the peak of the
+/// response is below 1e-9.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
 /// Returns I(u, v) by Gauss-Legendre quadrature over panels of at most one fringe. Needs O(u + v) evaluations

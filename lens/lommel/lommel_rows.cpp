@@ -14,9 +14,9 @@ namespace {
 constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
-/// Two sums over x, the smaller of v/u and u/v. `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1,
-/// .. `even` is the sum of (-1)^s x^(2s) J_(2s) over s = 1, 2, .. J_0 is left out, so that `even` stays
-/// precise for small x.
+/// Two power series in x, which is the smaller of v/u and u/v. J_n is the Bessel function of order n at v.
+/// `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, .. `even` is the sum of (-1)^s x^(2s) J_(2s)
+/// over s = 1, 2, .. The term J_0 is left out, so that `even` stays precise for small x.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
 
-/// Energy flow through a pixel border near the centre, with every fringe resolved. The border is the segment
-/// from y0 to y1 on the line at distance `x` from the centre. L is the encircled energy, the energy within a
-/// radius.
+/// Returns the energy that flows through a pixel border near the centre. Every fringe is resolved. The border
+/// is the segment from y0 to y1 on the line at distance `x` from the centre.
 ///
-/// The substitution y = x sinh t, r = x cosh t turns the flow L x / (2 pi r^2) dy into L / (2 pi cosh t) dt.
-/// Equal steps of t are then short steps of r where the border is close to the centre.
+/// Let L be the encircled energy, which is the energy within a radius r. The flow is the integral of L x / (2
+/// pi r^2) over y. The substitution y = x sinh t, r = x cosh t turns it into the integral of L / (2 pi cosh
+/// t) over t. Equal steps of t are short steps of r where the border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     // So close to the centre, the energy flow is negligible, because the encircled energy is proportional to
     // the square of the radius.
@@ -27,8 +27,9 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // A panel spans 6 in v. Over such a panel, 16 quadrature nodes resolve the diffraction fringes of L, the
-    // energy within a radius. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
+    // A panel spans 6 units of the radius v. Over such a panel, 16 quadrature nodes resolve the diffraction
+    // fringes of L, the energy within a radius. The limit of 64 panels matters only where a pixel contains
+    // hundreds of fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -43,8 +44,8 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width over which fringes are averaged. A width slightly below the distance between two nodes
-/// gives the smallest error for fringes of medium width.
+/// Returns the width over which fringes are averaged. It is slightly smaller than the distance between two
+/// nodes, which gives the smallest error for fringes of medium width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
@@ -151,8 +152,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // Borders computes the flow for one quadrant. It needs the flow in a whole square around the grid, up to
-    // the square's corners.
+    // Borders computes the flow for one quadrant of a square around the grid. The table of the flow must
+    // extend to the corners of this square.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

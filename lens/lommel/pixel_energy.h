@@ -8,16 +8,17 @@ namespace postlens {
 
 /// Sampling density along pixel borders. With the defaults, the results are converged (docs/diffraction.md).
 struct PixelEnergySettings {
-    int nodes = 16;      ///< along a pixel border, per px of radius, away from the centre
+    int nodes = 16;      ///< quadrature nodes along a pixel border, per px of radius
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
 };
 
 /// Fills `grid`, whose window the caller chooses, with the energy of the response. The response is centred at
 /// (centre_x, centre_y) px from the grid's anchor (the origin of its coordinates).
 ///
-/// The energy in a pixel is the energy that flows out through its borders. The radial flow L(r) / (2 pi r),
-/// where L is the encircled energy, has the energy density as its divergence. Neighbouring pixels share the
-/// flow through their border, so the sum over any window is exactly the energy inside the window.
+/// The energy in a pixel is the energy that flows out through its borders. The flow is radial. At radius r it
+/// is L(r) / (2 pi r), where L is the encircled energy, and its divergence is the energy density.
+/// Neighbouring pixels share the flow through their common border. The sum over any window is therefore
+/// exactly the energy inside the window.
 ///
 /// The profile must extend to `reach_px(grid, ..)`. Values that rounding makes negative are set to 0.
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,

@@ -10,9 +10,8 @@
 namespace postlens {
 namespace {
 
-/// Weights of eight equidistant values. The weighted sum is the integral of the Lagrange polynomial through
-/// the values, over the middle one of the seven steps between them. For a wave of frequency 2, the error is
-/// 1e-4 of the amplitude at step 1/2, and 1e-9 at step 1/8.
+/// Weights of eight equidistant values. The weighted sum is the integral of the polynomial through these
+/// values, over the middle one of the seven steps between them.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step

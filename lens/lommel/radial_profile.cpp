@@ -35,9 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // For a smooth function, its means over three neighbouring intervals of width w determine the value
-        // at the centre: 26/24 of the mean over the middle interval, minus 1/24 of the other two means. The
-        // error is 3/640 of the fourth difference.
+        // The means of `within` over three neighbouring intervals of width w are known. Where the function is
+        // smooth, its value at the centre is 26/24 of the middle mean, minus 1/24 of each of the other two
+        // means. The error is 3/640 of the fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);

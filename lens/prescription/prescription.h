@@ -69,21 +69,21 @@ struct Prescription {
 /// Returns "FILE:LINE" of a surface, for error messages.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
 
-/// Returns a hash of the prescription. Two prescriptions have equal hashes if all rays take the same paths
-/// through both.
+/// Returns a hash of the prescription. Two prescriptions have equal hashes if every ray takes the same path
+/// through both lenses.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that cross within the smaller of their clear radii. Patents and files of
-/// fisheye lenses contain such radii. If the surfaces overlap by more than 1 % of the smaller clear radius,
-/// both clear radii are reduced to the radius where the surfaces meet, and a note is added. Surfaces that
-/// would meet closer to the axis than 1 % of that radius stay unchanged.
+/// Repairs neighbouring surfaces that cross within their clear radii, as in some patents and files of fisheye
+/// lenses. If the surfaces overlap by more than 1 % of the smaller clear radius, both clear radii are reduced
+/// to the radius where the surfaces meet, and a note is added. Surfaces that meet closer to the axis than 1 %
+/// of the smaller clear radius stay unchanged.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these conditions hold:
 /// - The prescription has 1 to `most_surfaces` surfaces and exactly one stop, whose opening is given.
 /// - All numbers are finite, thicknesses are not negative, and clear radii are positive.
 /// - Refractive indices at the prescription's wavelength are between 1 and 5.
-/// - No two neighbouring surfaces cross within the smaller of their clear radii by more than 1 % of it.
+/// - No two neighbouring surfaces overlap by more than 1 % of the smaller of their clear radii.
 void check_prescription(const Prescription& lens);
 
 }  // namespace postlens

@@ -19,16 +19,16 @@ class FanTable {
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns LensView::light, interpolated in the table. This is the light that the pixel in the direction
-    /// of `tangent` receives from a uniform scene, relative to the light of the centre pixel. The depth of
-    /// the scene has no effect.
+    /// Returns the light that the pixel in the direction of `tangent` receives from a uniform scene, relative
+    /// to the light of the centre pixel. The distance of the scene has no effect. The value is
+    /// LensView::light, interpolated in the table.
     [[nodiscard]] double light(double tangent) const;
     /// Returns an upper bound of the radius of an impulse response. The radius is the distance on the film
     /// from the object point's image to the farthest light of that point, divided by the film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast responses change over the field. When an object point moves, the
-    /// landing point of a ray moves relative to the point's image. The bound is the ratio of these two
-    /// movements, both measured as tangents.
+    /// Returns an upper bound of how fast the response changes when the object point moves over the field.
+    /// The change is the movement of a ray's landing point relative to the image of the object point. It is
+    /// divided by the movement of the object point. Both movements are measured as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -97,8 +97,8 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Returns initial values for the fit. These are the paraxial images of the stop and of the first and last
-// rim, in the plane of the pupil.
+// Returns initial values for the fit. The three circles are the paraxial images of the stop, of the first rim
+// and of the last rim in the plane of the pupil.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();

@@ -69,9 +69,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
         const double inverse = 1 / a_m * (1 - share) + 1 / b_m * share;
         out.depths_m.push_back(inverse > 0 ? 1 / inverse : b_m);
     }
-    // `height` is the distance from the film centre at which the chief ray (the ray through the centre of the
-    // stop) of a field tangent lands. It is infinite if the chief ray is blocked. The height grows with the
-    // tangent, so bisection finds the tangent of a given height.
+    // Returns the distance from the film centre at which the chief ray (the ray through the centre of the
+    // stop) lands, or infinity if this ray is blocked. The distance grows with the field tangent, so
+    // bisection finds the tangent for a given distance.
     const auto height = [&lens](double tangent) {
         const auto aim = lens.aim_at_stop(HUGE_VAL, {0, tangent});
         if (!aim) return HUGE_VAL;
@@ -100,9 +100,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // `landing` is the paraxial height at which a ray lands on the film. The ray comes from an axial point at
-    // this depth and passes through (0, 1) mm of the pupil. The depth at which the height is 0, measured from
-    // the pinhole, is in focus.
+    // Returns the paraxial height at which a ray lands on the film. The ray comes from an axial point at the
+    // given inverse depth and passes through the pupil at the height 1 mm. The point is in focus if the
+    // returned height is 0. Depths are measured from the pinhole.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -113,8 +113,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse depth at which the thick lens is in focus, which means that all rays of a point
-    // land at the same position.
+    // `own` is the inverse depth at which the thick lens is in focus.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

@@ -32,13 +32,14 @@ struct ModelRay {
 };
 
 /// Number of terms of the polynomial for each coordinate of the landing point. The terms depend on the pupil
-/// point (u, v) and on the field T. u and v are in radii of the paraxial pupil, with v in the direction of
-/// the field. T is the field tangent (the tangent of the angle between object point and axis), divided by its
-/// largest value.
+/// point (u, v) and on the field T. The unit of u and v is the radius of the paraxial pupil, and v is in the
+/// direction of the field. T is the field tangent (the tangent of the angle between object point and axis),
+/// divided by its largest value.
 ///
 /// Each term occurs twice: alone, and multiplied by the defocus K. K is 1/z' - 1/s for depth z' and focus
-/// distance s, divided by its largest value. Mirror symmetry about the meridian permits only terms that are
-/// odd in u for x, and even in u for y.
+/// distance s, divided by its largest value. Lenses are mirror-symmetric about the plane u = 0. The
+/// polynomial for x therefore has only terms that are odd in u, and the polynomial for y only terms that are
+/// even in u.
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
@@ -94,16 +95,15 @@ class LensModels {
     /// error is computed over a uniform grid of the pupil. In both the model and the traced lens, landing
     /// points are relative to the chief ray.
     ///
-    /// If only one of the two transmits a ray, its light has to move to a pupil point that both transmit. The
-    /// error of the ray is then the distance on the film to the landing point of the nearest such pupil
-    /// point.
+    /// If only the model or only the traced lens transmits a ray, the nearest pupil point that both transmit
+    /// is found. The error of the ray is then the distance on the film between the landing points of these
+    /// two pupil points.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// If a ray is displaced on the pupil of the thick lens, its landing point on the film is displaced in
-    /// proportion. The ratio of the two displacements, in mm per mm, is thick_at_infinity() +
-    /// thick_per_depth_m() / z', where z' is the depth.
+    /// If a ray moves on the pupil of the thick lens, its landing point on the film moves in proportion. The
+    /// ratio, in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the depth.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

@@ -57,9 +57,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
     // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. The root that stays finite as c approaches 0
-    // is used [welford1986, 4.3]. It can be computed as f / (b + root) or as (b - root) / a. Each form loses
-    // precision by cancellation where the other form does not. For example, f / (b + root) fails for a ray
-    // along the axis of a ball at the second surface, where b = -1 and f = 0.
+    // is used [welford1986, 4.3]. It equals both f / (b + root) and (b - root) / a. The first form is
+    // inaccurate if the two terms of its divisor nearly cancel, and the second form is used then.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;

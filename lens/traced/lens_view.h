@@ -27,9 +27,9 @@ struct ViewRay {
     double weight = 0;      ///< see TracedLens::scene_ray
 };
 
-/// A view through a lens, with the distortion of the lens corrected as cameras correct it. A point in the
-/// plane of focus then appears at the same pixel as in the pinhole image: its chief ray (the ray through the
-/// centre of the stop) lands there. Vignetting, the fall-off of light and all blur remain.
+/// A view through a lens whose distortion is corrected. A point in the plane of focus appears at the same
+/// pixel as in the pinhole image: its chief ray (the ray through the centre of the stop) lands there.
+/// Vignetting, the fall-off of light and all blur remain.
 ///
 /// Framing::keep scales the film so that the field of view equals that of the traced pinhole image. The other
 /// framings keep the pixel size of the film. With `lens`, the film is one focal length behind the lens. With

@@ -43,16 +43,16 @@ struct PupilFan {
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
-/// Where the response of a fan lies on the raster, and its scale there.
+/// The position of a fan's response on the raster, and its scale there.
 struct FanImage {
     double gain_px = 1;  ///< px per tangent
     glm::dmat2 further_px_m{
-        0};                 ///< added to a ray's landing point, per metre on the pupil, by mirrors and glass
-    glm::dvec2 axis{0, 1};  ///< unit vector on the raster from the image centre to the object point
+        0};                   ///< shift of a ray's landing point by mirrors and glass, per metre on the pupil
+    glm::dvec2 axis{0, 1};    ///< unit vector on the raster from the image centre to the object point
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// Returns the largest distance of the response's light from `centre_px`, in px.
+/// Returns the largest distance, in px, between `centre_px` and the light of the response.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
 /// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the image of

@@ -155,9 +155,9 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     }
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
-        // The rays lie in one meridian, at equal steps on the pupil. Each ray represents a ring whose area is
-        // proportional to the ring's radius, so the weight of the ray is this radius. The object distance is
-        // measured from the pupil. object_ray is not used, because it measures from the pinhole.
+        // The rays lie in one meridian, at equal steps on the pupil. Each ray represents a ring, whose area
+        // is proportional to its radius. The radius is therefore the weight of the ray. The object distance
+        // is measured from the pupil. object_ray is not used, because it measures from the pinhole.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -196,9 +196,10 @@ void TracedLens::set_focus(const Prescription& lens) {
         film_from_vertex_mm_ = sharp_film_mm(lens, s);
         return;
     }
-    // Object and image have the distances x and x' from the focal points, with x x' = n' efl^2. If the lens
-    // moves between a fixed object and a fixed film, the sum x + x' stays constant, and the product is
-    // largest for x = x'. If even this product is below n' efl^2, the object is too near to be in focus.
+    // The object is at distance x from the front focal point and the image at distance x' from the rear one.
+    // They satisfy x x' = n' efl^2. If the lens moves between a fixed object and a fixed film, x + x' stays
+    // constant, and x x' is largest for x = x'. If even this product is below n' efl^2, the object is too
+    // near to be in focus.
     const double nearest_mm = first_order_.entrance_pupil_z_mm - first_order_.ffl_mm +
                               2 * std::sqrt(lens.image_index(wavelength_nm_)) * first_order_.efl_mm;
     const auto too_near = [&] {
@@ -276,8 +277,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search region is a square in the plane of the last surface. It is about twice as wide as the
-    // paraxial exit pupil appears there, seen from the farthest film point.
+    // The search region is a square in the plane of the last surface. The paraxial exit pupil is projected
+    // onto this plane from the farthest film point. The square is about twice as wide as this projection.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =

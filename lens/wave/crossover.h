@@ -9,12 +9,12 @@
 namespace postlens {
 
 /// The diameters of the Airy disc and of the CoC (circle of confusion), for f-numbers in steps of a third of
-/// a stop. Also the f-number at which the Airy disc is as wide as the CoC, and the one at which it is as wide
-/// as a pixel.
+/// a stop. The struct also holds two f-numbers: the one at which the Airy disc is as wide as the CoC, and the
+/// one at which it is as wide as a pixel.
 ///
-/// The film is at distance V, and D is the aperture diameter. The diameter of the Airy disc, to its first
-/// zero, is 2 * 1.2197 lambda V / D and grows with the f-number. The diameter of the CoC is V D |1/s - 1/z|
-/// for focus distance s and depth z, and decreases with the f-number.
+/// The diameter of the Airy disc, to its first zero, is 2 * 1.2197 lambda V / D and grows with the f-number.
+/// V is the film distance and D the aperture diameter. The diameter of the CoC is V D |1/s - 1/z| for focus
+/// distance s and depth z. It decreases with the f-number.
 struct Crossover {
     struct Stop {
         double f_number = 0, airy_mm = 0, coc_mm = 0;

@@ -16,10 +16,10 @@ namespace postlens {
 struct DiffractionSettings {
     Spectrum spectrum = channel_bands();
     double centre_x = 0, centre_y = 0;  ///< geometric image, px relative to the anchor
-    /// At most this fraction of the energy, between 0 and 1, lies beyond the edge of the grid. The energy
-    /// beyond a radius decreases only as 1 / radius. Let a be the length lambda V/D (wavelength * film
-    /// distance / aperture diameter). The fraction is 0.01 at a distance of 10 a from the edge of the disc,
-    /// and 0.001 at 100 a.
+    /// Largest fraction of the energy, between 0 and 1, that may lie beyond the edge of the grid. The energy
+    /// beyond a radius decreases only as 1 / radius, so a small fraction needs a large grid. The fraction is
+    /// 0.01 at a distance of 10 lambda V/D from the edge of the disc, where lambda is the wavelength, V the
+    /// film distance and D the aperture diameter.
     double tail = 0.01;
     double max_radius_px = 1024;  ///< largest radius of the grid, for any tail
     /// If true, the energy beyond the grid is added to the pixels in proportion to their energy, so that the
@@ -36,10 +36,10 @@ struct ChannelResponses {
     double radius_px = 0;
 };
 
-/// Computes one response for each signed CoC diameter, in px and in the given order
-/// (FocusGeometry::coc_diameter_px). The sign has no effect, because without aberrations the light in front
-/// of the focus equals the light behind it. The geometry gives v_per_px for each wavelength, and u = v_per_px
-/// coc / 2. Depths run in parallel, and results are bit-identical for any number of threads.
+/// Computes one response for each CoC diameter, in the given order. The diameters are signed and in px, as
+/// FocusGeometry::coc_diameter_px returns them. The sign has no effect: without aberrations, the responses in
+/// front of and behind the focus are equal. Depths run in parallel, and results are bit-identical for any
+/// number of threads.
 ///
 /// Throws Error(wrong_arguments) if the aperture has width 0, because its diffraction has no limit. Throws
 /// the same error if a CoC is not finite or is too large for `largest_u`, or if a setting is out of range.
@@ -48,9 +48,9 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns the radius v beyond which at most the fraction `tail` of the energy lies, by the formula (2/pi)
-/// v/(v^2 - u^2). Near the edge of the disc, the formula overestimates this fraction. The result is at most
-/// one fringe smaller than the true radius.
+/// Returns a radius v beyond which at most the fraction `tail` of the energy lies. The radius is the solution
+/// of (2/pi) v/(v^2 - u^2) = tail. Near the edge of the disc, this formula overestimates the energy beyond v.
+/// The result is too small by at most one fringe.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

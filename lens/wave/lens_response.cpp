@@ -91,7 +91,7 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // A sample of the radial profile at radius v takes about v computing steps. The sum of these steps is
+    // At radius v, a sample of the radial profile takes about v computing steps. The total number of steps is
     // limited, so that the profile takes at most a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);

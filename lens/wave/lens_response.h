@@ -48,15 +48,15 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. It always describes the blur, while `fwhm_px`
     /// may describe only a bright fringe. Absent if the circle exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Samples from the centre to half the width of the grid. There are four samples per unit of v, and at
-    /// most 8192. If v reaches 1e6, there are fewer samples, because samples at such a large v are slow to
-    /// compute.
+    /// Samples from the centre to half the width of the grid. There are four samples per unit of v, but at
+    /// most 8192. There are fewer if v is so large that computing the samples would take more than a few
+    /// seconds.
     std::vector<RadialSample> profile;
 };
 
-/// Computes the response. An infinite f-number gives a disc of width 0, and is an error for diffraction.
-/// Throws Error(wrong_arguments) if the focal length, f-number, focus distance, depth, pixel pitch, size or a
-/// wavelength is out of range. Throws Error(out_of_memory), with the required memory, if memory is short.
+/// Computes the response. If the f-number is infinite, the response is a disc of width 0. Throws
+/// Error(wrong_arguments) if a number of the request is out of range, or if the f-number is infinite and the
+/// response includes diffraction. Throws Error(out_of_memory), with the required memory, if memory is short.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Planes of floats over a window of a raster of cells, stored row by row. All values outside of the window
-/// are 0.
+/// Several planes of floats. Each plane has a value for every cell of a window (rectangle of the raster), row
+/// by row. All values outside of the window are 0.
 struct Planes {
     int x_begin = 0, y_begin = 0, width = 0, height = 0;
     std::vector<std::vector<float>> planes;

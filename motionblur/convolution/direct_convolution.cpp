@@ -21,8 +21,8 @@ constexpr std::size_t terms_per_flush = 32;
 /// Number of cells that cost about as much as one run of equal weights. Shorter runs are processed cell by
 /// cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. Equal weights may differ slightly, because
-/// they are differences of accumulated light, which is rounded to 2^-53.
+/// Relative difference up to which two weights count as equal. Weights that should be equal may differ
+/// slightly by rounding, because each weight is the difference of two sums of light.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -331,10 +331,8 @@ double direct_cost_s(const ConvolutionTask& task) {
     // The number of additions is proportional to the share of the full result that is wanted.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The costs come from measurements of `one_object/direct` in convolution_bench. Paths of 8 px give the
-    // cost of copying the object's raster. Longer paths at 45 degrees give the cost of a cell, and paths
-    // along a row give the cost of running sums. A value of a large array costs more, because the system
-    // first has to provide memory.
+    // The costs were measured with `one_object/direct` in convolution_bench. Copying takes longer in large
+    // arrays, because the system first has to provide their memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -57,8 +57,7 @@ struct Tiling {
 };
 
 double transform_cost_s(double cells) {
-    // Time per step of a transform, in seconds. It was measured with `one_object/fft` in convolution_bench
-    // for at least 300 cells.
+    // Time per step of a transform, in seconds, measured with `one_object/fft` in convolution_bench.
     constexpr double s_per_step = 3.3e-10;
     return s_per_step * cells * std::max(1.0, std::log2(cells));
 }

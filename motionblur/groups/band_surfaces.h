@@ -30,7 +30,7 @@ inline constexpr int band_rows = 32;
 
 /// The records of one instant, in bands of `band_rows` rows of pixels. Each band also contains the row below,
 /// because the records on its lower border are stored there. Only the bands that are needed are kept in
-/// memory. Moving objects usually cover few rows of a frame, so these are few.
+/// memory. These are usually few bands, because moving objects cover few rows of a frame.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.

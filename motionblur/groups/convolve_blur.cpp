@@ -17,7 +17,7 @@ namespace {
 struct Between {
     std::array<double, 3> colour{};
     /// `covered` is the weight of the samples that show a surface in this interval of depth. `known` is the
-    /// weight of the samples whose records reach this interval.
+    /// weight of the samples that have a record in this interval or behind it.
     double covered = 0, known = 0;
 };
 
@@ -179,8 +179,9 @@ class Composite {
 };
 
 /// Returns an upper bound of the squared covariance between the nearer group's coverage and the farther
-/// group's light, summed over pixels, for light of up to 1. If a group covers a pixel during the share c of
-/// the exposure, the variance of its coverage is c (1 - c), and the variance of its light is at most c.
+/// group's light, summed over pixels. The light is assumed to be at most 1. Let c be the share of the
+/// exposure during which a group covers a pixel. The variance of its coverage is then c (1 - c), and the
+/// variance of its light is at most c.
 double covariance_bound(const GroupPicture& nearer, const GroupPicture& farther) {
     double sum = 0;
     for (int y = std::max(nearer.y_begin, farther.y_begin); y < std::min(nearer.y_end, farther.y_end); ++y) {

@@ -34,8 +34,8 @@ struct ConvolveBlur {
 /// Quadtree leaves are drawn into the group's raster without resampling.
 ///
 /// A pixel is composited front to back: first the static surfaces in front of the nearest group, then that
-/// group, then the static surfaces behind it, and so on. Only samples whose records reach a depth count
-/// there. The weight of a static surface is its coverage among these samples.
+/// group, then the static surfaces behind it, and so on. At each depth, only the samples that have a record
+/// there or farther away count. The weight of a static surface is its coverage among these samples.
 [[nodiscard]] ConvolveBlur convolve_blur(const Image& still, const std::vector<BandSurfaces>& bands,
                                          const std::vector<MovingGroup>& groups, const Exposure& exposure,
                                          const ShutterCurve& curve, double across_per_px);

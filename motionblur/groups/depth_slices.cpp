@@ -14,8 +14,8 @@ namespace {
 using glm::dvec2;
 
 /// Largest distance, px, between the ends of the paths of neighbouring depth slices. A surface between two
-/// slices is drawn as the mean of both. At the end of the surface's streak, the mean may be wrong over up to
-/// this length, by up to one half. A smaller value does not increase the measured PSNR.
+/// slices is drawn into both, so the end of its blur is inaccurate over at most this length. A smaller value
+/// does not increase the measured PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. It is computed from
@@ -116,8 +116,9 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // For v distributed uniformly between low and high, max(0, 1 + v) has the mean (1 + high)^2 / (2 (high -
-    // low)). The line 1 + v / -low has the mean (1 + high / -low) / 2. `area` is the ratio of these means.
+    // Let v be the sum of the axes' terms, distributed uniformly between low and high. The projected area
+    // max(0, 1 + v) then has the mean (1 + high)^2 / (2 (high - low)). The line 1 + v / -low has the mean (1
+    // + high / -low) / 2. `area` is the ratio of these means.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -133,7 +134,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves. It yields one piece in each of them.
+    // A record is a corner of about four quadtree leaves, and yields one piece in each of these leaves.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });

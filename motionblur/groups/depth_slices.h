@@ -15,9 +15,8 @@ inline constexpr int most_slices = 64;
 [[nodiscard]] int slices_for(const MovingGroup& group);
 
 /// Measures the error of treating a group as one opaque surface. Parts at different depths move differently,
-/// so areas between them are uncovered, or the parts come to overlap. Returns the largest total of such
-/// areas, as a fraction of the area in which the group was recorded. Depth edges whose sides separate by less
-/// than 0.5 px do not count.
+/// so they may separate or overlap. Returns the largest total area of such gaps and overlaps, as a fraction
+/// of the area in which the group was recorded. Parts that move apart by less than 0.5 px do not count.
 [[nodiscard]] double torn_share(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, double across_per_px);
 
@@ -33,15 +32,14 @@ struct PathAxis {
 /// not move.
 [[nodiscard]] std::vector<PathAxis> axes_of(const MovingGroup& group);
 
-/// The change of a surface's projected area as it moves along its path. A point with inverse depth 1/z' moves
-/// by path(t) * (1/z') / path_inverse_z. Let G be the gradient of 1/z' over a piece of surface, per px. At
-/// time t, the recorded area of the piece is multiplied by 1 plus a sum over the axes. Each axis adds rate *
-/// (path(t) . axis), where the rate is G . axis / path_inverse_z, in 1/px. This is exact for a translation
-/// parallel to the film.
+/// How the projected area of a piece of a surface changes while the piece moves along its path. At time t,
+/// the recorded area is multiplied by a factor: 1 plus, for each axis, rate * (path(t) . axis). The rate is G
+/// . axis / path_inverse_z, in 1/px. G is the gradient of the inverse depth 1/z' over the piece, per px. The
+/// factor is exact for a translation parallel to the film.
 ///
-/// If the area becomes negative, the piece has turned over and is no longer drawn. `area` and the rates then
-/// describe another linear function. It falls to 0 at the end of the path and has the same integral as the
-/// positive part.
+/// If this factor becomes negative, the piece shows its back and is no longer drawn. `area` and the rates
+/// then describe another linear function, which approximates the positive part. It has the same integral and
+/// falls to 0 at the end of the path.
 struct Stretch {
     double area = 1;
     glm::dvec2 rate_per_px{0};

@@ -45,8 +45,8 @@ GroupPicture GroupBlur::sliced(const DepthSlices& slices, const MovingGroup& gro
         for (std::size_t a = 0; a < i1.stretched.size(); ++a)
             add(in_pixels(convolved(i1.stretched[a], path, along[a]), cells_per_px_, width_, height_), out);
     }
-    // Where parts at different depths overlap, only one of them is visible, so coverage is limited to 1. Sums
-    // that would be 0 without rounding may yield a coverage of up to `rounding`.
+    // Where parts at different depths overlap, only one of them is visible, so coverage is limited to 1. By
+    // rounding, a sum of 0 may become a coverage of up to `rounding`.
     const float rounding = least_coverage * static_cast<float>(slices.count());
     for (auto& p : out.rgba) {
         if (p[3] <= rounding) p = {0, 0, 0, 0};

@@ -33,7 +33,7 @@ struct GroupPicture {
 
 /// The cells [x, x + n) x [y, y + n) that the quarter of a quadtree leaf at one of its corners covers.
 /// `share` is the fraction of each cell's area that the quarter covers. The sizes of leaves and cells are
-/// powers of 2, so a quarter either covers whole cells or lies within one cell.
+/// powers of 2. A quarter therefore either covers whole cells or lies within one cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;

@@ -16,8 +16,8 @@ struct PassedBox {
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
 /// Returns the fraction of the area of the group's passed_box in which another surface lies between the
-/// group's nearest and farthest point. Surfaces of moving groups do not count. The order of depth is wrong in
-/// this area, because all slices of the group are composited at the group's mean depth.
+/// group's nearest and farthest point. Surfaces of moving groups do not count. In this area, the surfaces may
+/// be composited in the wrong order, because all slices of the group are placed at the group's mean depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 

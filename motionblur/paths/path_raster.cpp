@@ -61,8 +61,8 @@ struct Extent {
 };
 
 /// Clips the piece to the window plus a margin of half a cell on every side. Returns false if nothing
-/// remains. The margin ensures that rounding cannot remove a part within the window. Parts outside the window
-/// are ignored when the piece is drawn.
+/// remains. Without the margin, rounding could remove a part within the window. Parts in the margin are not
+/// drawn.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -222,9 +222,9 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
             // The path is in the current cell from `before` to `at`, where it crosses the next border of a
-            // cell. The cell gets the path's value at the middle of this time, which is exact if the
-            // shutter's transmission is constant. Rounding can place `at` slightly before `before`. The light
-            // of such a negative time counts as 0.
+            // cell. The cell gets the path's value at the middle of this time. This is exact if the shutter's
+            // transmission is constant. By rounding, `at` may lie slightly before `before`. The light is then
+            // 0.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

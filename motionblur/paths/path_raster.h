@@ -45,8 +45,8 @@ inline constexpr double most_path_crossings = 200'000'000;
 /// of a part is the light that the shutter transmits between the two ends of the part.
 ///
 /// With `keep`, only the cells in this window are computed, and the weights sum to the share of the light in
-/// them. The raster is empty if no light arrives there. The time is bounded by the number of points times the
-/// sum of the window's width and height, even for very long paths.
+/// them. The raster is empty if no light arrives there. The computing time is at most proportional to the
+/// number of points times the sum of the window's width and height.
 ///
 /// `values` contains one value per point, and is linear in time between the points. With `values`, each cell
 /// contains the integral of the value over the cell's light, instead of the light.

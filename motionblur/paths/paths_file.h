@@ -21,8 +21,8 @@ inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 /// A rigid motion in scene coordinates, in m. There is at least one key, and the times of the keys increase.
 using RigidKeys = std::vector<TransformKey>;
 
-/// A motion, and the objects that it moves. Only differences of the position r'(t) along the motion matter.
-/// At time t, an object is displaced by r'(t) - r'(time of the frame).
+/// A motion, and the objects that it moves. At time t, an object is displaced by the difference between the
+/// motion's position at t and its position at the time of the frame.
 struct ObjectPath {
     std::vector<std::uint32_t> ids;    ///< each is at least 1 and occurs once
     std::vector<std::string> objects;  ///< names in the sample file

@@ -81,8 +81,8 @@ void require_order(double open_s, double close_s, double tolerance_px) {
 // Instants at which a piece is tested, as fractions of its duration. No two of them are symmetric about the
 // middle. The tests therefore also detect a function that turns or returns symmetrically within a piece.
 constexpr std::array<double, 5> test_shares{0.1271, 0.3094, 0.5, 0.7071, 0.8819};
-// Fraction of the tolerance that the tests allow. It is below 1, because at a kink between two test instants
-// the error can be 1 / 0.79 times the largest error that the tests find.
+// Fraction of the tolerance that the tests allow. It is below 1, because the error between two test instants
+// can be larger than at the test instants.
 constexpr double tested_tolerance = 0.75;
 
 }  // namespace

@@ -31,8 +31,8 @@ void check(const VectorBlurSettings& s) {
 }
 
 /// Largest error of a reprojected position, px, and width of the overlap of neighbouring patches, px. A patch
-/// is a planar part of the image that is reprojected as a whole. The overlap is smaller than the distance of
-/// sample positions from the sides of a pixel.
+/// is a planar part of the image that is reprojected as a whole. The overlap is so small that it never
+/// reaches a sample position in the neighbouring pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -76,10 +76,10 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
     return known ? weight : std::vector<float>();
 }
 
-/// Returns an image of the background, which replaces light that no view determines. `weight` is 1 for static
+/// Returns an image of the background, which is used where no view shows a surface. `weight` is 1 for static
 /// pixels and 0 for moving pixels. The background of moving pixels is interpolated from the static pixels
-/// around them. If `weight` is empty, the image of the views is the background, and pixels that no view
-/// determines are interpolated from the pixels around them.
+/// around them. If `weight` is empty, the mean of the views is the background. Pixels in which no view shows
+/// a surface are then interpolated from the pixels around them.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {

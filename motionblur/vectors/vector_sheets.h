@@ -12,24 +12,25 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 
 /// Converts an image with motion vectors to sheets, which are connected surfaces within squares of the
 /// raster. A pixel is the mean over its square, so every pixel becomes a cell with one colour and one depth.
-/// The views' sample positions are distributed over the pixel. Static pixels therefore keep their exact
-/// values, and moving edges between pixels have the right coverage.
+/// Static pixels therefore keep their exact values. The sample positions of the views are distributed over
+/// the pixel, so moving edges are antialiased correctly.
 ///
 /// At a corner shared by several pixels, those that belong to one surface get the mean of their vectors. This
 /// prevents cracks in a surface that rotates or grows. Different surfaces may separate. Pixels of the display
 /// window that the file does not store are black, static and infinitely far away.
 ///
 /// The velocity v of a cell, in px per frame to the right and down, is stored as the matrix W = (-v.x 0; -v.y
-/// 0). W determines how the image of the cell moves with the lens point. The view from the lens point (t, 0)
-/// (LensShift::lens_px) therefore shows the cell at its position t frames later. Throws Error(out_of_memory).
+/// 0). W normally determines how the image of a cell moves with the lens point. Here, the first coordinate of
+/// the lens point (LensShift::lens_px) stands for time. The view from the lens point (t, 0) shows the cell at
+/// its position t frames later. Throws Error(out_of_memory).
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
 /// Returns whether two neighbouring pixels belong to one surface. Their vectors must agree within 2 px or 10
 /// % of the longer one, and their depths within 2 %. If both pixels have ids, the ids must be equal instead
 /// of the depths. If there are no depths and no ids, only the vectors are compared.
 ///
-/// If the vectors agree within 0.25 px, depths and ids may differ. This keeps a floor near the horizon in one
-/// piece, although its depth changes steeply.
+/// If the vectors agree within 0.25 px, depths and ids may differ. Otherwise, a floor would be torn near the
+/// horizon, where its depth changes steeply.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens

@@ -12,8 +12,8 @@ namespace {
 /// (bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// A run of equal bytes is stored as (its length - 1), from 2 to 127, followed by the byte. Other bytes are
-// stored as minus their number, from -1 to -127, followed by the bytes themselves.
+// A run of equal bytes is stored as a count and the byte. The count is the length of the run minus 1. A
+// sequence of other bytes is stored as its negated length, followed by the bytes themselves.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
@@ -41,14 +41,13 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
     }
 }
 
-/// Reverses the differences: replaces each byte by the running sum of bytes[i] - 128. The first byte stays
-/// unchanged.
+/// Recovers the bytes from their differences: each byte becomes the sum of itself and the previous result,
+/// minus 128. The first byte stays unchanged.
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Each step treats eight bytes as one 64-bit word. The running sums of the eight bytes are obtained by
-    // adding the word to itself three times, shifted by 1, 2 and 4 bytes. `add` prevents carries from one
-    // byte into the next.
+    // Each step treats eight bytes as one 64-bit word. Adding a copy of the word, shifted by 1, 2 and 4 bytes
+    // in turn, gives the running sums of its bytes. `add` prevents carries from one byte into the next.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -173,7 +172,7 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The buffer is one byte smaller than `raw`, because a result as long as `raw` would save nothing.
+        // The output buffer is one byte smaller than `raw`, because longer output would save nothing.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }

@@ -76,9 +76,8 @@ bool preview_fills(ByteView value) {
 }
 
 /// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the samples of a
-/// chunk when it opens a part. The bound is 4 bytes per channel and pixel. It is 0 for a part without
-/// channels, and for a scanline part without a data window. The caller states whether the part is `tiled`,
-/// because a scanline part may have a tile size, too.
+/// chunk when it opens a part. The bound is 4 bytes per channel and pixel. The caller states whether the part
+/// is `tiled`, because the header of a scanline part may also contain a tile size.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -103,8 +102,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // If a scanline part has no data window, the OpenEXR library assumes a small one. For tiles, it would
-    // allocate the stated tile size, which is counted above.
+    // If a scanline part has no data window, the OpenEXR library assumes a small one.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -258,7 +258,7 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             name = reader.take_name();
             // The OpenEXR library (3.1) reads four bytes beyond the end of a manifest. It therefore misses
             // the first four characters of the name of the next attribute. If that name has at most four
-            // characters, the library would take other bytes for a size.
+            // characters, the library would mistake other bytes for the size of the attribute.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -146,7 +146,7 @@ std::uint64_t ExrOutput::finish() {
     flush();
     for (std::size_t part = 0; part < chunks_.size(); ++part) assert(offsets_[part].size() == chunks_[part]);
     if (!checksum_) write_table();
-    // Some file systems report a full disk only here.
+    // Some file systems report a full disk only when the file is closed.
     if (::close(std::exchange(fd_, -1)) != 0) fail_with_errno();
     return position_;
 }

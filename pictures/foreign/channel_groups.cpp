@@ -94,8 +94,7 @@ std::optional<GroupCandidate> depth_candidate(const ForeignFile& file, std::size
     const auto [before, letter] = split_channel(name);
     const std::string last = lower_case(letter);
     const ChannelGroup group = channel_group(file, part, before, depth_words);
-    // If there are channels X and Y, a channel Z is not a depth. It is a component of a position, a direction
-    // or a motion.
+    // If there are also channels X and Y, a channel Z is not a depth but a component of a vector.
     const bool has_x =
         p.has(before + (letter == "z" ? "x" : "X")) && p.has(before + (letter == "z" ? "y" : "Y"));
     if (last == "z" && (group.has_pass || !has_x)) {

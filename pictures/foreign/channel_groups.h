@@ -28,13 +28,12 @@ inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward",
 /// depth).
 ///
 /// Programs order names differently. For example, a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
-/// in a part depth_LAYER. The order of words is therefore ignored. The layer consists of all words in the
-/// names of the part and of the channel, without the last word of the channel's name and without words that
-/// name the pass or the view. Words that name colours are left out, too: the Z of a part "rgba" belongs to
-/// the colours of that part.
+/// in a part depth_LAYER. The order of words is therefore ignored. The layer consists of the words in the
+/// names of the part and of the channel. The last word of the channel's name is left out, and so are words
+/// that name the pass, the view or colours.
 struct ChannelGroup {
     std::size_t part = 0;
-    std::string view;                ///< of the part or its name; else the first of `multiView`; or empty
+    std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
     std::vector<std::string> layer;  ///< words, sorted, lower case; empty for the whole image
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
@@ -71,14 +70,14 @@ struct GroupMatch {
 /// Selects the channel that belongs to the colours with the view and layer `own`. `pictures` are the groups
 /// of all colours in the file.
 ///
-/// The channel must have the same view as the colours, and all words of its layer must be in the layer of the
-/// colours. If there are several such channels, the one whose layer has the most words is selected. Ties are
-/// decided by preferring the part of the colours, and then the lowest rank. The match is marked `surmised` if
-/// the channel is in a different layer that has colours of its own.
+/// The channel must have the same view as the colours. All words of the channel's layer must also be in the
+/// layer of the colours. Of several such channels, the one whose layer has the most words is selected. In
+/// case of a tie, a channel in the same part as the colours is preferred, and then the lowest rank. The match
+/// is marked `surmised` if the channel is in another layer than `own` and that layer has colours, too.
 ///
-/// If there is no such channel, channels that belong to other colours or to another view are excluded. If all
-/// remaining channels have the same part and layer, the one with the lowest rank is selected and marked
-/// `surmised`. Otherwise the result is empty.
+/// If there is no such channel, the function looks at channels that belong neither to other colours nor to
+/// another view. If these are all in one part and one layer, the one with the lowest rank is selected, and
+/// the match is marked `surmised`. Otherwise the result is empty.
 [[nodiscard]] std::optional<GroupMatch> match_group(std::span<const GroupCandidate> candidates,
                                                     const ChannelGroup& own,
                                                     std::span<const ChannelGroup> pictures);

@@ -126,8 +126,8 @@ constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// Returns the position at which a name that begins at `begin` ends, in a manifest written by Cycles. Returns
-/// npos if no id follows the name.
+/// `begin` is the position at which a name begins in a manifest written by Cycles. Returns the position at
+/// which the name ends, or npos if no id follows the name.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -139,8 +139,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where an
-/// id follows. Returns empty if the manifest does not have this form.
+/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where text
+/// in the form of an id follows. Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -164,8 +164,8 @@ bool has_its_ids(const nlohmann::json& manifest) {
 }
 
 /// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. Its
-/// manifest is then either not JSON, or it contains a different name whose hash is not the id. In these cases
-/// the names are escaped. Any other text is returned unchanged.
+/// manifests may therefore be invalid JSON, or contain names whose hashes are not the stated ids. In these
+/// cases the names are escaped. All other manifests are returned unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

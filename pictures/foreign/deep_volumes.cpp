@@ -60,8 +60,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // The samples stay unchanged if no volume contains a surface or the beginning of another volume. `out`
-    // begins with the surfaces. A surface therefore precedes a volume that begins at the same depth.
+    // The samples stay unchanged if no surface lies inside a volume and no volume begins inside another
+    // volume.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

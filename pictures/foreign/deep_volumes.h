@@ -14,10 +14,10 @@ struct DeepSample {
     std::uint32_t id = 0;
 };
 
-/// Splits volumes at the depths of surfaces and at the depths where other volumes begin or end. Merges the
-/// pieces that then fill the same interval. The density within a volume is constant. Where volumes overlap,
-/// their densities and emissions are added. The formulas are those of "Interpreting OpenEXR Deep Pixels",
-/// where A is the alpha of a volume, C its colour and d its length:
+/// Splits volumes at the depths of surfaces and at the depths where other volumes begin or end. Then merges
+/// all volumes that fill the same interval of depth. The density within a volume is constant. Where volumes
+/// overlap, their densities and emissions are added. The formulas are those of "Interpreting OpenEXR Deep
+/// Pixels", where A is the alpha of a volume, C its colour and d its length:
 ///     density s = -log(1 - A) / d, emission e = C s / A,
 ///     merged volume: A = 1 - exp(-d sum s), C = A sum e / sum s.
 /// A merged volume gets the id of its densest component. Surfaces are not changed. An opaque volume counts as

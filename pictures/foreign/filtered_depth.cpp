@@ -11,7 +11,7 @@
 namespace postlens {
 namespace {
 
-/// In neighbouring pixels, depths that differ by at most this relative amount belong to the same surface.
+/// Neighbouring pixels show the same surface if their depths differ by at most this relative amount.
 constexpr double same = 0.05;
 /// Minimum difference of depth (a "step") at a depth edge, relative to the nearer depth.
 constexpr double least_step = 0.1;
@@ -151,7 +151,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A pixel whose depth is hardly mixed is not part of the ramp. It belongs to the surface on its side.
+        // A pixel at the end of a ramp whose depth is hardly mixed counts as part of the adjacent surface,
+        // not of the ramp.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -173,8 +174,8 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // In a row or column along an edge, all depths are mixed. So of the two results for a pixel, from its
-        // row and from its column, the one with the larger step is kept.
+        // A pixel can be found in its row and in its column. The result with the larger step is kept, because
+        // all depths may be mixed in a row or column that runs along an edge.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }

@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels that may contain a pass (such as depth or ids), in all parts that may contain the pass.
-/// `add(part, name, out)` adds a channel to `out` if its name fits.
+/// Lists the channels that may contain a pass (such as depth or ids). `add(part, name, out)` adds a channel
+/// to `out` if the name of the channel fits the pass.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -71,7 +71,7 @@ class Finder {
                     to.push_back({group, name, 0});
             });
         const auto match = match_group(found, own_, pictures_);
-        // The alpha of another layer is never used, because it could make opaque pixels transparent.
+        // An alpha channel of another layer is never used, because it could make opaque pixels transparent.
         if (!match || match->surmised || found[match->candidate].group.layer != own_.layer) return;
         out_.alpha_part = found[match->candidate].group.part;
         out_.a = found[match->candidate].name;
@@ -217,8 +217,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in any part of the file, but its layer must match the layer of the
-            // colours. So the candidate is listed in the part with the colours.
+            // A Cryptomatte may be in any part of the file. Listing all of them under the part with the
+            // colours ensures that the part does not affect which one is selected.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

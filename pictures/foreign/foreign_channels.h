@@ -51,7 +51,7 @@ struct ForeignChoice {
 ///
 /// Colours are searched in the layers that `choice.layer` allows. `choice.layer` can be the name of a part, a
 /// view or a layer (the text before the dot). Any other text allows the layers whose names contain all of its
-/// words. An empty text allows all layers. The first of these that exists is selected:
+/// words. An empty text allows all layers. The following sources of colour are tried in this order:
 /// - R, G, B without a layer,
 /// - LAYER.Combined.R, .G and .B, which Blender writes,
 /// - a layer with the word rgba, beauty or color,
@@ -59,15 +59,15 @@ struct ForeignChoice {
 /// - Y, with RY and BY if both exist (otherwise grey),
 /// - A and Z alone (black).
 ///
-/// If several layers have the same place in this list, a layer with depth is preferred. Names of colours may
-/// be in lower case or whole words ("red").
+/// If several layers have the same place in this list, a layer with depth is preferred. Names of colour
+/// channels may also be in lower case or be whole words ("red").
 ///
-/// All other channels must belong to the colours (see match_group). In flat images they may be in any part.
-/// In deep images they must be in the part of the colours. Alpha is A or alpha. Depth is Z, or V, Y or R of a
-/// pass named depth or similar. Ids distinguish surfaces. In a flat image they come from a Cryptomatte
-/// (find_cryptomattes), which also describes mixed edge pixels. Otherwise they are a channel named id, ID,
-/// objectid, object_id or IndexOB, alone or followed by .X or .V. If there is a separate file for a pass,
-/// only that file is searched.
+/// The channels for alpha, depth and ids must belong to the colours (see match_group). In flat images they
+/// may be in any part. In deep images they must be in the part of the colours. Alpha is A or alpha. Depth is
+/// Z, or V, Y or R of a pass named depth or similar. Ids distinguish surfaces. In a flat image they come from
+/// a Cryptomatte (find_cryptomattes), which also describes mixed edge pixels. Otherwise they come from a
+/// channel named id, ID, objectid, object_id or IndexOB, with or without a suffix .X or .V. If there is a
+/// separate file for a pass, only that file is searched.
 ///
 /// `assumed` and `problems` list channels that are uncertain, and channels that are not used because they
 /// belong to another view or layer. Throws Error(invalid_input) with a list of the file's channels if no

@@ -93,8 +93,8 @@ class DeepBand {
 };
 
 /// Checks the stated sizes of deep chunks, because the OpenEXR library allocates the stated size before it
-/// reads a chunk. The file is opened a second time for these queries: a query changes the position from which
-/// the library reads pixels.
+/// reads a chunk. The file is opened a second time for this check, because asking for a size changes the
+/// position from which the library reads pixels.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor that converts an inverse depth of the file to the inverse depth along the axis, 1/m, at
-/// a pixel.
+/// Returns the factor that converts an inverse depth from the file at a pixel to the inverse depth along the
+/// optical axis, in 1/m.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;

@@ -27,15 +27,15 @@ class ForeignDepths {
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Converts a value at the pixel (x, y) of the file to the inverse of its distance, without the sign.
-    /// Calls `note`.
+    /// Converts a depth value of the file to the inverse of the absolute distance. Also calls `note` for this
+    /// value. (x, y) is the pixel in the file.
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);
         return inverse_of(std::abs(z));
     }
-    /// Keeps the sign and the size of a distance for the checks in `finish`. The distance `z` was computed
-    /// from `value` at the pixel (x, y) of the file.
+    /// Remembers what `finish` checks: how many distances are negative, and the largest distance. The
+    /// distance `z` was computed from `value` at the pixel (x, y) of the file.
     void note(float z, int x, int y, float value) {
         if (!is_hit(z)) return;
         farthest_ = std::max(farthest_, std::abs(z));
@@ -48,8 +48,8 @@ class ForeignDepths {
         }
     }
 
-    /// Repairs filtered depths, then sets the depths of a flat image's samples. `depths` has one value of the
-    /// file per pixel. `covered` is the alpha of each pixel.
+    /// Repairs filtered depths, then sets the depths of the samples of a flat image. `depths` has one depth
+    /// per pixel, as stored in the file. `covered` has the alpha of each pixel.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts depths to metres along the axis, and sorts the samples of each pixel from near to far. Throws

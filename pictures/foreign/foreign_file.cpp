@@ -104,8 +104,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
 }
 
 /// Returns the number of threads that the OpenEXR library may use to read a file. 0 means that only the
-/// calling thread is used. `greatest_chunk` is the largest size of a chunk. Threads are limited to save
-/// memory: for n threads, the library allocates three buffers for each of 2 n chunks of every part.
+/// calling thread is used. `greatest_chunk` is the largest size of a chunk. The number is limited to save
+/// memory, because the library allocates several chunks per thread for every part.
 int threads_of_file(std::uint64_t greatest_chunk) {
     // A band of rows (see ForeignFile::read_flat) has four chunks of ZIP, the most common compression.
     constexpr int most = 2;

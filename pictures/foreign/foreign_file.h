@@ -55,8 +55,8 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// Values of each channel, pixel by pixel, with all samples of a pixel in a row. The number of values is
-    /// the sum of the counts. Integers are stored as their bits.
+    /// Values of each channel. The samples of one pixel are adjacent, followed by those of the next pixel.
+    /// Integers are stored as their bits.
     std::vector<std::span<const float>> values;
 };
 

@@ -30,7 +30,7 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
             const int last = std::min(y + rows - 1, p.data.y_max);
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                // The library addresses pixels relative to the origin of the file's coordinates.
+                // The library expects the address that the pixel (0, 0) of the file would have.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
                 auto* base =
@@ -72,7 +72,7 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     guarded(name_of(part), [&] {
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         Imf::FrameBuffer frame;
-        // The library addresses values relative to the origin of the file's coordinates.
+        // The library expects the address that the value of the pixel (0, 0) would have.
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
         frame.insert(channel, Imf::Slice(Imf::FLOAT,

@@ -22,8 +22,9 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`. It is set for
-    /// objects with a depth offset, for example, and is otherwise negative (see spread_inverse_z).
+    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`. It is set, for
+    /// example, for objects with a depth offset. A negative value means that it is not set (see
+    /// spread_inverse_z).
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -38,9 +39,9 @@ inline constexpr double opaque_transmittance = 1e-3;
 /// there are no such samples, because it is not known what the opaque sample hides.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
 
-/// Converts a value of an id channel to an id. The id consists of the bits of `value`, because they
-/// distinguish hashes as well as whole numbers. If `whole` is true, `value` contains the bits of an integer.
-/// Otherwise, zero of either sign and NaN become 0, which means no id.
+/// Converts a value of an id channel to an id. The id has the same bits as `value`. If `whole` is true, these
+/// are the bits of an integer. Otherwise `value` is a float, and zero and NaN give the id 0, which means no
+/// id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
 /// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
@@ -78,7 +79,7 @@ struct ForeignPicture {
     /// two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
-    std::vector<std::string> masks;  ///< the files by which samples were divided (StackSample::mask)
+    std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
     ForeignCamera camera;
     ForeignChannels channels;
     double pixel_aspect = 1;  ///< width of a pixel on the film, divided by its height
@@ -128,7 +129,7 @@ struct ForeignPicture {
 ///   absolute values are used, with a warning. If only some are negative, this is an error. Filtered depths
 ///   of flat images are repaired (mend_filtered_depths, warning "repaired").
 /// - Colour: values that are not finite are replaced by the mean of finite neighbours in flat images, and by
-///   black in deep images. Alpha is clamped to [0, 1]. Both cause the warning "repaired".
+///   black in deep images. Alpha is clamped to [0, 1]. Both changes cause the warning "repaired".
 /// - Volumes: overlapping volumes of deep images are made to follow each other (tidy_volumes). They are then
 ///   divided into slices within which the circle of confusion varies little.
 /// - Ids: see surface_id. Unusable ids are ignored, with the warning "ids".

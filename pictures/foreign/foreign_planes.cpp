@@ -7,14 +7,14 @@
 namespace postlens {
 namespace {
 
-/// Repeats the outermost values of part `from` in a plane of part `onto`. Values are repeated beyond each
-/// border of the display window at which `from` ends.
+/// `plane` holds the values of part `from` at the pixels of part `onto`. If `from` ends at a border of the
+/// display window, repeats its outermost values beyond that border.
 void continue_beyond_border(const ForeignPart& from, const ForeignPart& onto, std::vector<float>& plane) {
     const int right = onto.display.x_min - from.display.x_min, down = onto.display.y_min - from.display.y_min;
     const int left_x = from.data.x_min + right, last_x = from.data.x_max + right,
               top_y = from.data.y_min + down, last_y = from.data.y_max + down;
-    // The range of pixels whose outermost values are repeated. On a side where `from` ends inside the display
-    // window, nothing is repeated.
+    // The pixels outside this range get the value of the nearest pixel inside it. On a side where `from` ends
+    // inside the display window, the range includes all pixels, so that nothing is repeated.
     const int x_begin = left_x > onto.display.x_min ? onto.data.x_min : std::max(left_x, onto.data.x_min),
               x_last = last_x < onto.display.x_max ? onto.data.x_max : std::min(last_x, onto.data.x_max),
               y_begin = top_y > onto.display.y_min ? onto.data.y_min : std::max(top_y, onto.data.y_min),

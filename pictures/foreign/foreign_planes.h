@@ -13,18 +13,18 @@
 namespace postlens {
 
 /// Reads the rows of a flat part that are inside the data window of part `onto`. The parts are aligned at the
-/// upper left corners of their display windows. `take(pixel, count, from, values)` receives `count` adjacent
-/// pixels. `pixel` is the index of the first one in `onto`. Its value is at index `from` in the row of each
-/// channel.
+/// upper left corners of their display windows. `take(pixel, count, from, values)` receives a run of `count`
+/// adjacent pixels. `pixel` is the index in `onto` of the first pixel of the run. For channel c, the value of
+/// this pixel is values[c][from].
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
 /// Returns one value of the channel for each pixel of `onto`, row by row. The value is `otherwise` where the
-/// part has no pixel. Where the part ends at a border of the display window, its outermost values are
-/// repeated beyond that border. `converts` must be true if the channel contains integers that are to be
-/// converted to floats. Throws Error(out_of_memory).
+/// part has no pixel. If the part ends at a border of the display window, its outermost values are repeated
+/// beyond that border. `converts` must be true if the channel contains integers and the caller needs floats.
+/// Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
@@ -40,9 +40,9 @@ class JoinedChannels {
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel. Returns the index of its values in `read`, or empty for an empty name. A channel that
-    /// is added again for the same use keeps its index. `otherwise` is the value where another part has no
-    /// pixel. Channels of other parts are read immediately.
+    /// Adds a channel. Returns the index of its values in `read`, or empty for an empty name. Adding the same
+    /// channel for the same use again returns the same index. Channels of other parts are read immediately.
+    /// `otherwise` is the value for pixels that such a part does not have.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }

@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// Reads the fraction of each pixel that each surface covers, from a Cryptomatte. `take` and `finish` throw
-/// Error(invalid_input) and Error(out_of_memory).
+/// Reads a Cryptomatte, which states what fraction of each pixel each surface covers. `take` and `finish`
+/// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
     /// `onto` is the part of the file with the colours. The fractions are determined for its pixels.
@@ -23,11 +23,11 @@ class MatteShares {
 
     /// Returns the channels of the Cryptomatte that are in `part`, the part with the colours. The caller must
     /// read these channels together with the colours and pass them to `take`, row by row from top to bottom.
-    /// The part is then decompressed only once. Returns nothing if the first rank is in another part, because
-    /// ranks must be read in order.
+    /// The part is then decompressed only once. Returns an empty list if the first rank is in another part,
+    /// because ranks must be read in order.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Takes the values of `count` adjacent pixels; `pixel` is the index of the first one. `values` has one
-    /// pointer per channel, to the value of the first pixel.
+    /// Receives the values of `count` adjacent pixels. `pixel` is the index of the first one. `values` has
+    /// one pointer per channel, which points to the value of the first pixel.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values);
     /// Reads the parts that were not passed to `take`. Gives each sample of `picture` the id of the surface
     /// that covers most of its pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.

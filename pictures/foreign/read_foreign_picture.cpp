@@ -25,8 +25,8 @@
 namespace postlens {
 namespace {
 
-/// Volumes are divided into slices. These are the intended ratio of far to near depth of a slice, and the
-/// largest number of slices per volume.
+/// Volumes are divided into slices. `slice_ratio` is the intended ratio of far to near depth of a slice.
+/// `most_slices` is the largest number of slices per volume.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
 
@@ -165,8 +165,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Reserving the memory at once avoids copies when the lists grow. The reserved memory is limited,
-        // because a damaged file may claim more pixels than it has.
+        // The memory is reserved in advance so that the lists are not copied when they grow. The reserved
+        // size is limited, because a damaged file may claim more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));
@@ -232,12 +232,12 @@ class Reader {
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
                     // If all depths are negative, volumes extend from -Z to -ZBack. If ZBack means that
-                    // nothing was hit, the length of the volume is unknown. The volume then becomes a
-                    // surface, because the front of an infinitely long volume would be transparent.
+                    // nothing was hit, the length of the volume is unknown, and the volume becomes a surface.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // The front of a volume around the camera is at 0, which has no sign.
+                    // A volume that contains the camera begins at depth 0, which has no sign. The sign of
+                    // `back` is then ignored.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;

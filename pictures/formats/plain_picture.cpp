@@ -131,7 +131,7 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // Returns null, so that OpenImageIO opens the file and reports the error.
+        // If null is returned, OpenImageIO opens the file and reports the error.
     }
     return nullptr;
 }

@@ -14,11 +14,11 @@
 namespace postlens {
 namespace {
 
-/// Two inverse depths count as equal if they differ by at most this relative amount. Depths stored as half
-/// floats differ by as much.
+/// Two inverse depths count as equal if they differ by at most this relative amount. Rounding to half floats
+/// causes differences of this size.
 constexpr float same_depth = 1.0F / 1024;
-/// A sample of the back image counts as a different, nearer surface if it is nearer by more than this
-/// fraction of its distance. Smaller differences are noise of the depths.
+/// A sample of the back image counts as nearer than the front image only if it is nearer by more than this
+/// fraction of its distance. Smaller differences are noise in the depths.
 constexpr float nearer_by = 1.0F / 20;
 
 void check_same_view(const ForeignPicture& front, const ForeignPicture& back, const std::string& name) {
@@ -67,14 +67,14 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first pixel of the result along an axis. If the front image ends at the border of the raster
-/// or beyond, the result ends there, too. The front image is unknown further out, and the back image would
-/// show through its objects. If the front image ends inside the raster, nothing in it is further out.
+/// Returns the first row or column of the result. If the front image ends at the border of the raster or
+/// beyond, the result ends there, too. Further out, objects of the front image may be missing, and the back
+/// image would show in their place. If the front image ends inside the raster, it has no objects further out.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the pixel after the last one of the result, along an axis on which the raster has `size` pixels.
-/// See begin_of_both.
+/// Returns the row or column after the last one of the result. The raster has `size` rows or columns. See
+/// begin_of_both.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }

@@ -39,8 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that an object's name or number in an option can mean. They are the id that the manifest
-/// states for the name, the hash of the name, the number itself, and the bits of the number as a float.
+/// Returns the ids that a name or number given by the user can mean. A name can mean the id in the manifest
+/// or the hash of the name. A number can mean itself or the bits of the number as a float.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -74,8 +74,8 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two samples at the same depth. The first one is the fraction `share` of the sample
-/// that belongs to the object.
+/// Divides a sample into two samples at the same depth. The first one belongs to the object and is the
+/// fraction `share` of the original sample.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
@@ -103,8 +103,9 @@ class MaskedStack {
             take(1, is_same);
             return;
         }
-        // Different masks cover different objects. So a mask takes samples that no mask has taken, and takes
-        // samples of other masks only if these are not enough.
+        // Different masks cover different objects. A mask therefore first chooses samples that no other mask
+        // has chosen. It chooses samples of other masks only if the first ones do not cover enough of the
+        // pixel.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
@@ -164,8 +165,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // A mask ends at the border of the raster, but an object that the border cuts continues beyond
-            // it.
+            // The mask ends at the border of the raster, but an object may continue beyond the border. The
+            // outermost values of the mask are therefore repeated there.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

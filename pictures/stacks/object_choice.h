@@ -15,8 +15,8 @@ namespace postlens {
 /// - a mask, which is an image file (.exr, .png, .tif, .tiff, .jpg or .jpeg) of the size of the raster.
 ///
 /// The mean of the channels of a mask pixel, 0 to 1, is the fraction of the pixel that the object covers. The
-/// object is at the depth of the pixel's nearest sample. Masks of several files cover different parts of a
-/// pixel, unless their fractions add up to more than 1. Beyond the raster, the outermost values of a mask are
+/// object is at the depth of the pixel's nearest sample. Several masks cover different parts of a pixel,
+/// unless their fractions add up to more than 1. Beyond the raster, the outermost values of a mask are
 /// repeated.
 struct ObjectChoice {
     std::string option;  ///< the option that names the object, for messages
@@ -26,10 +26,10 @@ struct ObjectChoice {
 
 /// Selects the samples of an object. Returns 1 for each sample of `picture` that belongs to the object, and 0
 /// for the others. If a mask assigns only a part of a sample to the object, the sample is divided into two
-/// samples of equal depth, which composite to the same colour and alpha. For a mask, `picture` must not have
-/// mixed pixels (call `unmix_edges` first). Throws Error(wrong_arguments) with a list of the existing names
-/// if no pixel shows the object. Throws Error(invalid_input) for a mask file that cannot be read or has the
-/// wrong size.
+/// samples of equal depth. Compositing these two gives the original colour and alpha. For a mask, `picture`
+/// must not have mixed pixels (call `unmix_edges` first). Throws Error(wrong_arguments) with a list of the
+/// existing names if no pixel shows the object. Throws Error(invalid_input) for a mask file that cannot be
+/// read or has the wrong size.
 [[nodiscard]] std::vector<std::uint8_t> choose_samples(ForeignPicture& picture, const ObjectChoice& choice);
 
 /// Returns the fraction of each pixel that the object covers, for all pixels of the raster, row by row.

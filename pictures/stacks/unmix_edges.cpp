@@ -13,21 +13,21 @@
 namespace postlens {
 namespace {
 
-/// Radius, px, within which unmixed pixels of the same surface are searched. The larger radius is used if
-/// depths are means of two depths, because the filter that averaged the depths mixed more pixels.
+/// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is used if
+/// depths are means of two depths, because the filter that made these means also mixed the pixels nearby.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float. The part of a very bright pixel that shows one surface may exceed
-/// it.
+/// Clamps a value to the range of float. The computed colour of a surface in a very bright pixel may exceed
+/// this range.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// The part of a pixel that shows one surface. Its premultiplied colour and alpha are those of this part
-/// alone.
+/// The part of a pixel that shows one surface. The colour and alpha are those that a pixel would have if it
+/// showed only this surface. The colour is premultiplied by alpha.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -35,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Returns true if the surface is empty space. The pixels around show it without colour and alpha, so it
-    /// has neither in this pixel.
+    /// Returns true if this part shows empty space: according to the neighbouring pixels, it has neither
+    /// colour nor alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -133,8 +133,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If mixed pixels count, the pixel itself is one of them, at distance 0. Adding 0.5 to the
-            // squared distance avoids a division by 0.
+            // If mixed pixels are used, the pixel itself is among them. Its distance is 0, so adding 0.5
+            // avoids a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -153,7 +153,7 @@ class Unmixer {
     }
 
     /// Changes the colours of the surfaces in a mixed pixel so that they add up to the colour of the pixel.
-    /// Each colour is weighted by the fraction of the pixel that the surface covers.
+    /// In the sum, each colour is weighted by the fraction of the pixel that the surface covers.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {

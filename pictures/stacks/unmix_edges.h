@@ -5,17 +5,17 @@
 
 namespace postlens {
 
-/// Replaces every mixed pixel, which shows several surfaces (ForeignPicture::mixed), by a stack with one
-/// sample per surface, nearest first. The stack composites to the colour and alpha of the pixel. Farther
-/// surfaces continue behind nearer ones.
+/// Replaces every mixed pixel by a stack with one sample per surface, nearest first. A mixed pixel is one
+/// that shows several surfaces (ForeignPicture::mixed). Compositing the stack gives the colour and alpha of
+/// the original pixel. Farther surfaces continue behind nearer ones.
 ///
 /// The depth and colour of a surface come from the nearest unmixed pixels of the same surface, within two
-/// pixels (five if depths are means). The colours are then changed by the smallest amount that makes their
-/// sum equal to the pixel's colour. They become negative only where the pixel is negative.
+/// pixels (five if depths are means). The colours are then changed as little as possible so that their sum is
+/// the colour of the pixel.
 ///
-/// A surface without unmixed pixels nearby gets the remaining colour. Its depth is that of the nearest pixels
-/// of which it covers the largest fraction. If there are no such pixels, its fraction is given to the other
-/// surfaces. A surface that has an id but no depth is infinitely far.
+/// A surface without unmixed pixels nearby gets the remaining colour. Its depth is that of the nearest mixed
+/// pixels in which it covers more than any other surface. If there are no such pixels, the surface is
+/// dropped, and the other surfaces fill the pixel. A surface that has an id but no depth is infinitely far.
 ///
 /// Returns the number of split pixels. Afterwards, the image has no mixed pixels. Throws
 /// Error(out_of_memory).

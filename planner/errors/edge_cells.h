@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Mean squared error of an estimated area. A straight edge divides a square of area 1. The share of the
-/// square's corners on one side of the edge is the estimate of the area on that side. The mean is over
-/// 200,000 random edges that separate corners.
+/// Mean squared error of an area that is estimated from corners. A straight edge divides a square of area 1.
+/// The area on one side of the edge is estimated as the share of the square's corners on that side. The mean
+/// is over random edges that separate corners.
 inline constexpr double edge_cell_variance = 0.0388;
 /// The same error as edge_cell_variance, for an edge that is parallel to a side of the square. The position
 /// of the edge is distributed uniformly.
@@ -40,16 +40,15 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// The radiance above 1 of some cells, and the error that it causes in the pixels over which the circle of
-/// confusion spreads it. sRGB encoding clips this radiance in the cells themselves, but not in the pixels
-/// over which it is spread.
+/// The radiance above 1 of some cells, and the error that it causes in the pixels over which the lens spreads
+/// it. In the cells themselves, sRGB encoding clips this radiance.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
-    /// Returns the squared error of sRGB values, summed over pixels. The cause of this error is that edges in
-    /// the cells are known only from the corners of the cells. The variance of the radiance is multiplied by
-    /// `variance_share`.
+    /// Returns the squared error of sRGB values, summed over pixels, that is caused by edges in the cells.
+    /// The positions of these edges are known only from the corners of the cells. The variance of the
+    /// radiance is multiplied by `variance_share`.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

@@ -22,8 +22,7 @@ double encoded(float linear) {
 }
 
 /// Two sums over pixels, each of means over channels. `noise` is the squared noise (see measured_error) of
-/// the mean of the images `a` and `b`. `products` is the product of the differences `other` - `a` and `other`
-/// - `b`.
+/// the mean of the images `a` and `b`. `products` is the sum of the products (other - a) (other - b).
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -48,8 +47,9 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean residuals (ray minus record) of the view samples. They have much noise, so they are
-/// multiplied by the slope of the sRGB curve instead of being encoded with the curve itself.
+/// Returns the mean residuals (ray minus record) of the view samples, converted to sRGB values. They have
+/// much noise, so they are multiplied by the slope of the sRGB curve instead of being encoded with the curve
+/// itself.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -98,8 +98,8 @@ struct Mean {
     }
 };
 
-/// A sum over all pixels, estimated from pixels that are chosen with known probability. The variance includes
-/// the square of each value, because not only the choice of pixels is random: the values have noise as well.
+/// A sum over all pixels, estimated from pixels that are chosen with known probability. The variance takes
+/// into account that both the choice of pixels and their values are random.
 struct ChosenSum {
     double sum = 0, variance = 0;
     void add(double value, double probability) {
@@ -112,16 +112,16 @@ struct ChosenSum {
     }
 };
 
-/// Returns the errors in a piece of a tile, as parts of the tile's means over `pixels` pixels, and the
-/// variances of these errors.
+/// Returns the errors in a piece (square) of a tile and the variances of these errors. They are parts of the
+/// means over the tile, which has `pixels` pixels.
 ///
 /// Let d be half the difference of the halves, and v the noise of their mean. d and v are independent and
-/// have the same variance n. Let e be the difference between the other image and the expectation of the
+/// have the same variance n. Let e be the difference between the other image and the mean of infinitely many
 /// views. N = d^2 estimates the squared noise, and S = (e - v)^2 - d^2 estimates e^2.
 ///
-/// If the other image has the weight w, the error is estimated as (1 - w)^2 N + w^2 S. This estimate differs
-/// from the true error with the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. In this formula, 4 n^2 is estimated
-/// by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
+/// If the other image has the weight w, the error is estimated as (1 - w)^2 N + w^2 S. The difference between
+/// this estimate and the true error has the variance (1 - 2 w)^2 4 n^2 + 4 w^2 e^2 n. In this formula, 4 n^2
+/// is estimated by 4/3 N^2, and e^2 n by S N + 2/3 N^2.
 TileError part_of_tile(const Differences& of_piece, double pixels) {
     const double noise = of_piece.noise / pixels, product = of_piece.products / pixels;
     return {.noise_mse = noise,
@@ -130,9 +130,9 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals of two halves. Large residuals may be so rare that no pixel has two of them.
-/// The products are then 0, but their true variance is not. The variance is therefore at least the square of
-/// the mean squared residual.
+/// Mean product of the residuals of two halves. Large residuals may be so rare that no pixel has one in both
+/// halves. All products are then 0, but their true variance is not. The variance is therefore at least the
+/// square of the mean squared residual.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -279,9 +279,9 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The positions and lens points of each half are stratified in four dimensions. At the outline of
-            // a light, the mean of n rays therefore has n^(-1 - 1/4) of the variance of a single ray
-            // [mitchell1996].
+            // The positions and lens points of each half are evenly distributed (stratified) in four
+            // dimensions. At the outline of a light, the variance of the mean of n rays is therefore n^(-1 -
+            // 1/4) times the variance of a single ray [mitchell1996].
             const float deviation =
                 std::sqrt(of_ray / 2 * std::pow(static_cast<float>(views[t]) / 2, -1.25F));
             for (std::size_t c = 3 * k; c < 3 * k + 3; ++c) {

@@ -67,10 +67,9 @@ struct MeasuredError {
                                            const std::optional<Crop>& crop, const CheckedPixels& checked,
                                            CheckedPixels::Use use, const Image* other = nullptr);
 
-/// Selects the tiles with the largest values. Enough tiles are selected that the values of all other tiles
-/// add up to at most `most`. `value(tile, share)` returns the value of a tile, where `share` is the tile's
-/// share of the image. Only tiles with positive values are selected. Returns 1 for selected tiles and 0 for
-/// all others.
+/// Selects the tiles with the largest values, until the values of all other tiles add up to at most `most`.
+/// `value(tile, share)` returns the value of a tile, where `share` is the tile's share of the image. Only
+/// tiles with positive values are selected. Returns 1 for selected tiles and 0 for all others.
 template <typename Value>
 [[nodiscard]] std::vector<std::uint8_t> largest_tiles(const std::vector<TileError>& tiles,
                                                       const TileGrid& grid, double most, const Value& value) {
@@ -98,10 +97,9 @@ template <typename Value>
                                                    const TileGrid& grid, const std::vector<int>& views);
 
 /// Returns 1 for tiles in which rays should replace all view samples because of the error of the records
-/// (TileError::bias_mse). First, the tiles with the largest errors are selected, until the remaining tiles
-/// contribute at most `most_mse` to the mean over the image. Then all tiles are added whose error exceeds the
-/// noise of their views, twice the standard error of the error, and `fine_mse`. An error of `fine_mse` is
-/// good enough for any tile.
+/// (TileError::bias_mse). The tiles with the largest errors are selected, until the remaining tiles
+/// contribute at most `most_mse` to the mean over the image. A tile is also selected if its error is large in
+/// three respects: it exceeds the noise of the tile's views, twice its own standard error, and `fine_mse`.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

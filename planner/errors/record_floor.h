@@ -13,12 +13,12 @@
 namespace postlens {
 
 /// Returns the factor by which a circle of confusion reduces the squared error of an edge. The circle
-/// averages the errors of the quadtree cells within it. If these errors are independent, the factor is the
-/// number of cells. If the edge is `aligned` with the cells, the errors along the edge are equal. The factor
-/// is then the number of cells across the edge.
+/// averages the errors of the quadtree cells within it. If the edge is `aligned` with the cells, the errors
+/// of cells along the edge are equal, and the factor is the number of cells across the edge. Otherwise the
+/// errors are independent, and the factor is the number of cells.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor that accounts for edges that pass between the corners of a cell without being seen. It is the error
+/// Factor for the error of edges that pass between the corners of a cell without being seen. It is the error
 /// of all quadtree cells divided by the error of the cells whose corners show an edge. The value is a fit
 /// (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;

@@ -26,8 +26,8 @@ struct RecordsBound {
 ///
 /// The bound is based on two assumptions. The radiance of an unsure sample lies between the darkest and the
 /// brightest value of the pinhole image within the pixel's largest circle of confusion. All unsure samples of
-/// a pixel err in the same direction. The bound is usually much larger than the error. The error can exceed
-/// the bound if the image contains radiance that the pinhole image does not contain.
+/// a pixel are too bright, or all are too dark. The bound is usually much larger than the error. The error
+/// can exceed the bound if the pinhole image does not contain all radiance of the scene.
 ///
 /// `image` is scene-linear. `lens.scene` and the number of views are ignored. Throws the errors of
 /// hybrid_picture.

@@ -10,16 +10,16 @@ namespace postlens {
 /// to state the error of the image. Another random pixel is checked to decide in which tiles rays replace all
 /// view samples.
 ///
-/// A block has 4 x 4 px, and two views of each half are compared in a checked pixel. If the radiances of rays
-/// are random, a block has 5 x 5 px, and a quarter of the views are compared, but at least eight. Radiances
-/// are random if a light has an extent or a material has a lobe. In small images, blocks have 2 x 2 px or 3 x
-/// 3 px.
+/// A block has 4 x 4 px, and two views of each half are compared in a checked pixel. More views are compared
+/// if the radiances of rays are random, because a light has an extent or a material has a lobe. A block then
+/// has 5 x 5 px, and a quarter of the views are compared, but at least eight. In small images, blocks are
+/// smaller.
 ///
-/// Checking twice as many views divides the variance of the product of two noisy means by four. Checking
-/// twice as many pixels would divide it only by two, but would find errors that are rare and large.
+/// Checking twice as many views in a pixel divides the variance of the result by four, and checking twice as
+/// many pixels only by two. More pixels, however, find errors that are rare and large.
 ///
-/// Rays are aimed at the highlights of the pixel that states the error. The more views the image has, the
-/// more of the block's other pixels are also used for this.
+/// Rays are also aimed at highlights, in the pixel that states the error. The more views the image has, the
+/// more of the block's other pixels are used for this, too.
 class CheckedPixels {
   public:
     enum class Use : std::uint8_t { none, deciding, stating };

@@ -15,9 +15,8 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of scrambled sets of lens points, and the step of the set's index from one row of pieces to the
-/// next. The square pieces of the image use the sets in turn. Both numbers are prime. Along a row, a column
-/// or a diagonal, a set is therefore used again only after as many pieces as there are sets.
+/// Number of scrambled sets of lens points, and the step of the set's index from one row of pieces (squares
+/// of the image) to the next. Both numbers are prime, so that neighbouring pieces have different sets.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Interpolates the values of a pixel linearly from `to` to `from`, by the fraction `share`.
@@ -65,8 +64,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Ranges [first, end) of the views that this half lacks. Each range has the scrambled sets of the
-        // pieces that need it.
+        // Ranges [first, end) of the views that this half lacks. For each range, there are the scrambled sets
+        // of the pieces (squares of the image) that need it.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -41,9 +41,9 @@ struct TileGrid {
 };
 
 /// Returns the edge of a piece, in px. A piece is a square with its own scrambled lens points. Its edge is a
-/// power of two and at most the edge of a tile. The noise of the image is estimated as a mean over pieces
-/// with independent errors, so there should be at least 2000 pieces. A piece is at least 4 px wide, even if
-/// there are then fewer pieces.
+/// power of two, at least 4 px and at most the edge of a tile. Pieces are made so small that an image has at
+/// least 2000 of them, if possible. The noise of the image is estimated as a mean over pieces with
+/// independent errors.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;

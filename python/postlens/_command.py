@@ -60,7 +60,8 @@ def _text(keyword: str, value: object) -> str:
 
 
 def words_of(options: Mapping[str, object]) -> list[str]:
-    """Returns the command-line words of options. None and False yield no words. True yields a flag without a value.
+    """Converts keyword arguments to words of the command line. The values None and False yield no words. True yields a
+    flag without a value.
 
     Flags come last. Otherwise an option that needs a value could take another word for its value.
     """
@@ -132,9 +133,10 @@ def run_words(
 ) -> tuple[Report, list[tuple[Any, Optional[float], dict[str, Any]]]]:
     """Runs a command in this process. Returns its report and the pictures that it does not write to files.
 
-    `options` are keyword arguments, whose words are appended to `words`. If they are given, errors and warnings
-    contain keywords instead of options. `file_names` maps paths to the names that appear in texts instead. If
-    `pictures_stay` is False, every picture must be written to a file.
+    `words` are the words of the command line. `options` are keyword arguments, which are converted to further words. If
+    there are `options`, errors and warnings name the keywords instead of the command-line options. `file_names` maps
+    paths to the names that appear in texts instead. If `pictures_stay` is False, every picture must be written to a
+    file.
     """
     if progress is not None and not callable(progress):
         raise ArgumentError(f"progress: cannot be called (got {type(progress).__name__}; expected a function)")

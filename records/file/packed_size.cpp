@@ -11,7 +11,7 @@ namespace postlens {
 
 std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression, const RecordBand& band,
                            int y_begin, int y_end) {
-    // The bytes that a row takes in the file besides its compressed records:
+    // The number of bytes that a row takes in the file in addition to its compressed records:
     // - 32 for the header of its record chunk;
     // - 12 for the header of its chunk in the part `scanlines`, and the bytes of that chunk;
     // - 8 for its entry in the offset table of each of the two parts.

@@ -16,8 +16,8 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "chunks are copied as they are; OpenEXR is little-endian");
 
-/// Tables that convert k / 1024, for k from 0 to 1023, to the bits of a half float and back. The bits of
-/// every other half float convert to NaN.
+/// Tables that convert a position within a pixel, which is a multiple of 1/1024 px, to a half float and back.
+/// Every half float that is not such a position is converted to NaN.
 struct HalfOffsets {
     std::array<std::uint16_t, position_steps> half_of_step{};
     std::array<float, 65536> offset_of_half{};

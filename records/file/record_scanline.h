@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns the number of bytes per record before compression. A record takes 28 bytes. If the file has the
-/// channels, W adds 16 bytes, W.bend 2, the mark 2 and the layer 4.
+/// Returns the number of bytes per record before compression. The number depends on which optional channels
+/// the file has.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
 /// The bytes of a scanline before compression, in little-endian order:

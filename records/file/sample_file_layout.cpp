@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the part `scanlines`, in file order. Their channels are named Z.far, Z.near,
-/// checksum.hi, checksum.lo, picture.hi, picture.lo, records and row.check.
+/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part, for
+/// example Z.far for z_far.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;

@@ -12,13 +12,13 @@
 
 namespace postlens::layout {
 
-/// Kind of a part. The parts of the frame's own instant come first in the file. For these parts, the value is
-/// also the index.
+/// Kind of a part of the OpenEXR file. The file begins with one part of each kind, in this order, for the
+/// frame's own instant.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the file. The picture comes first, followed by the records and the
-/// scanlines of each instant.
+/// Returns the index of a part in the file. Part 0 is the picture. Two parts for each instant follow: its
+/// records and its scanlines.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
 }
@@ -58,9 +58,9 @@ inline constexpr std::uint64_t largest_chunk_bytes = 0x7FFFFFFF;
     return static_cast<std::size_t>((rows + step - 1) / step);
 }
 
-/// A row of the part `scanlines`. It summarises one scanline of records. It also holds a checksum of the same
-/// row of the pinhole image, which is 0 for rows outside the image. The row ends with a checksum of y and of
-/// its own fields.
+/// A row of the part `scanlines`. It summarises one scanline of records. It also holds the checksum of the
+/// same row of the pinhole image, or 0 if the row is outside the image. The last field is a checksum of y and
+/// of all other fields.
 struct ScanlineRow {
     static constexpr std::size_t byte_count = 32;
     ScanlineFacts facts;

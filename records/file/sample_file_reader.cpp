@@ -17,14 +17,14 @@ namespace {
 
 using namespace layout;
 
-/// Largest expanded size, in bytes, that a chunk may claim without further conditions. A larger size is
-/// accepted if it is at most `largest_expansion` times the packed size. These limits keep a small damaged
-/// file from causing a large allocation.
+/// A chunk that claims to expand to more bytes than this is rejected if the claim is also more than
+/// `largest_expansion` times its packed size. A small damaged file can therefore not cause a large
+/// allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 
-/// Largest factor by which a zlib stream can expand. Every pixel has at least one record, so this factor and
-/// the size of the file limit the number of pixels that a valid file can have.
+/// Largest factor by which a zlib stream can expand. It is used to detect a file that is too small for the
+/// number of records that it states.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
 constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size
@@ -211,8 +211,7 @@ void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, cons
         fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
     }
     const std::size_t first = band.pixel(band.x_begin, y);
-    // The row's first and last offset are skipped. They are shared with the neighbouring rows and already
-    // set.
+    // The first and the last offset of the row are skipped, because they are already set.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
     check_row(y, expected, band);

@@ -15,8 +15,8 @@
 namespace postlens {
 namespace layout {
 
-/// Location of the two packed blocks of a scanline of records: its record counts, followed by its data.
-/// Positions and sizes are in bytes.
+/// Location in the file of a scanline of records. It consists of two packed blocks: the record counts,
+/// followed by the data. Positions and sizes are in bytes.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };

@@ -35,8 +35,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes each instant that has no readable row. In the other instants, sets the record count of each lost
-/// row to that of the row that replaces it.
+/// Removes each instant that has no readable row. In the other instants, counts the records that replace each
+/// lost row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -83,8 +83,7 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // The replacement is computed from the row above, which has just been read again. If the file has changed
-    // since it was opened, the number of records may be different.
+    // The number of replacement records may be different if the file has changed since it was opened.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

@@ -175,8 +175,8 @@ void SampleFileWriter::Impl::write_scanline_row(int y, const ScanlineFacts& fact
     output->write_flat_chunk(part_index(scanlines_part, instant), y, row.bytes(y));
 }
 
-/// Completes an instant by writing the summary of its last row. A summary is always written one row late. It
-/// contains the checksum of the image row, which can only be computed after the next row of records is known.
+/// Completes an instant by writing the summary of its last row. Each summary is written one row late. It
+/// contains a checksum of the image row, and the image row also depends on the next row of records.
 void SampleFileWriter::Impl::end_instant() {
     if (next_y != window.y_max + 1) {
         fail(ExitCode::invalid_input, "{}: records are missing (got rows up to {}; expected up to {})", name,
@@ -208,7 +208,7 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Image blocks are written as soon as their rows are complete, so that the order of chunks in the file
+    // Image blocks are written as soon as their rows are complete. The order of chunks in the file therefore
     // does not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {

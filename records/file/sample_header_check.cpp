@@ -126,8 +126,8 @@ void check_sample_header(const SampleHeader& h, const std::string& file) {
            "0 to 262144");
     demand(h.subdivide_levels >= 0 && h.subdivide_levels <= 10, "subdivision levels", h.subdivide_levels,
            "0 to 10");
-    // A position is stored as a float, which has 24 significant bits. These bits must hold the index of the
-    // pixel and the position within the pixel.
+    // A position is stored as a float. The 24 significant bits must suffice for the index of the pixel and
+    // for the position within the pixel.
     const int extent = std::max(h.width, h.height) + h.overscan_px + 1;
     demand(extent <= std::min(largest_extent_px, 1 << (24 - h.subdivide_levels)), "size with overscan",
            extent, "at most 2^(24 - subdivision levels) and 262144");

@@ -33,8 +33,8 @@ Imf::IDManifest manifest_of(const SampleHeader& header) {
     return manifest;
 }
 
-/// Converts a matrix. The sixteen numbers stay in the same order, because OpenEXR multiplies row vectors with
-/// matrices stored by rows, and glm multiplies column vectors with matrices stored by columns.
+/// Converts a matrix. The sixteen numbers stay in the same order. OpenEXR stores by rows the transpose of the
+/// matrix that glm stores by columns.
 Imath::M44d imath_of(const glm::dmat4& m) {
     Imath::M44d out;
     for (int i = 0; i < 4; ++i) {

@@ -26,7 +26,7 @@ class MotionPath {
             return translation + rotation * (scale * p);
         }
         [[nodiscard]] glm::dvec3 direction(const glm::dvec3& v) const { return rotation * (scale * v); }
-        /// Inverse of `point`; p is in world coordinates.
+        /// The inverse of `point`. The point p is in world coordinates.
         [[nodiscard]] glm::dvec3 unmoved_point(const glm::dvec3& p) const {
             return unmoved_direction(p - translation);
         }
@@ -49,7 +49,7 @@ class MotionPath {
         glm::dvec3 translation{0}, translation_step{0};
         glm::dvec3 scale{1}, scale_step{0};
         glm::dquat from{1, 0, 0, 0}, to{1, 0, 0, 0};
-        double angle = 0, inverse_sine = 0;  // for slerp; angle 0: linear interpolation
+        double angle = 0, inverse_sine = 0;  // for slerp; an angle of 0 means linear interpolation
         bool turns = false;
         glm::dmat3 rotation{1};  // used if `turns` is false
         [[nodiscard]] bool still() const {

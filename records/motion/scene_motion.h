@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The rigid motion of all shapes with the same id. At the instant t, the point p of the object is at the
-/// world position key(t) * p, where key(t) is interpolated between `keys`.
+/// The rigid motion of all shapes with the same id. `keys` are keyframes. The transform interpolated between
+/// them at an instant converts points from object space to world space.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
     glm::dvec3 centre_m{0};          ///< centre, in the object's space, of a sphere that encloses the object
@@ -20,8 +20,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that shines on something that moves. `place` is the position or direction of the
-/// light before it is transformed by `keys`.
+/// A light that moves, or that lights a moving scene. The keyframes `keys` transform `place`, which is the
+/// light's position or direction.
 struct LightMotion {
     bool directional = false;  ///< if true, `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position in m, or direction
@@ -42,9 +42,8 @@ struct SceneMotion {
 /// is empty if nothing moves. docs/sample_file.md lists the keys of the JSON.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads text that motion_text() has written. Throws Error(invalid_input) if the JSON has another structure
-/// or an id of 0. The same error is thrown for a number that is not finite, times that do not increase, a
-/// scale of 0, or a rotation that is not a unit quaternion. The message begins with `source`.
+/// Reads text that motion_text() has written. Throws Error(invalid_input) if the structure of the JSON is
+/// wrong or a value is not valid, for example if times do not increase. The message begins with `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

@@ -132,7 +132,7 @@ void BorderReach::mark(const PatchView& view, const PatchView::Use& use, const T
         const double sample_along = side.across ? at.sample.y : at.sample.x,
                      sample_across = side.across ? at.sample.x : at.sample.y;
         // Marks the pixels in which the view may see a surface that continues beyond the border at the depth
-        // of `s`. `along` is the position along the side at which the view sees the border cell.
+        // of `s`. `along` is the position of the border cell in the view, measured along the side.
         const auto mark_cell = [&](const Seen& s, double along) {
             if (along < begin - 2 || along > end + 2) return;
             // The range is extended by one pixel at both ends, because the surface may continue at an angle

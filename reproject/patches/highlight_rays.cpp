@@ -10,10 +10,10 @@ namespace {
 
 /// Numbers of rays per pixel. Most pixels see either all light of a highlight or none, so few rays suffice
 /// there. A first round with few rays finds the pixels in which the rays differ. In a second round, these
-/// pixels get many rays, and all others get few. Only the second round enters the result, because the mean of
-/// rays that agree only by chance would be wrong.
+/// pixels get many rays, and all others get few. The rays of the first round are then discarded. They decide
+/// the number of further rays, so including them would bias the mean.
 constexpr int few_rays = 4, many_rays = 28;
-/// Two rays differ if the light of one is less than that of the other by more than this fraction.
+/// Two rays differ if their radiances in a channel differ by more than this fraction of the larger one.
 constexpr double differing = 1e-3;
 
 }  // namespace

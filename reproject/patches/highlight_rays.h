@@ -11,11 +11,11 @@
 
 namespace postlens {
 
-/// Checks the highlights in the pixels of a tile. A view's ray rarely hits a small light, so the view's
-/// residual says nothing about highlights. Therefore, additional rays are aimed at the recorded highlights,
-/// through the lens points from which their light should reach the pixel (Lights::aim). The light may fail to
-/// arrive: a surface that is not recorded may hide the highlight, or a mirror may not show it where the
-/// matrix W predicts it.
+/// Checks the highlights in the pixels of a tile. The rays of views rarely hit a small light, so they hardly
+/// measure the error of highlights. Therefore, additional rays are aimed at the recorded highlights, through
+/// the lens points from which their light should reach the pixel (Lights::aim). The light may fail to arrive:
+/// a surface that is not recorded may hide the highlight, or a mirror may show the highlight at another place
+/// than the records predict.
 class CheckedHighlights {
   public:
     /// Sets the members of `checks` that describe highlights, for each pixel of the tile. `light` is the

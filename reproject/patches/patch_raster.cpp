@@ -20,8 +20,8 @@ constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
 /// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
-/// coordinates, sample i of row j lies at `first(j) + i * by`. This position is computed directly from i, not
-/// step by step, so that rounding does not depend on how a row is divided.
+/// coordinates, sample i of row j lies at `first(j) + i * by`. The position is computed from i and not by
+/// adding up steps, so that rounding does not depend on how a row is divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)

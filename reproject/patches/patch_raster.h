@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may or may not cover the pixel (SheetNode::maybe). It is
-    /// only set if this surface is nearer than all surfaces that were drawn before it.
+    /// Inverse depth of the nearest surface of which the records do not tell whether it covers the pixel
+    /// (SheetNode::maybe). It is only set if this surface is nearer than all surfaces drawn before it.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -118,15 +118,15 @@ struct WantedPixels {
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
 
-/// Finds the pixels of `part` that need a separately drawn node, and writes them to `wanted`. `in` contains
-/// the nodes of the parent path that the view sees. A pixel needs the node if the texel of its parent node
-/// has a child node for the bounce `bounce` (child_bit). The texels of `in` belong to `in_mesh`. `part` must
-/// contain all pixels with such texels. The pixels that are found are cleared in `out`. All other pixels in
-/// the rows of `part` get an infinite inverse depth, so that nothing is drawn there.
+/// Finds the pixels of `part` in which a reflected or transmitted node must be drawn, and writes them to
+/// `wanted`. `in` shows the parent nodes that the view sees, with texels of `in_mesh`. A pixel needs a node
+/// if its texel in `in` has a child node for the bounce `bounce` (child_bit). `part` must contain all such
+/// pixels. These pixels are cleared in `out`. Nothing can be drawn into the other pixels in the rows of
+/// `part`, because they get an infinite inverse depth.
 ///
-/// A parent node may be needed but missing in `in`. The view may still see its child. For such a pixel,
-/// `around` returns the id of the missing node's nearest ancestor that the view sees. Without `around`, these
-/// pixels are left out.
+/// If a parent node was not recorded, `in` does not show it, but its child may still be recorded. For such a
+/// pixel, `around` returns the id of the nearest ancestor that the view sees. Without `around`, these pixels
+/// are left out.
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);

@@ -8,7 +8,7 @@
 namespace postlens {
 
 /// Bounds of the position of a static patch in any view. The patch's centre is an affine function of the lens
-/// point. Half of the largest extent of the patch over all lens points is added around the centre.
+/// point. The bounds extend from the centre by half of the patch's largest size in any view.
 struct PatchReach {
     float x = 0, y = 0;                     ///< centre in the pinhole's view, raster px
     float xx = 0, xy = 0, yx = 0, yy = 0;   ///< W of the centre, 1/m

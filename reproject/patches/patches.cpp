@@ -13,17 +13,15 @@ namespace {
 /// Largest error of a cell's reprojected position for a lens point on the rim of the lens, as a fraction of
 /// the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// Depth tests move a patch of a hidden surface back (Patch::back_per_m). This is the largest such distance,
-/// as a fraction of the patch's inverse depth 1/z'.
+/// In depth tests, a patch of a hidden surface is moved back by Patch::back_per_m. This is the largest value
+/// of back_per_m, as a fraction of the patch's inverse depth.
 constexpr double most_back = 0.02;
-/// Smaller semi-axis of the circle of confusion, px, from which each pixel of a surface is drawn as a uniform
-/// square (SheetMesh::coarse). The square hardly increases the blur: it adds 1/12 px^2 to a variance of 9
-/// px^2.
+/// If the smaller semi-axis of the circle of confusion is at least this many px, each pixel of a surface is
+/// drawn as a uniform square (SheetMesh::coarse). The square hardly adds to such a blur.
 constexpr double coarse_from_px = 6;
 
 /// Fits planes to the cells of a patch by least squares. The planes have their origin at the patch's corner.
-/// Each cell contributes the values of its plane at the four points (+-1/4, +-1/4) from its centre. All sums
-/// over these points are written in closed form.
+/// Each cell contributes the values of its plane at four points, at (+-1/4, +-1/4) from its centre.
 template <std::size_t values>
 class Fit {
   public:
@@ -184,8 +182,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // The negated comparison also marks an infinite error as nonlinear. If bend_px_m2 is 0, the
-                // product is then NaN.
+                // The comparison is negated so that NaN also marks the patch as nonlinear. The product is NaN
+                // if the error is infinite and bend_px_m2 is 0.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -195,8 +193,8 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // If the aperture is very small, `within` is unbounded. The value is therefore limited to a
-            // fraction of the patch's 1/z'.
+            // `within`, the allowed depth error, grows without limit as the aperture shrinks. The value is
+            // therefore limited to a fraction of the patch's inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
         }
@@ -323,9 +321,10 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
         slope.x, slope.y};
 }
 
-// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at). A surface point
-// with raster position x and inverse depth w appears at p = x + (s - w) q, where s is the inverse focus
-// distance. Hence x - at = C (p - at) with C = I - (s - w) L, where w depends on x.
+// The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), where L is
+// `lens_px_per_px`. Seen from q, a surface point with raster position x and inverse depth w appears at p = x
+// + (s - w) q, where s is the inverse focus distance. Hence x - at = C (p - at). The matrix C is the unit
+// matrix minus (s - w) L, and w depends on x.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

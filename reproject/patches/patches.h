@@ -27,9 +27,9 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted node can be drawn as part of its parent node. This is done if their
-    /// displacements, for lens points on the rim of the lens, differ by at most this, px. If the value is
-    /// negative, nodes are always drawn separately. If it is all_follow, they never are.
+    /// A reflected or transmitted node is drawn as part of its parent node if the two move almost alike. For
+    /// lens points on the rim of the lens, their displacements may differ by at most this many px. If the
+    /// value is negative, all nodes are drawn separately. If it is all_follow, no node is.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
     /// Largest error, px, of a cell's position in a view. It may be larger for blurred cells.
@@ -49,8 +49,8 @@ struct PatchLens {
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest reprojection error caused by a nonlinear matrix W, px, at which the records still determine the
-/// sample of a view. Patches with a larger error are marked as nonlinear (Patch::bent).
+/// Largest accepted reprojection error, in px, where the motion of an image over the lens is not linear.
+/// Patches with a larger error are marked (Patch::bent), and their samples count as unsure.
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a sheet: the pixels [x, x + width) x [y, y + height) of the sheet. A sheet is one surface within

@@ -10,8 +10,8 @@ namespace postlens {
 
 /// The earliest and the latest view within a time span of 1/64 of the exposure. They are the same view if the
 /// span contains only one. In the other views of the span, a moving surface lies near the line between its
-/// positions in these two views. A curved path leaves this line by less than the distance between the two
-/// positions.
+/// positions in these two views. Even on a curved path, its distance from this line is less than the distance
+/// between the two positions.
 struct TimeSpanViews {
     struct ViewUse {
         const PatchView* view = nullptr;

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Fraction of the views that must have a reflected or transmitted node, among those that need it. If enough
-/// views have the node, their mean radiance replaces it in the other views. Otherwise, the radiance seen from
-/// the pinhole is blended in.
+/// If a view needs a reflected or transmitted node that was not recorded, the mean radiance of the other
+/// views replaces the node. If fewer than this fraction of the views that need the node have it, the radiance
+/// seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -220,8 +220,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // Some views have neither the parent node nor this node. The mean of the other views replaces this
-        // node in them too.
+        // If a view has neither this node nor its parent node, the mean of the other views also replaces this
+        // node.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

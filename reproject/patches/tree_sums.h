@@ -18,9 +18,9 @@ namespace postlens {
 /// If a view needs a node that was not recorded, the mean of the other views replaces the node. If hardly any
 /// view has the node, the radiance seen from the pinhole replaces it.
 ///
-/// A view may lack a node although it has the node's children. For example, the far side of a glass ball may
-/// have no valid matrix W (motion with the lens point), while the scene behind the ball has one. Inside one
-/// object, nodes are therefore also drawn where their parent node is needed but missing.
+/// Sometimes a node cannot be reprojected, but its children can. For example, the motion with the lens point
+/// (matrix W) may be unknown for the far side of a glass ball, but known for the scene behind the ball.
+/// Within one object, nodes are therefore also drawn in pixels where their parent node is missing.
 class TreeSums {
   public:
     /// `paths` contains all paths that may occur, in any order and possibly repeated. `at` describes the
@@ -36,8 +36,8 @@ class TreeSums {
     /// needs one, or if `path` was not passed to `begin`.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
     /// Returns whether the records determine the reflected and transmitted light of pixel k. They do if every
-    /// separately drawn node meets three conditions: the view sees the node, no edge crosses the node's leaf,
-    /// and the node's matrix W is linear (Patch::bent is false).
+    /// separately drawn node meets three conditions. The view sees the node, no edge crosses the node's
+    /// quadtree leaf, and Patch::bent is false for the patch that shows the node.
     [[nodiscard]] bool sure(std::size_t k) const;
     /// Returns the radiance of the separately drawn nodes of pixel k. Requires sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
@@ -46,9 +46,9 @@ class TreeSums {
     /// Call after the last view, before sum_up.
     void end_views();
     /// Adds the nodes of all views to `sum`, which contains a pixel's radiance times `weight`. Returns the
-    /// weight of the nodes that are not recorded. Nodes that are dim in the whole tile count less. If views
-    /// lack child nodes, nodes that were drawn with a nonlinear matrix W (Patch::bent) also count as not
-    /// recorded.
+    /// weight of the nodes that are not recorded. Nodes that are dim in the whole tile count less. Nodes of
+    /// patches with an inaccurate reprojection (Patch::bent) also count as not recorded if some views do not
+    /// have the nodes' parents.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:

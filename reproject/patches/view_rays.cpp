@@ -5,9 +5,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the area, in px^2, that was recorded for a pixel of the view, if the pixel shows a surface
-/// parallel to the film at `p`. `motion` leads from the recorded instant to the view's instant. Returns
-/// nothing if the camera of the recorded instant does not see `p`.
+/// Returns the area on the recorded raster, in px^2, that one pixel of the view shows at `p`. The surface at
+/// `p` is assumed to be parallel to the film. `motion` leads from the recorded instant to the view's instant.
+/// Returns nothing if the camera of the recorded instant does not see `p`.
 std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& shown, const RasterPoint& p) {
     const RasterMap moved = through_lens(motion, shown.view.lens);
     const auto at = RasterMap(glm::inverse(moved.matrix()), moved.projection()).tangent(p, {0, 0}, {0, 0});
@@ -19,7 +19,7 @@ std::optional<double> recorded_px2(const RasterMap& motion, const ShownView& sho
 }
 
 /// Returns whether the records determine the directly visible surface in pixel `k` of the view `shown`. A
-/// view is made from one or two recorded instants. `u` is the index of the one that is tested.
+/// view is made from one or two recorded instants. `u` is the index of the instant that is tested.
 bool sure(const ShownView& shown, std::size_t u, std::size_t k) {
     const std::uint32_t texel = shown.seen[u].texel[k];
     return texel != SeenTile::no_texel && !shown.seen[u].may_be_hidden(k) && !shown.mesh(u).unsure(texel);

@@ -45,8 +45,8 @@ struct ShownView {
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
     /// Returns whether use `u` shows the outline of a surface in pixel `k` less exactly than the other use
-    /// does. This is so if the surface ends in a leaf that the view magnifies to more than a pixel, and the
-    /// other use has recorded this part of the object at a larger size.
+    /// does. This is the case if two conditions are met. The surface ends in a leaf that the view magnifies
+    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
@@ -57,8 +57,8 @@ struct ShownView {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
 
-    /// Largest relative difference of two inverse depths at which two instants show the same surface in a
-    /// pixel. The ids must be equal as well.
+    /// Two recorded instants show the same surface in a pixel if their ids are equal and their inverse depths
+    /// differ by at most this fraction.
     static constexpr float same_depth = 0.02F;
 };
 
@@ -79,9 +79,9 @@ class RaySamples {
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
     /// Replaces a view's samples by rays where the records do not determine the directly visible surface.
-    /// With `parents_too`, or if something moves, also replaces the samples of surfaces that reflect or
-    /// transmit, because a reflection moves differently from its mirror. `recorded` receives the sums of all
-    /// other samples.
+    /// With `parents_too`, rays also replace all samples of surfaces that reflect or transmit. The same
+    /// applies if something moves, because a mirror and its reflections then move differently. `recorded`
+    /// receives the sums of all other samples.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
     /// light. `u` is the index of the view's use (recorded instant).
@@ -126,9 +126,9 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// `noted_` has one element per checked pixel of the view, and `recorded_` has one per line. w is the
-    /// share of the sample that comes from records, and the other components are the radiance of the records
-    /// times this share. The rest of the sample comes from a ray.
+    /// `noted_` has one element per checked pixel of the view, and `recorded_` has one per line. The
+    /// component w is the share of the sample that comes from records. The other components are the radiance
+    /// of the records times this share. The rest of the sample comes from a ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };

@@ -76,8 +76,8 @@ class LeafPieces {
     void add_leaf(std::uint32_t index, int cell);
     void add_group(std::uint32_t key, const std::array<std::uint32_t, 4>& corners, float x, float y, int cell,
                    std::uint32_t index);
-    /// What a corner of a quadtree leaf shows, compared with a given surface. `before` means a nearer
-    /// surface, `behind` means another surface that is farther, and `here` means the given surface.
+    /// What a corner of a quadtree leaf shows, compared with a given surface. `here` means that surface,
+    /// `before` means a nearer one, and `behind` means a farther one.
     struct Beside {
         bool before = false, behind = false, here = false;
     };
@@ -96,8 +96,8 @@ class LeafPieces {
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
     /// For each surface, `key_pieces_` contains the number of its pieces. After sorting, it contains the end
-    /// of the surface's pieces in sorted_. `key_group_` contains the surface's first Group at the current
-    /// quadtree leaf. After use, `key_pieces_` is reset to 0 and `key_group_` to `none`.
+    /// of its pieces in sorted_. `key_group_` contains the first Group of the surface at the current quadtree
+    /// leaf. After use, `key_pieces_` is reset to 0 and `key_group_` to `none`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

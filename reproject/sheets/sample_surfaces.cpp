@@ -31,8 +31,9 @@ bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
 
 bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective) {
     if (high_inverse_z == low_inverse_z) return true;
-    // The slope is the depth difference dz divided by the width, both measured at the nearer end. dz / z is
-    // the relative difference of 1/z, and the width is z times the tangent `across`.
+    // The slope is the depth difference divided by the width. At depth z, the depth difference is z times the
+    // relative difference of the inverse depths, and the width is z times the tangent `across`. The factor z
+    // therefore cancels.
     const auto near = static_cast<double>(high_inverse_z), far = static_cast<double>(low_inverse_z);
     if (perspective) return (near - far) / near <= steepest_slope * across;
     return far > 0 && 1 / far - 1 / near <= steepest_slope * across;

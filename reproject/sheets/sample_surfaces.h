@@ -35,9 +35,9 @@ struct TreeSurface {
     std::array<std::uint8_t, 2> marks_below{};
     /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, the largest difference between the matrix W of a node in its subtree and
-    /// the W of this node (spectral norm, 1/m). It is infinity if a node of the subtree is brighter than
-    /// `bright_above`, the argument of find_trees.
+    /// For each of the two children, the largest difference between the matrix W of this node and that of any
+    /// node in the child's subtree, as a spectral norm in 1/m. The value is infinity if a node of the subtree
+    /// is brighter than `bright_above`, the argument of find_trees.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
@@ -78,8 +78,8 @@ struct SampleTrees {
 /// rows of `band` from y_begin on.
 ///
 /// A layer without a primary node contains surfaces that are hidden within a reflection or refraction of
-/// layer 0. A node of such a layer is only used if its parent is recorded. A node that is brighter than
-/// `bright_above` in any channel is never drawn as part of its parent (TreeSurface::strays).
+/// layer 0. Nodes of such a layer are used only if their parents are recorded. Nodes that are brighter than
+/// `bright_above` in any channel are never drawn as part of their parents (TreeSurface::strays).
 void find_trees(const RecordBand& band, const PointSamples& points, int y_begin, float bright_above,
                 SampleTrees& primary, SampleTrees& deeper);
 

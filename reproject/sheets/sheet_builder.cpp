@@ -60,8 +60,8 @@ bool SheetBuilder::is_unsure_below(const LeafPiece& piece) const {
     return false;
 }
 
-// Whether the contrast, defined as in [mitchell1987], exceeds the threshold. `trace` divides pixels by the
-// same rule.
+// Whether the contrast, as defined in [mitchell1987], exceeds the threshold. `trace` uses the same rule to
+// divide pixels.
 bool SheetBuilder::is_contrast(float a, float b, float c, float d) const {
     const auto [low, high] = std::minmax({a, b, c, d});
     return high - low > contrast_ * (high + low + black_);
@@ -290,8 +290,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
 
 template <std::size_t values>
 void SheetBuilder::fit(std::span<const LeafPiece* const> pieces, CellPlane* planes) const {
-    // Fits planes around the cell's centre by least squares. A regularisation (ridge) term limits slopes that
-    // the samples hardly determine.
+    // Fits planes around the cell's centre by least squares. A regularisation term keeps slopes small if the
+    // samples hardly determine them.
     double weight = 0, mx = 0, my = 0, xx = 0, xy = 0, yy = 0;
     std::array<double, values> mean{}, vx{}, vy{};
     const auto each = [&](const auto& visit) {

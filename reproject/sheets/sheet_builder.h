@@ -33,8 +33,8 @@ class SheetBuilder {
     /// Returns the marks that the records at all corners share (RecordMark). A mark may say, for example,
     /// that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the light that the surface reflects or transmits has contrast between the corners, or
-    /// has marks at all of them.
+    /// Returns whether the reflected or transmitted light differs strongly between the corners, or has marks
+    /// at all corners.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);

@@ -9,7 +9,8 @@ namespace postlens {
 namespace {
 
 /// Largest relative difference of 1/z' at which a surface counts as closely behind another. Surfaces that are
-/// farther apart keep their order, because the planes fitted to them have depth errors of only about 1 %.
+/// farther apart are drawn in the right order, because the depth errors of the fitted planes are smaller than
+/// their distance.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -23,9 +23,8 @@ struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// Size in bytes from which the memory of a list is returned to the system as soon as the list has been
-/// copied to the joined list. Returning the memory of smaller lists would take as long as the rest of the
-/// join.
+/// The memory of a list of at least this size, in bytes, is returned to the system as soon as the list has
+/// been copied. For smaller lists, this would take too long.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
 /// Joins the meshes of all tasks, list by list, and frees the lists of the tasks. The indices in each task

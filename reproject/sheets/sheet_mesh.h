@@ -60,8 +60,8 @@ struct Texel {
 
 /// A quadtree node is `none`, `maybe`, a leaf, or the index of its first child. A leaf is the index of its
 /// texel with the bit `leaf` set. The four children have consecutive indices: up-left, up-right, down-left,
-/// down-right. `maybe` stands for a quarter of a leaf that is crossed by the surface's edge. The corner in
-/// this quarter shows a farther surface, so the surface may or may not cover the quarter.
+/// down-right. `maybe` stands for a quarter of a leaf that the surface's edge crosses. The corner of the leaf
+/// in this quarter shows a farther surface, so it is unknown whether this surface covers the quarter.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -120,7 +120,7 @@ struct SheetMesh {
     double time_s = 0;
     std::vector<Sheet> sheets;
     /// For each cell (raster pixel of a sheet), the root of its quadtree. `coarse` is used for surfaces that
-    /// are blurred over several pixels. A cell that the sheet fills is a single undivided leaf there.
+    /// are blurred over several pixels. In `coarse`, a cell that the sheet fills is a single undivided leaf.
     std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions in 1/m, whose origin is the cell's centre. The first function
     /// is 1/z'. For reflected and transmitted nodes, the entries xx, xy, yx and yy of the matrix W follow.
@@ -165,8 +165,8 @@ struct HighlightRule {
 /// Sums up `bright` for each sheet of the mesh. The result has one element per sheet.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects which sheets of an instant are built. Apart from its index, a selected sheet is bit-identical to
-/// the one that is built without a selection.
+/// Selects which sheets of an instant are built. A selection changes the index of a sheet, but not its
+/// contents.
 struct SheetChoice {
     /// Returns whether to read the row of squares that begins at raster row y. If the function is empty, all
     /// rows are read.
@@ -177,8 +177,8 @@ struct SheetChoice {
     /// out. If it is empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read. Appends the sheets of this row, at raster row y, that
-    /// are needed nevertheless, from left to right.
+    /// Called for each row of squares that is not read from the file. Appends those sheets of the row that
+    /// are needed nevertheless, from left to right. The row of squares begins at raster row y.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
@@ -190,8 +190,8 @@ struct SheetChoice {
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
 
-/// Takes highlights out of existing sheets by another rule, which must have the same limit `above`. The
-/// result is bit-identical to that of `tree_sheets` with this rule.
+/// Applies another highlight rule to existing sheets. The new rule must have the same limit `above` as the
+/// old one. The result is bit-identical to that of `tree_sheets` with the new rule.
 void take_highlights(TreeSheets& sheets, const HighlightRule& rule);
 
 }  // namespace postlens

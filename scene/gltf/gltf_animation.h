@@ -19,7 +19,7 @@ struct GltfCurve {
     Kind kind = Kind::linear;
     std::vector<double> times_s;  ///< ascending
     std::size_t components = 3;   ///< 4 for a rotation, which is a quaternion x, y, z, w
-    std::vector<double> values;   ///< per keyframe; cubic_spline: incoming tangent, value, outgoing tangent
+    std::vector<double> values;   ///< one per keyframe; cubic_spline: in-tangent, value, out-tangent
 
     /// Returns the value at a time. Rotations have unit length. If the curve is linear, rotations are
     /// interpolated by slerp along the shorter arc. If it is cubic, the interpolated quaternion is
@@ -33,14 +33,14 @@ struct GltfNodeCurves {
     /// Returns the placement of the node at a time. A component without a curve is taken from `own`.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
     /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
-    /// It therefore has an additional time shortest_key_gap_s before each jump.
+    /// For each jump, an additional time is returned, which is shortest_key_gap_s before the jump.
     [[nodiscard]] std::vector<double> times_s() const;
 };
 
-/// Reads the curves of all animated nodes. The result maps the index of a node to its curves. All animations
-/// of the document play at the same time. If two animations affect the same property of a node, the first one
-/// is used, with a note to the user. Animations of morph weights and KHR_animation_pointer are ignored, also
-/// with a note. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input).
+/// Reads the curves of all animated nodes. Returns the curves of each node, by index of the node. All
+/// animations of the document play at the same time. If two animations affect the same property of a node,
+/// the first one is used, with a note to the user. Animations of morph weights and KHR_animation_pointer are
+/// ignored, also with a note. Translations are multiplied by `metres_per_unit`. Throws Error(invalid_input).
 [[nodiscard]] std::map<std::size_t, GltfNodeCurves> read_gltf_animations(const GltfDocument& document,
                                                                          GltfAccessors& accessors,
                                                                          double metres_per_unit,

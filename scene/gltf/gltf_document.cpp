@@ -122,8 +122,8 @@ void check_head(const GltfDocument& d) {
     if (!version.starts_with("2.")) {
         asset.fail_here("is of another version (got {}; expected 2.0)", excerpt(version));
     }
-    // A material extension changes the appearance, but not the geometry. So an unknown material extension
-    // causes a note instead of an error, even if the document requires it.
+    // An unknown material extension causes a note instead of an error, even if the document requires it.
+    // Without the extension the appearance is different, but the geometry is correct.
     constexpr std::array<std::string_view, 3> known{"KHR_lights_punctual", "KHR_texture_transform",
                                                     "KHR_mesh_quantization"};
     for (const std::string& name : root.texts("extensionsRequired")) {

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The texture coordinates that a material uses: their set, and a transform by KHR_texture_transform, in
-/// which v points down.
+/// The texture coordinates that a material uses: the number of their set, and the transform given by
+/// KHR_texture_transform. In this transform, v points down.
 struct UvSource {
     std::size_t set = 0;  ///< TEXCOORD_set
     glm::dvec2 offset{0}, scale{1};

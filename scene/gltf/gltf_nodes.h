@@ -35,9 +35,9 @@ class GltfNodes {
     /// Returns the times of the keyframes of the animated node `frame` and of its animated ancestors,
     /// ascending.
     [[nodiscard]] std::vector<double> frame_times_s(std::size_t frame) const;
-    /// Returns the greatest error of the placement of the animated node `frame` at its keyframes, relative to
-    /// the size of the placement. The error is caused by shear, which a placement (translation, rotation,
-    /// scale) cannot represent.
+    /// Returns the largest relative error of the placement of the animated node `frame`, over all its
+    /// keyframes. The error is caused by shear, which a placement (translation, rotation, scale) cannot
+    /// represent.
     [[nodiscard]] double frame_shear(std::size_t frame) const;
 
   private:

@@ -32,7 +32,7 @@ std::string one_line(const json::exception& error) {
 }
 
 // Checks the nesting depth and the number of values before parsing. Counts brackets, commas and colons
-// outside strings. A callback of the parser would be slow, because it would scan the whole array for each
+// outside strings. A parser callback would be slow, because the parser scans the whole array again for each
 // element.
 void check_extent(std::string_view text, const std::string& file) {
     int depth = 0;
@@ -64,8 +64,8 @@ json parse_json(std::string_view text, const std::string& file) {
     try {
         return json::parse(text.begin(), text.end());
     } catch (const json::exception& error) {
-        // The parser does not only throw parse_error. For example, a number beyond the range of double throws
-        // out_of_range.
+        // The parser throws other exceptions besides parse_error, such as out_of_range for a number beyond
+        // the range of double.
         fail(ExitCode::invalid_input, "{}: is no JSON ({})", file, one_line(error));
     }
 }

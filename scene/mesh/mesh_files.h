@@ -15,8 +15,8 @@
 namespace postlens {
 
 /// Gives assimp the contents of files as UTF-8 from memory. Rewrites MTL files (obj_text.h). Recognises
-/// UTF-16 by its byte order mark. Does not open files outside the scene's folder, and writes nothing. Keeps
-/// lists of requested files that are missing or outside the folder.
+/// UTF-16 by its byte order mark. Does not open files outside the scene's folder, and writes no files. Keeps
+/// a list of requested files that are missing, and a list of those outside the folder.
 class MeshFiles : public Assimp::IOSystem {
   public:
     /// `text` is the content of the scene file, as returned by `rewritten_obj`.

@@ -100,8 +100,7 @@ class MeshReader {
     Mesh ply_mesh(const PlyFile& from) {
         Mesh out;
         std::vector<bool> usable;
-        // If each corner of a face has its own texture coordinates, each corner also becomes a separate
-        // position.
+        // If texture coordinates are given per corner of a face, each corner becomes a vertex of its own.
         const bool is_unrolled = !from.corner_uvs.empty();
         const std::size_t count = is_unrolled ? from.corners.size() : from.positions.size();
         std::vector<unsigned> face;
@@ -209,7 +208,7 @@ class MeshReader {
         return found == pictures_.end() ? MaterialPictures{} : found->second;
     }
 
-    // Returns the options that map the texture images of a material to its surfaces.
+    // Returns the options that state how the texture images of a material are mapped to surfaces.
     PictureOptions uv_options(const aiMaterial& material) const {
         const MaterialPictures pictures = pictures_of(material);
         return material.GetTextureCount(aiTextureType_DIFFUSE) > 0 ? pictures.colour : pictures.emission;

@@ -169,7 +169,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // A backslash that is followed only by blanks must not become one that continues the line.
+        // Trailing blanks were removed. If blanks followed a backslash, one is added again, so that the
+        // backslash does not continue the line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

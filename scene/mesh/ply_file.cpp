@@ -30,7 +30,8 @@ std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<s
     return std::nullopt;
 }
 
-// Returns the indices of several properties. Each has alternative names. Empty if a property is missing.
+// Returns the indices of several properties, or empty if one of them is missing. Each property can have one
+// of several names.
 template <std::size_t count>
 std::optional<std::array<std::size_t, count>> places_of(
     const PlyElement& e, const std::array<std::initializer_list<std::string_view>, count>& names) {
@@ -131,14 +132,15 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // Earlier faces had no texture coordinates. Their corners get (0, 0).
+        // If earlier faces had no texture coordinates, their corners get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
     // Adds the triangles of strips. Every second triangle of a strip has the opposite winding. An index of -1
-    // ends a strip. Triangles with repeated corners are omitted, because they only join parts of a strip.
+    // ends a strip. Triangles with repeated corners are omitted, because they only serve to join parts of a
+    // strip.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;
@@ -274,8 +276,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // The two lists of a face that are used are its corners and its texture coordinates. For each of them,
-    // `kept_lists_` is the index of the property, and `lists_` contains the entries.
+    // Two lists of a face are used: its corners and its texture coordinates. For each of these lists,
+    // `kept_lists_` has the index of the property, and `lists_` has the entries.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

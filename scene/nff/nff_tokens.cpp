@@ -77,8 +77,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // `peek` may already have read a line after the one with the last word. The line numbers show whether it
-    // has.
+    // `peek` may already have read the next line. In that case the two line numbers differ, and nothing is
+    // left of the line of the last word.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -15,8 +15,8 @@ The halves are independent, so the expectation of the squared bias is (E P - E C
 negative. Its standard error is computed from the means of blocks of BLOCK_PX.
 
 The results are computed in scene-linear colour, and again after every image is clamped to 0 to 1 and sRGB-encoded. The
-encoding is a curve, so it shifts the mean of noisy values. If one renderer is noisier than the other, this shift
-appears as a bias.
+encoding is nonlinear, so noise changes the mean of the encoded values. If one renderer is noisier than the other, the
+comparison therefore shows a bias.
 """
 
 import argparse

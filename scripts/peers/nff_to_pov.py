@@ -3,10 +3,10 @@
 
     nff_to_pov.py SCENE.nff SCENE.pov
 
-The camera is made for one sample per pixel corner of a 512 x 512 picture. Render with +W513 +H513 -A -J. The angle of
-NFF is measured between the centres of the first and the last pixel row. The 512 distances between corners therefore
-cover 512/511 of the tangent of this angle. POV-Ray samples the centres of its 513 columns, so its picture is 513/511
-times as wide as the angle.
+The camera is made for one sample per pixel corner of a 512 x 512 picture. Render with +W513 +H513 -A -J. NFF measures
+the angle of view between the centres of the first and the last pixel row, which are 511 px apart. POV-Ray renders 513
+rows, one for each row of corners, and measures the angle over all 513 of them. The tangent of half its angle is
+therefore 513/511 times that of NFF.
 
 Two declarations on POV-Ray's command line make it possible to count rays. Declare=Max_Depth=N sets the depth, which is
 5 by default. With Declare=Clear_Glass=1, transparent objects cast no shadows.
@@ -205,8 +205,8 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Triangles are written separately, because POV-Ray needs 4 to 8 % more processor time for a
-                # single mesh (measured with the scenes tetra and mount).
+                # Triangles are written separately, because POV-Ray takes longer to render them as a single
+                # mesh.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

@@ -7,9 +7,9 @@ keys; materials that only emit; "checker" textures; rectangles, boxes, spheres a
 of translation and rotation. Any other content causes an error of one line; nothing is omitted silently.
 
 Balls and cylinders become meshes whose outlines have an error of at most OUTLINE_PX. The exposure is mapped to the part
-of one frame that Cycles' shutter covers (SHUTTER_COVERED). A moving object has enough poses for an error below
-MOTION_PX between them, where translations are interpolated linearly and rotations by slerp. Blender's evaluation of
-each pose is checked against the formula of the scene.
+of one frame that Cycles' shutter covers (SHUTTER_COVERED). Between the poses of a moving object, Blender interpolates
+translations linearly and rotations by slerp. The object has so many poses that the error of the interpolation is below
+MOTION_PX. Blender's evaluation of each pose is checked against the formula of the scene.
 """
 
 import argparse
@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 samples times from a table of 256 entries. For a box curve, this table covers only 254/256 of the
-# frame. The measured position of a moving bar confirms this. With --whole-frame, the error is not corrected.
+# Cycles 3.4 samples times from a table of 256 entries. For a box curve, the times cover only this fraction of
+# the frame. With --whole-frame, the error is not corrected.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -183,9 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # A cell edge of infinite length has no borders along its axis, so the coordinate along this axis is
-    # multiplied by 0. Blender's Checker Texture node shifts the borders of the cells and is therefore not
-    # used.
+    # Cells may be infinitely long along an axis. The coordinate along such an axis is multiplied by 0.
+    # Blender's Checker Texture node is not used, because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -470,7 +469,7 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # The default sampler of Cycles, pmj, needs more samples than Sobol points do until its images are free of
+    # Images by the default sampler of Cycles (pmj) need more samples than those by Sobol points to be free of
     # bias (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")

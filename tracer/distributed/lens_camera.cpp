@@ -49,8 +49,7 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Computes everything in single precision. The rounding error of a tangent is then 2^-24 of the raster's half
-// width, or at most 1e-4 px.
+// Computes everything in single precision. The resulting error is at most 1e-4 px on the raster.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -263,8 +262,8 @@ double LensCamera::px_per_m(const dvec3& world, double time_s) const {
     const Frame f = frame_at(time_s);
     const double distance = glm::length(world - f.position), depth = glm::dot(world - f.position, f.forward);
     if (!(depth > 0)) return 0;
-    // The scale would be infinite for a point in the plane of the lens. Such a point lies far outside the
-    // image, so the depth may be clamped.
+    // The scale would be infinite for a point in the plane of the lens, so the depth is clamped. Such points
+    // lie far outside the image, where the exact scale does not matter.
     return lens_.gain_px / std::max(depth, 0.02 * distance);
 }
 

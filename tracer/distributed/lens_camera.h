@@ -62,15 +62,15 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray starts at the
-    /// lens point `unit` (lens radii) and goes to the point of the plane in focus that the pinhole sees at
+    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray starts at `unit`,
+    /// a lens point in lens radii. It passes through the point of the plane in focus that the pinhole sees at
     /// (x, y). `t` is the distance from the lens to the point on the ray, m. Not for a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth 1/z' of a world point, 1/m, and its gradient over the raster, 1/m per px.
-    /// The gradient is that of the plane through the point with the given normal. All three values are 0 if
-    /// this plane contains the middle of the lens, or if the camera is orthographic. Not for a camera that
-    /// moves.
+    /// Returns the inverse depth 1/z' of a world point, 1/m, and the two components of its gradient over the
+    /// raster, 1/m per px. The gradient is that of the plane through the point with the given normal. All
+    /// three values are 0 if this plane contains the middle of the lens, or if the camera is orthographic.
+    /// Not for a camera that moves.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for

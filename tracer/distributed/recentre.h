@@ -6,8 +6,7 @@
 namespace postlens {
 
 /// Returns the scene with all objects, motions, lights and cameras translated by -origin. Rays are stored as
-/// floats. Far from the origin, rounding would displace them by more than the size of a lens of a few
-/// centimetres.
+/// floats. Far from the origin, rounding errors would exceed the size of a small lens.
 [[nodiscard]] Scene recentred(Scene scene, const glm::dvec3& origin);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// The part of a render that is fixed by its settings. It consists of the recentred scene, the lens, the
-// shutter, and the structures for ray tracing.
+// Everything that a render computes from its settings before it traces rays: the recentred scene, the lens,
+// the shutter, and the structures for ray tracing.
 #pragma once
 
 #include <optional>

@@ -31,9 +31,9 @@ constexpr const char* checksum_attribute = "postlens:checksum";
 /// halves, the range of blocks, and whether a block is unfinished.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words per pixel. Each word is a channel of the file. Three words are the
-// colour, as floats. Each half adds a sample count, and three doubles (two words each) for every block. With
-// `with_open`, each half also has three doubles for an unfinished block.
+// Returns the number of 32-bit words per pixel. Each word is a channel of the file. The colour takes three
+// words. For each half of the samples, there is a sample count and a sum of three doubles for every block.
+// With `with_open`, each half has one more sum, that of the unfinished block.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,8 +43,8 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file. Each channel points to its first word in `words`. If `words` is null, so
-/// are the pointers.
+/// Returns the channels of the file. Each channel points to its first word in `words`. The pointers are null
+/// if `words` is null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {

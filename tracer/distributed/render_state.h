@@ -12,16 +12,16 @@
 
 namespace postlens {
 
-/// Largest number of blocks into which the samples of a pixel are divided. A render can be divided by samples
-/// into at most this number of parts.
+/// Largest number of blocks into which the samples of a pixel are divided. A render whose samples are divided
+/// into parts has at most this number of parts.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance and numbers of samples per pixel, for one or two halves. A sum consists of 3 doubles per
-/// pixel, row-major, and includes the exposure.
+/// Sums of radiance and numbers of samples per pixel, for one or two halves of the samples. A sum consists of
+/// 3 doubles per pixel, row-major, and includes the exposure.
 ///
 /// The samples of a pixel are divided into blocks. The sum of a pixel is the sum of its block sums, added in
-/// order. Blocks that are rendered separately therefore add up to a bit-identical sum. A state contains
-/// either the sum over all blocks (`blocks` 1), or a separate sum for each of several blocks.
+/// order. The result is therefore bit-identical even if the blocks are rendered separately. A state contains
+/// either the sum over all blocks (`blocks` is 1) or a separate sum for each of several blocks.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height

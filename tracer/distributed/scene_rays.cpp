@@ -18,7 +18,7 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // The radiance of such objects differs between a ray and a record. A ray samples one direction of a
+        // For such objects, a ray and a record have different radiance. A ray samples one direction of a
         // lobe, while a record contains the mean over the lobe.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;

@@ -180,8 +180,8 @@ void occlude_moving(const RTCOccludedFunctionNArguments* args) {
                  [&](const Rays& rays, unsigned i) { return moving_crossings(set, args->primID, rays, i); });
 }
 
-// Embree rejects bounds beyond about 1.8e18, so they are clamped. The padding makes a flat box thicker than
-// float rounding, so that rays do not miss it.
+// Embree rejects bounds beyond about 1.8e18, so they are clamped. A flat box is also padded, because rays
+// could miss it due to float rounding.
 RTCBounds padded(glm::vec3 lo, glm::vec3 hi) {
     for (int c = 0; c < 3; ++c) {
         lo[c] = std::max(lo[c], -1e18F);

@@ -38,8 +38,8 @@ void quadratic(T a, T half_b, T c, T shift, int part, Crossings<T>& out) {
 
 template <typename T>
 void sphere_crossings(const glm::vec<3, T>& o, const glm::vec<3, T>& d, Crossings<T>& out) {
-    // Here t is measured from the point of the ray nearest to the centre of the sphere. No large terms cancel
-    // then, whatever the distance of the ray's origin.
+    // Here t is measured from the point of the ray nearest to the centre of the sphere. This avoids
+    // cancellation even if the origin of the ray is far away.
     const T dd = glm::dot(d, d);
     const T tc = -glm::dot(o, d) / dd;
     const glm::vec<3, T> l = o + tc * d;

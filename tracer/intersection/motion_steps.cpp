@@ -79,11 +79,10 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is the distance by which the true box exceeds the interpolated box. It is sampled at positions
-    // h apart, from one keyframe to the next, because the motion may have a kink at a keyframe. Between two
-    // samples, the excess is higher than both by at most h^2/8 times its second derivative. The derivative is
-    // estimated by second differences, and doubled because it varies. The kink where another corner becomes
-    // the extreme one does not raise the excess between samples.
+    // `excess` is the distance by which the true box exceeds the interpolated box. It is sampled at evenly
+    // spaced instants between each two keyframes. Between two samples, the excess may be larger than at both.
+    // An upper bound of this increase is computed from the second differences of the samples, which are
+    // doubled for safety.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

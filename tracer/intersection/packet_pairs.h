@@ -11,9 +11,9 @@ struct Pairs {
     alignas(64) float near[16], far[16];
 };
 
-/// Computes the crossings of n = 8 or 16 rays with `item`. A crossing at the point where a ray starts is
-/// omitted. It is recognised by `geometry` and `primitive`. Returns false for any other n, and for shapes
-/// without a packet version.
+/// Computes the crossings of n = 8 or 16 rays with `item`. If a ray starts on this shape, the crossing at its
+/// origin is omitted. `geometry` and `primitive` identify the shape. Returns false for any other n, and for
+/// shapes without a packet version.
 [[nodiscard]] bool packet_pairs(const AnalyticSet::Item& item, const Rays& rays, unsigned n,
                                 const RayContext& context, unsigned geometry, unsigned primitive,
                                 const int* valid, Pairs& out);

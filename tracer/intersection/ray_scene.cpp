@@ -87,10 +87,10 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the ray's time. Embree 3.13 divides its hierarchy in time.
-// If one ray of an occlusion packet is in an interval of time, Embree tests all rays of the packet there.
-// This leads to such hits, and a ray may hit a surface once per interval of time. If every crossing filters
-// light, `one_by_one` avoids repeated hits.
+// Rejects hits on instances that do not exist at the time of the ray. Such hits occur because Embree 3.13
+// divides its hierarchy in time and tests all rays of an occlusion packet in every interval of time that one
+// of them needs. For the same reason, a ray may hit a surface more than once. `one_by_one` avoids these
+// repeated hits where every crossing filters light.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -103,8 +103,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one at a time. Embree then selects the nodes of the hierarchy by the time of this ray alone,
-// so the ray meets every surface only once.
+// Tests the rays one at a time. Embree then visits only the nodes of the hierarchy that exist at the time of
+// the ray, so the ray meets every surface only once.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;

@@ -132,8 +132,8 @@ class RayScene {
     /// Returns the derivative of the outward unit normal at the hit, 1/m: d(normal) = shape_operator *
     /// d(position). Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// A ray that starts on a surface at `p` starts slightly off the surface. Returns this distance, m. It is
-    /// slightly larger than the rounding error of single precision at `p`, and far smaller than any object.
+    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`. It is slightly
+    /// larger than the rounding error of single precision at `p`, and far smaller than any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;

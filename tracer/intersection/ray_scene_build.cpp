@@ -190,8 +190,8 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // The number of steps makes the bounding boxes of each step tight relative to the shape. More steps would
-    // only enlarge the hierarchy.
+    // This many steps make the bounding boxes of the steps tight around the shape. More steps would only
+    // enlarge the hierarchy.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {

@@ -40,8 +40,8 @@ struct InstanceGeometry {
     std::size_t mesh = 0;
     std::vector<glm::dmat4> world_from_object;  // one, or one per time step
     double begin = 0, per_step = 0;             // fractions of the time span
-    // Returns the transform at the time of a ray, interpolated as in Embree. A ray that starts on the surface
-    // must start where Embree's intersection tests find this surface.
+    // Returns the transform at the time of a ray. It is interpolated as in Embree, so that the computed hit
+    // lies on the surface that Embree intersects.
     [[nodiscard]] glm::dmat4 at(double time) const;
 };
 

@@ -80,7 +80,7 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Every mirror is assumed to show every object twice, because glass shows two images.
+    // Every mirror or glass object is assumed to show each bright object twice, as glass does.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -119,8 +119,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // Linear map from a position in the cell to the position of its ray relative to the object's centre.
-        // Positions are measured in cells from the middle of the cell.
+        // A linear map gives, for each position in the cell, by how much the ray there misses the centre of
+        // the object. Positions are measured in cells from the middle of the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -130,8 +130,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The map is not linear if mirrors are curved, so its result is inexact. An image may therefore lie
-        // outside the cell by up to a tenth of its distance from the middle of the cell.
+        // Curved mirrors make the map inexact. An image is therefore also accepted if it lies slightly
+        // outside the cell.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

@@ -1,6 +1,6 @@
 // Finds images of small bright objects in mirrors and glass, such as a light source seen through a glass
-// ball. Such an image may lie between the corners of pixels. A quadtree cell that may contain one is
-// therefore subdivided until a corner must hit the image.
+// ball. Such an image may lie between the corners of pixels, where no ray hits it. Quadtree cells that may
+// contain such an image are therefore subdivided until some corner hits it.
 #pragma once
 
 #include <array>
@@ -37,9 +37,9 @@ class BrightImages {
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the largest sizes that suffice for a cell of `size_px`. For each corner of the cell, `at`
-    /// holds the ray that arrives at the node with a given path. The order is up-left, up-right, down-left,
-    /// down-right.
+    /// Returns the cell sizes that find the bright images in a cell of `size_px`. For each corner of the
+    /// cell, `at` holds the ray that arrives at the node with a given path. The order is upper left, upper
+    /// right, lower left, lower right.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:

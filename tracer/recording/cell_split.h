@@ -39,15 +39,15 @@ class CellSplit {
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for the nodes at the corners of an undivided cell. A node is marked in three cases: if
-    /// its texture has contrast between the corners, if the corners show several parts of one object, or if
-    /// another part lies between the corners. A case is skipped if it could have divided the cell further
-    /// (SubdivisionSettings).
+    /// Appends marks for the nodes at the corners of an undivided cell. There are three reasons for a mark:
+    /// the texture of the node has contrast between the corners, the corners show several parts of one
+    /// object, or another part lies between the corners. A reason is ignored if the cell could still be
+    /// divided for it (SubdivisionSettings).
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// The properties of one layer of a sample that determine subdivision. The nodes of the layer are the
-    /// records [first, first + count) of `chunk`, sorted by path.
+    /// One layer of a sample, reduced to the properties that determine subdivision. The nodes of the layer
+    /// are the records [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -61,12 +61,12 @@ class CellSplit {
     /// True if the contrast between two values divides a cell [mitchell1987]. The term 0.05 in its formula
     /// prevents small differences of dark colours from dividing the cell.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
-    /// True if a cell whose corners have similar colours still contains an edge. This is the case if the
+    /// True if a cell contains an edge although its corners have similar colours. This is the case if the
     /// texture has contrast between the corners, or if the corners are shadowed from different lights.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// True if a criterion that subdivides to at most `levels` levels may still divide the cell.
+    /// True if the cell is large enough to be divided by a criterion that is limited to `levels` levels.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
@@ -98,9 +98,9 @@ class CellSplit {
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden layers of the corners divide the cell, by the same criteria as visible layers. A
-    /// layer is compared only between the corners that have it. A hidden layer that begins after a bounce has
-    /// no primary node, so only layers whose first nodes have the same path are compared.
+    /// True if the hidden layers of the corners require that the cell is divided. The criteria are those for
+    /// visible layers. A layer is compared only between corners that have this layer. Two layers are compared
+    /// only if their first nodes have the same path, because a hidden layer may begin after a bounce.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
     /// Returns the path of the first node of the layer that begins at index `at` of the sample's records.
     /// Returns `none` after the last layer.

@@ -17,16 +17,15 @@
 namespace postlens {
 namespace {
 
-// `band_rows` is the greatest number of pixel rows whose records are in memory at once. `tile` is the edge,
-// px, of the squares that a thread traces at once. A band contains two rows of squares, which is enough work
-// for all threads.
+// `band_rows` is the greatest number of pixel rows whose records are in memory at once. `tile` is the width,
+// px, of the squares that a thread traces at once. A band is two squares high, which is enough work for all
+// threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
 
-// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster, because
-// corners_around treats points on the edge between two bands differently. A record therefore does not depend
-// on the row at which the window begins.
+// Returns the row at which the band that contains row y ends. Bands end at fixed rows of the raster. A record
+// therefore does not depend on the row at which the window begins.
 int end_of_band(int y) {
     return (floor_div(y, band_rows) + 1) * band_rows;
 }
@@ -175,8 +174,8 @@ class BandSampler {
         });
     }
 
-    // Makes a sample of the band above accessible. A pixel corner is found by row and column, and any other
-    // sample by its position on the grid.
+    // Makes a sample of the band above available in this band. Pixel corners are stored by row and column,
+    // and other samples by their position on the grid.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -217,8 +216,8 @@ class BandSampler {
     }
 
     // Returns the pixels that are divided. All four corners of a pixel may miss an object, most often near an
-    // edge. Therefore, if a neighbouring pixel in the same row is divided, the centre of the pixel is
-    // compared with its corners.
+    // edge. The centre of a pixel is therefore also compared if a neighbouring pixel in the same row is
+    // divided.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         parallel_for(cells.size(), [&](std::size_t r) {

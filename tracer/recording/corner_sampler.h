@@ -33,17 +33,17 @@ struct SampledWindow {
 /// - Its corners show different objects or different parts of an object (down to `edge_levels`).
 /// - The colours at its corners, or the texture between them, have a contrast above `threshold` (down to
 /// `colour_levels`).
-/// - The outline of a part of a mesh crosses the cell in front of the surface that its corners show, and no
-/// corner shows this part (down to `edge_levels`).
+/// - All its corners show the same part of a mesh, but the outline of another part crosses the cell in front
+/// of it (down to `edge_levels`).
 /// - Its corners are shadowed from different lights (down to `colour_levels`).
-/// - The cell is a pixel beside a divided pixel, and its centre differs from its corners by these criteria.
-/// - The narrow objects in `things` require it (down to `levels`).
+/// - It is a pixel beside a divided pixel, and its centre differs from its corners by these criteria.
+/// - A narrow object in `things` may lie in it (down to `levels`).
 ///
 /// The criteria of objects, contrast and shadows also apply to every hidden layer.
 ///
 /// Needs memory for one band only. The result does not depend on the number of threads. If the window
-/// includes the row above a given row, the records of this row do not depend on rows farther above,
-/// except for means over lobes (lobe_means.h). Returns the number of rays.
+/// includes the row above a given row, the records of this row do not depend on rows farther above. The means
+/// over lobes (lobe_means.h) are an exception. Returns the number of rays.
 RayCounts sample_corners(const WhittedTracer& tracer, const SampledWindow& window,
                          const SubdivisionSettings& settings,
                          const std::function<void(const RecordBand&)>& take, const SmallThings& things = {});

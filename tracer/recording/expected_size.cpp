@@ -42,8 +42,8 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // A row of the picture also needs the lower corners of its pixels. If the stripe crosses two
-                // bands, these corners are in the next band.
+                // The last row of pixels of the stripe also needs the corners below it. If the stripe crosses
+                // two bands, these corners are in the next band.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -25,9 +25,8 @@ using glm::dvec3;
 // further instants. From one step to the next, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
-// The size of an object in the frame may change. A key records the object if it shows the object at this
-// fraction of its largest size or more. At half the size, records are as coarse as with one level of
-// subdivision less.
+// A key (recorded instant) records an object if it shows the object at this fraction of its largest size or
+// more. The size is that in the frame, which may change with time.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -62,7 +61,7 @@ bool inside(const Bounds& box, const dvec3& p) {
     return glm::all(glm::greaterThanEqual(p, box.min)) && glm::all(glm::lessThanEqual(p, box.max));
 }
 
-// Returns instants at which viewing directions are computed. They are count + 1 evenly spaced instants of the
+// Returns the instants at which viewing directions are computed: count + 1 evenly spaced instants of the
 // shutter interval, and the keyframes of `motions` within the interval.
 std::vector<double> looks(const TimeSpan& shutter, int count,
                           std::initializer_list<const std::vector<TransformKey>*> motions) {
@@ -100,8 +99,8 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether the frame may show a sphere, which is given without its motion. The sphere must reach in
-// front of the camera and inside the four planes through the edges of the frame.
+// Returns whether the frame may show a sphere, given by its position before its motion. Part of the sphere
+// must be in front of the camera and inside the four planes through the edges of the frame.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),
@@ -196,15 +195,15 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns whether a key lies within a visit, if there are `keys` evenly spaced keys in the shutter
-    // interval. A visit is a time span in which an object may be in view.
+    // Returns whether a key lies within a visit if `keys` keys are evenly spaced in the shutter interval. A
+    // visit is a time span in which an object is in view.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // A visit that is too short for any number of keys is ignored.
+    // Visits that are too short for any number of keys are ignored.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

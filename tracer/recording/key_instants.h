@@ -13,19 +13,18 @@
 namespace postlens {
 
 /// Returns the greatest angle, degrees, by which the camera moves around an object while the shutter is open.
-/// It is the total rotation of the direction from the object's centre to the camera, in the frame of the
-/// object. This angle measures how much of the hidden side of the object turns into view. It is 0 if the
-/// camera only pans or rolls about its optical axis. Infinite planes are ignored. An object such as a room is
-/// ignored while the camera is inside its bounding box.
+/// The angle shows how much of the hidden side of the object turns into view. It is the total rotation of the
+/// direction from the object's centre to the camera, in the frame of the object. It is 0 if the camera only
+/// pans or rolls about its optical axis. Infinite planes are ignored, and so is an object while the camera is
+/// inside its bounding box.
 [[nodiscard]] double view_sweep_degrees(const Scene& scene, const Camera& camera, const TimeSpan& shutter);
 
 /// Returns the angle, degrees, by which the optical axis of a perspective camera turns while the shutter is
 /// open.
 [[nodiscard]] double pan_degrees(const Camera& camera, const TimeSpan& shutter);
 
-/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. If a panning camera
-/// records one key (recorded instant) per such angle, the keys together show everything that the frame shows
-/// between them.
+/// Returns the angle, degrees, from the optical axis to the nearest edge of the frame. A panning camera needs
+/// one key (recorded instant) per such angle to record everything that it shows.
 [[nodiscard]] double half_field_degrees(const CameraModel& camera);
 
 struct KeyRules {
@@ -42,9 +41,9 @@ struct KeyCount {
 };
 
 /// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// all visits of moving objects. A visit is a span of time in which the frame shows the object at half of its
-/// largest size or more. A visit is recorded if a key lies within it. The instant `recorded_s` is recorded as
-/// well. An object counts as visible if its bounding sphere reaches into the frame. Occlusion is ignored.
+/// all visits of moving objects. A visit is a span of time in which the frame shows an object at half of its
+/// largest size or more. A visit is recorded if a key or the instant `recorded_s` lies within it. An object
+/// counts as visible if its bounding sphere reaches into the frame, even if other objects hide it.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
@@ -60,7 +59,7 @@ struct KeyCount {
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
 /// Returns `count` instants in ascending order, evenly spaced over the shutter interval including both ends.
-/// An instant is omitted if it equals `frame_s` up to a relative rounding of 1e-9. Empty if `count` is 1.
+/// Instants that equal `frame_s`, except for rounding, are omitted. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

@@ -56,8 +56,9 @@ class LightChange {
         follow(visible_points());
     }
 
-    /// Returns the predicted PSNR of images made from the light at the recorded instant and at further keys
-    /// (recorded instants), one every `between` steps. If `between` is 0, only the recorded instant is used.
+    /// Returns the predicted PSNR of images made from the light at certain keys (recorded instants). The keys
+    /// are the instant `recorded_s` and one instant every `between` steps. If `between` is 0, `recorded_s` is
+    /// the only key.
     [[nodiscard]] double psnr_db(int between) const {
         std::vector<std::size_t> keys{instants_s_.size() - 1};
         for (std::size_t i = 0; between > 0 && i <= light_steps; i += static_cast<std::size_t>(between))
@@ -114,8 +115,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Neighbouring points of the grid are taken at very different instants. Together, the points then also
-    // cover surfaces that come into view during the shutter interval.
+    // Neighbouring points of the grid are taken at very different instants. The points then also cover
+    // surfaces that are in view for only part of the shutter interval.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),

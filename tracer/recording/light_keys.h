@@ -21,14 +21,13 @@ struct LightKeys {
 /// reaches a PSNR of `target_db`. The number is 1, 2, 3, 5, 9, 17 or 33. If none of them suffices, it is 33.
 /// The instant `recorded_s` is always recorded, and it is the only one if the number is 1.
 ///
-/// A coarse grid of rays selects points of surfaces, each at a different instant. The points are followed
-/// through the shutter interval. At 65 instants, a ray from the camera finds the radiance of each point that
-/// is in view. For any instant, images are assumed to show the radiance interpolated linearly between the two
-/// nearest keys. The error of a point is the error of its mean over time, as an sRGB value. The PSNR is
-/// computed over all points.
+/// A coarse grid of rays selects points on surfaces, which are followed through the shutter interval. At 65
+/// instants, rays from the camera find the radiance of the points in view. An image is assumed to interpolate
+/// the radiance linearly between the two nearest keys. The error of a point is the error of its mean over
+/// time, as an sRGB value. The PSNR is computed over all points.
 ///
-/// Each area light is represented by one point, and each lobe by one direction. Shadows and reflections
-/// therefore appear sharper here than in images.
+/// One point represents each area light, and one direction represents each lobe. Shadows and reflections are
+/// therefore sharper here than in images.
 [[nodiscard]] LightKeys light_keys(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                    double recorded_s, const TimeSpan& shutter, double target_db,
                                    const DistributedSettings& tracing);

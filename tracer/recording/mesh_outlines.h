@@ -16,8 +16,8 @@ namespace postlens {
 /// The edges of meshes on the film where a mesh ends or turns away from the camera.
 class MeshOutlines {
   public:
-    /// Limit of the number of edges per pixel of the raster, on average. If there are more, the farthest
-    /// edges are omitted.
+    /// Limit of the average number of edges per pixel of the raster. If there are more edges, the farthest
+    /// are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
@@ -28,14 +28,13 @@ class MeshOutlines {
 
     [[nodiscard]] bool empty() const { return crossings_.empty(); }
 
-    /// The part of an object that all corners of a cell show.
+    /// The part of an object that is visible at all corners of the cell.
     struct Shown {
         std::uint32_t id = 0, part = 0;
         std::array<float, 4> z_m{};  ///< z' at the upper left, upper right, lower left and lower right corner
     };
-    /// Returns whether the outline of another part crosses a square, in front of the part that the corners
-    /// show. (x, y) is the upper left corner of the square and `size` its width, px. The square must lie
-    /// within one pixel.
+    /// Returns whether the outline of another part crosses a square in front of the part `shown`. (x, y) is
+    /// the upper left corner of the square and `size` its width, px. The square must lie within one pixel.
     [[nodiscard]] bool cross(double x, double y, double size, const Shown& shown) const;
 
   private:

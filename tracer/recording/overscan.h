@@ -11,9 +11,9 @@
 namespace postlens {
 
 /// Returns the overscan, px. It is found by a coarse trace around the frame with one sample per 8 px. The
-/// overscan includes every sample whose circle of confusion, through the lens `lens`, reaches the frame. It
-/// also includes every sample with a visible or hidden surface that moves into the frame at an instant of
-/// `motion`. The result is limited to half of the frame's longer side and to 4096 px. `motion` may be null.
+/// overscan includes every sample whose circle of confusion reaches the frame. It also includes every sample
+/// whose visible or hidden surface moves into the frame at an instant of `motion`. The result is limited to
+/// half of the frame's longer side and to 4096 px. `motion` may be null.
 [[nodiscard]] int find_overscan(const WhittedTracer& tracer, const CameraModel& camera,
                                 const std::optional<FocusGeometry>& lens, const FilmMotion* motion);
 

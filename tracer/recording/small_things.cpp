@@ -18,11 +18,11 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Long objects are divided along their axis into this many pieces. Each piece is treated as if its width and
-// depth were constant.
+// Long objects are divided along their axis into this many pieces. The width and depth of a piece are assumed
+// to be constant.
 constexpr int pieces = 16;
-// Number of times that the piece at a tip is halved. With this number, even a cone as wide as the largest
-// raster becomes narrow at its tip.
+// Number of times that the piece at a tip is halved. After this many halvings, the tip of even the widest
+// cone is narrow.
 constexpr int most_halves = 16;
 // If an object is narrower than the smallest cells, all corners may miss the object.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -55,9 +55,9 @@ Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
 }
 
 /// Returns the axes of a box around all points. Two boxes are tried, and the one with the smaller surface is
-/// used. The sides of the first box are parallel to the coordinate axes. The second box fits flat and long
-/// objects of any direction. One of its sides points from the centre to the farthest point. Another points to
-/// the point farthest from this line.
+/// used. The sides of the first box are parallel to the coordinate axes. The second box suits flat and long
+/// objects of any direction: one side is parallel to the line from the centre to the farthest point, and
+/// another side points from this line to the point farthest from it.
 Axes box_around(const std::vector<glm::vec3>& points) {
     const auto sides = [&](const dmat3& turn) {
         Bounds out;
@@ -163,10 +163,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate half axes that suit the line of sight. The first has
-// the longest possible image. The image of the second is perpendicular to the image of the first. The image
-// of the third is a point. Returns the ratio of the lengths of the first two images, or 0 if the ellipsoid is
-// not visible.
+// Replaces the half axes of an ellipsoid by conjugate half axes that suit the line of sight. The image of the
+// first is as long as possible. The image of the second is perpendicular to that of the first. The third
+// points along the line of sight, so its image is a point. Returns the length of the first image divided by
+// that of the second, or 0 if the ellipsoid is not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -337,15 +337,14 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // of neighbouring cells cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Every piece needs at least three cells, so keep_affordable() keeps at most two thirds of this number of
-    // pieces.
+    // Every piece needs at least three cells. If there are this many pieces, keep_affordable() therefore
+    // removes at least a third of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // The cells cover the outline and a strip along the axis. On either side, the strip is one cell wider
-    // than the object.
+    // The cells lie along the outline and on both sides of the axis, up to one cell beyond the object.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);
@@ -423,8 +422,8 @@ WantedCells SmallThings::wanted(double x, double y, double size, double farthest
     for (std::uint32_t i = tile_offsets_[tile]; i < tile_offsets_[tile + 1]; ++i) {
         const Piece& r = pieces_[tile_pieces_[i]];
         if (size <= std::min(r.find_px, r.outline_px) || r.nearest_m > farthest_m) continue;
-        // Half of the cell's diagonal is 0.7071 of its size. The slightly larger 0.7072 ensures that no cell
-        // that the object touches is missed.
+        // If the object touches the cell, it is nearer to the centre than half of the cell's diagonal. This
+        // is 0.7071 times the size. The slightly larger 0.7072 allows for rounding.
         if (distance_to_segment(centre, r.from, r.to) > r.reach + size * 0.7072) continue;
         out.find_px = std::min(out.find_px, r.find_px);
         out.outline_px = std::min(out.outline_px, r.outline_px);

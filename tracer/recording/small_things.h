@@ -18,8 +18,8 @@
 
 namespace postlens {
 
-/// Narrow objects that are seen directly, and bright ones that are seen in mirrors and glass (`images`). Each
-/// part of a mesh counts as a separate object. Planes and wide parts are not included.
+/// Narrow objects that are seen directly, and bright objects that are seen in mirrors and glass (`images`).
+/// Each part of a mesh counts as a separate object. Planes and wide parts are not included.
 class SmallThings {
   public:
     /// Width, px, above which an object is not narrow. A wider object cannot lie between the corners of
@@ -29,13 +29,13 @@ class SmallThings {
     /// size, some corner of a cell always lies on the object.
     static constexpr double find_share = 0.5;
     /// Largest size of a quadtree cell along the outline of a compact object brighter than white, as a
-    /// fraction of the object's width. With this fraction, the area of a disc, and therefore the brightness
-    /// of its circle of confusion, has an error of 1.2 % (Kendall 1948).
+    /// fraction of the object's width. With this fraction, the area of a disc has an error of 1.2 % (Kendall
+    /// 1948). The brightness of its circle of confusion has the same error.
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Limit of the number of cells per pixel of the raster. If more cells are needed, bright objects are
-    /// kept first, then wide ones.
+    /// Limit of the number of cells per pixel of the raster. If more cells are needed, some objects are
+    /// omitted. Bright objects have priority, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
@@ -49,7 +49,7 @@ class SmallThings {
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
     /// Finds the outlines of meshes, because parts of a mesh may lie between corners. The arguments must be
-    /// those that were passed to the constructor. The outlines need up to 160 bytes per pixel of the raster.
+    /// those of the constructor. The outlines need up to 160 bytes per pixel of the raster.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
@@ -65,8 +65,8 @@ class SmallThings {
     /// too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the largest cell sizes that suffice for a square. (x, y) is the upper left corner of the
-    /// square and `size` its width, px. Objects farther away than `farthest_m` are ignored.
+    /// Returns the cell sizes that find all narrow objects in a square. (x, y) is the upper left corner of
+    /// the square and `size` its width, px. Objects farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:

@@ -11,8 +11,9 @@
 namespace postlens {
 
 /// A permutation of 0 .. n - 1 for any n in 1 .. 2^30, selected by `key`. It is built from a bijection of
-/// words of b bits, where 2^b >= n. Each round of the bijection computes x -> odd * x + c and x -> x ^ (x >>
-/// s) with random constants. The bijection is applied again until the result is below n.
+/// numbers of b bits, where 2^b >= n. Each round of the bijection multiplies by an odd constant, adds a
+/// constant, and combines the number with itself shifted to the right. The bijection is applied again until
+/// the result is below n.
 class Permutation {
   public:
     Permutation(std::uint32_t n, std::uint64_t key) : n_(n) {
@@ -37,9 +38,8 @@ class Permutation {
         return x;
     }
 
-    /// Replaces several x, all in [0, n), by their images. The loop ends because every cycle of the bijection
-    /// that contains x returns to [0, n). On average it takes fewer than two steps, because n is more than
-    /// half of 2^b.
+    /// Replaces several x, all in [0, n), by their images. On average, the loop takes fewer than two steps,
+    /// because n is more than half of 2^b.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {
         bool walking = step<lanes>(x, true);
@@ -65,8 +65,8 @@ class Permutation {
         return outside != 0;
     }
 
-    /// Number of rounds. With six rounds, all permutations of 2 to 5 elements have the same frequency within
-    /// 4 %. With four rounds or a constant shift, the frequencies differ by tens of percent.
+    /// Number of rounds. With six rounds, all permutations of 2 to 5 elements are equally frequent within 4
+    /// %. With four rounds, the frequencies differ by tens of percent.
     static constexpr std::uint32_t rounds = 6;
     std::uint32_t n_, mask_ = 0;
     std::uint32_t multiplier_[rounds] = {}, offset_[rounds] = {};

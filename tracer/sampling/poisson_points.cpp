@@ -27,9 +27,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Only cells within a distance of two are searched. Points closer than `distance` are less than
-        // sqrt(2) + distance cells apart. This is at most 2 if `distance` is at most 0.586, which holds for
-        // two or more points.
+        // Points closer than `distance` are at most two cells apart, so only cells up to two away are
+        // searched. This holds if `distance` is at most 0.586, and therefore for two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];

@@ -24,14 +24,14 @@ struct PoissonPattern {
 /// `poisson_distance_share` * densest_distance(n). Random points are tried until n of them keep this
 /// distance. If there is no space left for a further point, the pattern is started again.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of the distance in the densest arrangement. At a fraction of
-/// 0.777, random points typically leave no space for the last point. At 0.7, one in a hundred random points
-/// still fits as the last point.
+/// Minimum distance of points, as a fraction of the distance in the densest arrangement. At 0.7, one in a
+/// hundred random points still fits as the last point. At 0.777, there is typically no space left for the
+/// last point.
 inline constexpr double poisson_distance_share = 0.7;
 
-/// Returns n points on the circle [0, 1), no two of which are nearer than poisson_distance_share / n. The
-/// minimum distances are subtracted from the circle, and uniform points are placed on the length that
-/// remains. This gives the exact distribution of random points with a minimum distance.
+/// Returns n points on the circle [0, 1), no two of which are nearer than poisson_distance_share / n. They
+/// have exactly the distribution of random points with a minimum distance. To make them, uniform points are
+/// placed on a shorter circle, and the minimum distance is inserted after each point.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
 /// The points of a pixel. They form one of `patterns` patterns, shifted at random on the torus, in random

@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// Distribution of the points of a pixel. Points of different sets are paired at random, with two exceptions.
-/// In `random`, all points are independent. In `sobol`, the sets of an eye ray are jointly distributed.
+/// Distribution of the points of a pixel. Points of different sets are paired at random. There are two
+/// exceptions. In `random`, all points are independent. In `sobol`, the sets for pixel, lens and time are
+/// well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -40,9 +41,9 @@ inline constexpr SampleSet pixel_set{0}, lens_set{1}, time_set{2};
 }
 
 /// Returns numbers in [0, 1) that are multiples of 2^-24. They depend only on (kind, spp, seed, pixel, set,
-/// index), so the bits are the same for any instruction set and any order of calls. The one-dimensional
-/// points of a set are independent of its two-dimensional points. All samples of a pixel must be used,
-/// because a subset may not be well distributed.
+/// index), so they are bit-identical for any instruction set and any order of calls. A set's one-dimensional
+/// points are independent of its two-dimensional points. All samples of a pixel must be used, because a
+/// subset may not be well distributed.
 class Sampler {
   public:
     static constexpr int max_spp = 1 << 20;

@@ -16,9 +16,9 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// A divisor up to 2^20 with its reciprocal. Integer quotients, rounded down or up, are exact. Half a unit is
-/// added to the dividend, so the quotient is at least 2^-21 away from an integer. Quotients are at most 2^24,
-/// so their rounding error is below 2^-27.
+/// A divisor up to 2^20 with its reciprocal. Integer quotients of up to 2^24, rounded down or up, are exact.
+/// For this purpose, half a unit is added to the dividend, so that the rounding error cannot reach the next
+/// integer.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
@@ -67,8 +67,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row that begins at or before cell c. The condition floor(row * n / rows) <= c is
-        // equivalent to row * n < (c + 1) * rows.
+        // Finds the last row that begins at or before cell c, that is, with floor(row * n / rows) <= c. An
+        // equivalent condition is row * n < (c + 1) * rows.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

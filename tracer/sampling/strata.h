@@ -11,8 +11,8 @@ namespace postlens {
 enum class CellPoint { centre, random };
 
 /// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20. There are round(sqrt(n)) rows.
-/// The numbers of cells in two rows differ by at most one, and the height of a row is proportional to its
-/// number of cells. Cells are numbered row by row.
+/// Any two rows have the same number of cells or differ by one cell. The height of a row is proportional to
+/// its number of cells. Cells are numbered row by row.
 class Strata {
   public:
     explicit Strata(std::uint32_t n);

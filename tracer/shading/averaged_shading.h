@@ -1,5 +1,5 @@
-// Counts the materials and lights of a scene for which a trace records only a mean. Their radiance varies
-// over directions.
+// Counts the materials and lights whose radiance depends on the direction. A trace records only the mean of
+// this radiance.
 #pragma once
 
 #include <cstdint>

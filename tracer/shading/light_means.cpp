@@ -28,9 +28,9 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the test whether an area light is visible. Points 0 to 7 lie on its outline, and one
-// point lies in each quarter. On a sphere, the points on the outline are rotated at random. At fixed
-// positions, they would miss an occluder between them from every surface point.
+// Returns point i of the test whether an area light is visible. Points 0 to 7 lie on its outline, and points
+// 8 to 11 lie in its four quarters. On a sphere, the points on the outline are rotated at random. At fixed
+// positions, they would always miss an occluder between them.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;

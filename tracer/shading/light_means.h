@@ -36,8 +36,9 @@ struct ExtentLit {
 /// and one jittered point of each cell is shaded with its own shadow ray.
 ///
 /// k is 4 to `most_cells`. It is chosen so that the standard deviation of a record is 2/255 of white
-/// (radiance 1). A straight shadow edge crosses about k cells, so the standard deviation is L / (2 k^1.5) for
-/// an unshadowed radiance L. A pixel averages at least four records, which reduces it to 1/255.
+/// (radiance 1). The standard deviation is estimated as L / (2 k^1.5) for an unshadowed radiance L, because a
+/// straight shadow edge crosses about k cells. A pixel is the mean of at least four records, which halves the
+/// standard deviation to 1/255.
 class LightMeans {
   public:
     static constexpr int most_cells = 16;

@@ -7,10 +7,9 @@
 
 namespace postlens {
 
-/// Returns bounds for k = 0 to max_depth. Element k is an upper bound of the radiance of any subtree of the
+/// Returns bounds for k = 0 to max_depth. Element k is an upper bound of the radiance of any part of a
 /// shading tree with at most k nodes along a path. The bound is 1e100 or more if the radiance may be
-/// unlimited. This is the case if the attenuation of a light vanishes at distance 0 and the bounding volume
-/// of a surface may contain this light.
+/// unlimited. This can happen near a light whose intensity grows without limit as the distance goes to 0.
 [[nodiscard]] std::vector<double> radiance_bounds(const Scene& scene, int max_depth);
 
 }  // namespace postlens

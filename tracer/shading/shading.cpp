@@ -125,8 +125,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     }
     dvec3 reflected = (front ? m.diffuse : m.diffuse_transmission) * colour * std::abs(n_l);
     if (front && m.has_highlight()) {
-        // Computes R . V. R is the mirror direction of L, the direction to the light. V is the direction to
-        // the eye.
+        // Computes the cosine R . V. R is the direction to the light, mirrored at the surface. V is the
+        // direction to the eye.
         const double r_v = -glm::dot(2 * n_l * f.normal - to_light, direction);
         if (r_v > 0) reflected += highlight(m, to_light, direction) * std::pow(r_v, m.shininess);
     }
@@ -159,8 +159,8 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation is fitted to the angle on the side with the smaller index of refraction. A
-        // material that does not transmit is only seen from outside.
+        // Schlick's approximation uses the angle on the side with the smaller index of refraction. A material
+        // that does not transmit is only seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);

@@ -78,9 +78,9 @@ struct Continuation {
 [[nodiscard]] glm::dvec3 refracted_direction(const Continuation& c, const Facing& f,
                                              const glm::dvec3& direction);
 
-/// True if a lobe cos^exponent at a surface is wider than the angle that a lens of this radius subtends
-/// there. `distance_m` is the distance to the lens along the path. The width of a lobe is 1 / sqrt(exponent),
-/// rad. False for an infinite exponent.
+/// True if the lobe cos^exponent of a surface is wider than the lens, as seen from the surface. The width of
+/// a lobe is 1 / sqrt(exponent), rad. `distance_m` is the distance to the lens along the path. False for an
+/// infinite exponent.
 [[nodiscard]] bool lobe_is_wide(double exponent, double lens_radius_m, double distance_m);
 
 /// True if a material reflects or transmits.

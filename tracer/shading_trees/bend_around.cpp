@@ -6,9 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the node of `layer` at `path`. If `layer` has none, returns the node of layer 0, because a hidden
-/// layer that begins after a bounce has no nodes before that bounce. Null if neither layer has a node at
-/// `path`.
+/// Returns the node of `layer` at `path`. If `layer` has none, returns the node of layer 0. A hidden layer
+/// that begins after a bounce has no nodes before that bounce. Null if neither layer has a node at `path`.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {

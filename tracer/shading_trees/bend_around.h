@@ -1,5 +1,6 @@
 // Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W) from the values at
-// samples around it. If these values are small, the estimate replaces a measurement and saves its rays.
+// samples around it. If these values are small or similar, the estimate replaces a measurement and saves its
+// rays.
 #pragma once
 
 #include <array>
@@ -23,13 +24,13 @@ struct ChainNode {
     std::span<const std::uint32_t> ids;  ///< one per bounce of `path`
 };
 
-/// Returns the greatest `w_bend`, 1/m^2, of certain nodes in the four samples: those that have the same path
-/// as `node`, through the same objects. The value at `node` itself may be different, and the result is then
-/// empty. This is assumed in the following cases:
-/// - A sample has no such node.
-/// - No such node lies on the object of `node`.
-/// - The value exceeds `little`, unless all four samples have a node on the object of `node` and their values
-/// agree within a factor of two.
+/// Estimates the `w_bend` of `node`, 1/m^2, as the greatest `w_bend` of similar nodes in the four samples. A
+/// similar node has the same path as `node` and bounced at the same objects. The result is empty in these
+/// cases, because the value at `node` may then be different:
+/// - A sample has no similar node.
+/// - No similar node lies on the object of `node`.
+/// - The greatest value exceeds `little`. This does not apply if all four samples have a similar node on the
+/// object of `node` and their values agree within a factor of two.
 [[nodiscard]] std::optional<float> bend_around(const SamplesAround& around, const ChainNode& node,
                                                float little);
 

@@ -28,7 +28,7 @@ struct Shadow {
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped (LightElsewhere). The light of the node is summed before the sum is
+/// A node whose radiance is clamped (LightElsewhere). All light of the node is summed first, and the sum is
 /// clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
@@ -36,8 +36,8 @@ struct LimitedNode {
     bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a node, except for the part that the ray must not include. If `counts` is true, that
-/// part is added to EyeRays::left_out.
+/// Adds the radiance of a node to its ray, except for the radiance that EyeRays::less excludes. If `counts`
+/// is true, the excluded radiance is added to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;
@@ -65,8 +65,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // Directions have the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is
-    // therefore c^(n + 1).
+    // For the density (n + 1) / (2 pi) cos^n of directions, the cumulative distribution of the cosine c is
+    // c^(n + 1).
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);
@@ -154,8 +154,8 @@ void DistributedTracer::spawn(const PathRay& ray, const SurfacePoint& s, const F
             const glm::vec2 uv =
                 sampler_.point_2d(eye.pixel[sample], set_for(purpose, ray.path, 0), eye.index[sample]);
             direction = spread_direction(direction, exponent, glm::dvec2(uv));
-            // A direction of the lobe that points to the wrong side of the surface is mirrored to the other
-            // side. Otherwise light would be lost.
+            // A lobe may contain directions that point to the wrong side of the surface. They are mirrored to
+            // the other side, because otherwise light would be lost.
             const double through = glm::dot(direction, off);
             if (through < 0) direction -= 2 * through * off;
         }

@@ -30,8 +30,8 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Weight of each ray in the result. If empty, all weights are 1. `min_contribution` is compared with the
-    /// contribution of a ray times this weight.
+    /// Weight of each ray in the result. If empty, all weights are 1. A ray is not traced if its contribution
+    /// times this weight is below `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Used only with `less`. Returns the raster position, px, at which the pinhole sees the point at

@@ -17,8 +17,8 @@ namespace {
 // than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// Largest translation of the pinhole that is treated as a rounding error, in m per m of the camera's distance
-// from the origin. A camera that moves no farther is assumed only to rotate.
+// Limit below which the camera is assumed only to rotate. It is the translation of the pinhole divided by the
+// camera's distance from the origin. Smaller translations are rounding errors.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -26,8 +26,8 @@ class FilmMotion {
     /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`. It is used for
-    /// a ray that hit nothing. For an orthographic camera, the result is the position `at` of the ray itself.
+    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`. Used for rays
+    /// that hit nothing. For an orthographic camera, the result is `at`, the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -55,7 +55,7 @@ class FilmMotion {
 };
 
 /// Returns the instants at which motion during a shutter interval is sampled, in ascending order. They are
-/// nine evenly spaced instants, including both ends, and those in `recorded_s`.
+/// nine evenly spaced instants, including both ends of the interval, and the instants in `recorded_s`.
 [[nodiscard]] std::vector<double> looked_at_instants(double open_s, double close_s,
                                                      std::span<const double> recorded_s);
 

@@ -13,8 +13,8 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Smallest displacement on the film that reveals a surface, px. A smaller displacement is not visible,
-// because a pixel is the mean of at least four corner samples.
+// Smallest displacement on the film, px, that is assumed to reveal a surface. A smaller displacement does not
+// show, because a pixel is the mean of at least four samples at its corners.
 constexpr double same_place_px = 0.25;
 
 // Largest number of surfaces that one ray enters or leaves. It bounds the cost of rays through foliage.
@@ -63,8 +63,8 @@ class Follower {
     }
 
     // Returns the distance along the ray, m, at which it continues. The ray starts again just before the last
-    // hit, so that coincident surfaces (a box on a floor) are found. The primitive of the last hit is
-    // excluded by its key.
+    // hit, so that it also finds a surface at the same place (such as a floor under a box). The primitive
+    // that was hit last is excluded.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -102,8 +102,8 @@ class Follower {
         c.beyond = again;
         if (again) return;
         c.here.push_back({s.object, leaving});
-        // A ray may enter one part of an object and meet the back of another part, for example among the
-        // leaves of a tree. The ray has then left neither part.
+        // A ray may enter one part of an object and then meet the back of another part, for example among the
+        // leaves of a tree. In that case, the ray has not left the part that it entered.
         const std::uint32_t part =
             wanted_.parts != nullptr ? wanted_.parts->part(s.object, key.primitive) : s.object;
         const auto inside = std::find(c.entered.begin(), c.entered.end(), part);
@@ -150,8 +150,8 @@ class Follower {
         return wanted_.motion->may_meet_moving(e.origin, e.direction, c.t);
     }
 
-    // True if some lens point sees surface `s` behind all surfaces of the chain (those that the ray has
-    // passed). Adds the inverse depth of `s` to the chain.
+    // True if some lens point may see surface `s` behind all surfaces that the ray has passed. Adds the
+    // inverse depth of `s` to the chain.
     [[nodiscard]] bool lens_sees(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         double inverse_depth = 0;
@@ -163,8 +163,8 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // In most cases, an object seen in a mirror or through glass is deeper than the surface of the mirror
-        // or glass. The lens therefore sees more of the object behind an edge.
+        // An object seen in a mirror or through glass is usually deeper than the mirror or glass. The lens
+        // therefore sees more of the object behind an edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -180,8 +180,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if, at some instant, all surfaces of the chain (those that the ray has passed) have moved away
-    // from surface `s` on the film. Adds the raster positions of `s` to the chain.
+    // True if, at some instant, motion uncovers surface `s`. All surfaces that the ray has passed must have
+    // moved away from it on the film. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -21,14 +21,14 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per ray if `motion` is set. Shading a hidden surface costs as much
     /// as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. A lens sees less far
-    /// behind an edge than moving objects reveal.
+    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. It is smaller than
+    /// `most_uncovered`, because motion reveals more behind an edge than a lens does.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion
-    /// reveals a surface if, at some instant, every surface in front of it has moved on the film by more than
-    /// a quarter of a pixel relative to the hidden surface.
+    /// reveals a surface if, at some instant, every surface in front of it is displaced on the film by more
+    /// than a quarter of a pixel relative to it.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. Surfaces behind reflections and refractions are included.
@@ -62,11 +62,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. Every hit of a flat object
-/// counts as a surface. On other objects, the point where a ray leaves a part that it has entered does not
-/// count. A ray may leave the scene behind its last surface. If the criteria apply to this end of the ray
-/// too, an entry with the key `none` is added. Adds the number of traced rays to `rays_spent`. Thread-safe
-/// and deterministic.
+/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. Every hit counts as a
+/// surface, except where the ray leaves a solid part that it has entered. If the ray finally leaves the scene
+/// and this background may be visible too, an entry with the key `none` is added. Adds the number of traced
+/// rays to `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -1,5 +1,5 @@
-// Decides which hidden surfaces a lens can see. The centre of the lens does not see these surfaces, but
-// points near its rim see a strip of them behind an edge.
+// Decides which hidden surfaces a lens can see. From the centre of the lens, these surfaces are hidden. From
+// other points of the lens, a narrow strip of them is visible beside the edge of the surface in front.
 #pragma once
 
 #include <cstdint>
@@ -16,27 +16,28 @@
 
 namespace postlens {
 
-/// Decides from depths whether some point of a lens may see a hidden surface. Between the centre and the rim
-/// of a lens, the images of two surfaces shift relative to each other by g R |1/z1 - 1/z2| px, at any focus
-/// distance. Here g is the film distance divided by the pixel pitch, and R is the radius of the lens. 1/z1
-/// and 1/z2 are the inverse depths of the surfaces. The farther surface appears behind an edge of the nearer
-/// one as a strip that is at most as wide as this shift.
+/// Decides from depths whether some point of a lens may see a hidden surface. If the lens point moves from
+/// the centre of the lens to its outline, the images of two surfaces shift relative to each other. The lens
+/// then sees a strip of the farther surface beside an edge of the nearer one. The strip is at most as wide as
+/// the shift.
+///
+/// The shift is g R |1/z1 - 1/z2| px, at any focus distance. Here g is the film distance divided by the pixel
+/// pitch, R is the radius of the lens, and 1/z1 and 1/z2 are the inverse depths of the surfaces.
 ///
 /// The inverse depth of a node is half the trace of W, the matrix that describes how the node's image moves
-/// with the lens point. For a surface that is seen directly, this is 1/z'.
+/// with the lens point. For a surface that is seen directly, this is 1/z', where z' is the depth.
 class LensReach {
   public:
-    /// Two surfaces are treated as one if the relative shift of their images at the rim of the lens is below
-    /// this value, px. The strip of the farther surface that appears beside an edge is then narrower than a
-    /// quarter of a pixel.
+    /// Two surfaces are treated as one if their images shift relative to each other by less than this value,
+    /// px. The lens then sees less than a quarter of a pixel of the farther surface beside an edge.
     static constexpr double same_place_px = 0.25;
-    /// Margin, px, that is added to the width of the strip of a hidden surface. The position of an edge is
-    /// known only up to the diagonal of a pixel. In addition, the strip must reach the far corners of the
-    /// last pixel that shows the hidden surface.
+    /// Margin, px, that is added to the width of the visible strip of a hidden surface. It is needed because
+    /// the position of an edge is known only up to the diagonal of a pixel, and because the recorded strip
+    /// must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the shift of its image at the rim of the lens changes by at least this
-    /// value from pixel to pixel, px/px. In a single plane, this happens only if the plane is so steep (slope
-    /// z' / (8 R)) that no lens point sees behind it.
+    /// A surface has an edge where the largest shift of its image over the lens changes by at least this
+    /// value from pixel to pixel, px/px. Within a plane, the shift changes this much only if the plane is
+    /// very steep, and then no lens point sees behind the plane.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -49,9 +50,8 @@ class LensReach {
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces ("covers") that one ray has passed so far and that may hide the next surface. All covers
-    /// belong to the same view of the scene. A view consists of the rays that have the same path and bounced
-    /// last at the same object.
+    /// The surfaces ("covers") that one ray has passed so far and that may hide the next surface. All of them
+    /// have the same path, and the last bounce of this path is at the same object.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
@@ -89,7 +89,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Relative shift of the images of two surfaces at the rim of the lens, per difference of their inverse
+    /// Largest relative shift of the images of two surfaces over the lens, per difference of their inverse
     /// depths, px m. It is the lens radius, m, divided by the tangent of the angle between neighbouring
     /// pixels.
     double px_per_inverse_m_;

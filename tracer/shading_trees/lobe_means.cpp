@@ -18,8 +18,8 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Largest weight that a hit gives to a ray of another hit. Rays at the edge of the other hit's lobe would
-// otherwise cause high variance.
+// Limit of the weight that a hit gives to a ray of another hit. Without this limit, rays at the edge of the
+// other hit's lobe would cause high variance.
 constexpr double most_weight = 8;
 
 // True if two hits may share rays. The axes of their lobes must differ by less than the width of the wider
@@ -37,9 +37,9 @@ double window(const LobeHit& a, const LobeHit& b) {
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along the Morton curve, in steps of 1/4 px. Neighbours in the raster
-// are also close on the curve, which stratifies the rays of neighbouring hits. The low 16 bits of each
-// coordinate distinguish all hits of one batch.
+// Returns the index of a raster position along the Morton curve, in steps of 1/4 px. Positions that are close
+// on the curve are close on the raster, so the rays of neighbouring hits are stratified. The low 16 bits of
+// each coordinate distinguish all hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -198,8 +198,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // The order of the arguments of std::min matters. A weight of 0 times an infinite bound is NaN, and
-        // std::min must then return `count`.
+        // The order of the arguments of std::min matters. If `weight` is NaN (0 times an infinite bound),
+        // std::min must return `count`.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);

@@ -1,5 +1,5 @@
-// Mean radiance over wide lobes of reflection and transmission. All samples of a batch share the rays that
-// compute the means. A mean is almost the same from every lens point, so it is added to the record of the
+// Computes the mean radiance over wide lobes of reflection and transmission. Samples of a batch share the
+// rays for this purpose. A mean is almost the same from every lens point, so it is added to the record of the
 // surface and needs no record of its own.
 #pragma once
 
@@ -27,30 +27,29 @@ struct LobeHit {
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
     /// Radiance of this node times throughput, without the means over lobes, which are not yet known. It
-    /// determines how many rays the mean needs. Radiance of the sample's other nodes is not included. The
-    /// sRGB curve is flatter for a brighter pixel, so this omission can only lead to more rays.
+    /// determines how many rays the mean needs. Other nodes of the sample are not included, which can only
+    /// lead to more rays than needed.
     glm::dvec3 beside{0};
 };
 
 /// Computes means of incoming radiance over lobes cos^exponent [phong1975]. As in `render`, directions on the
 /// wrong side of the surface are mirrored to the right side.
 ///
-/// Hits of the same object and path share rays if they are close. They must lie within `reach_px` of each
-/// other, and their axes must differ by less than the width of the lobe. At hit i, the weight of a ray of hit
-/// j is the ratio of the two lobe densities in the direction of the ray's end point, times the squared ratio
-/// of the distances [bekaert2002]. The weights are normalised to a sum of 1. Visibility between hit i and the
-/// end point is not tested.
+/// Hits of the same object and path share rays if they lie within `reach_px` of each other and the directions
+/// of their lobes are similar. If hit i uses a ray of hit j, the weight of the ray is a product of two ratios
+/// [bekaert2002]. The first is the ratio of the lobe densities of the two hits in the direction of the ray's
+/// end point. The second is the squared ratio of the distances to the end point. The weights are normalised
+/// to a sum of 1. Visibility between hit i and the end point is not tested.
 ///
-/// The rays are traced in two passes. The first pass sends 510 rays times the mean weight of the group, but
-/// at most one ray per hit. The hits that send a ray are evenly spaced in the group. If a ray may see a
-/// radiance b above 1 (white), b times as many rays are sent. A feature that all of these rays miss
-/// contributes less than 1/510 of white.
+/// The rays are traced in two passes. In the first pass, a group of hits sends 510 rays times the mean weight
+/// of its hits, but at most one ray per hit. More rays are sent in proportion if they may see a radiance
+/// above 1 (white). A feature that all of these rays miss contributes less than 1/510 of white.
 ///
-/// The second pass reduces the noise that remains. It sends (weight s f 510)^2 rays within the reach of hit
-/// i, but at most `most_rays` per hit. Here s is the standard deviation of the radiance in the first pass. f
-/// is the slope of the sRGB curve at the radiance of the node. Unless `most_rays` limits the number of rays,
-/// the standard deviation of the image value becomes 1/510, half a step of 8 bits. The result depends only on
-/// the batch, and is bit-identical in every run.
+/// The second pass reduces the remaining noise. It sends (weight s f 510)^2 rays around each hit, but at most
+/// `most_rays` per hit. Here s is the standard deviation of the radiance in the first pass, and f is the
+/// slope of the sRGB curve at the radiance of the node. The standard deviation of the image value then
+/// becomes 1/510, unless `most_rays` limits the number of rays. The result depends only on the batch, and is
+/// bit-identical in every run.
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;

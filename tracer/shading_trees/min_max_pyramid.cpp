@@ -50,7 +50,7 @@ MinMaxPyramid::MinMaxPyramid(int x_begin, int y_begin, int width, int height,
     }
 }
 
-// Returns the highest level at which the diagonal of a square is at most an eighth of the radius.
+// Returns the highest level whose squares have a diagonal of at most an eighth of the radius.
 int MinMaxPyramid::coarse_level(double radius) const {
     const int highest = static_cast<int>(levels_.size()) - 1;
     int level = 0;
@@ -79,10 +79,10 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 
 // Searches depth-first within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
 // into a square, to skip it or to end the search. `distance2()` is the squared distance from `at` to the
-// nearest integer position in the square. A single value is a square of level 0.
+// nearest integer position in the square. A square of level 0 is a single value.
 //
-// Of the four parts of a square, the part with the greatest `promise(range)` is searched first. When it is
-// the turn of a part and `keeps(promise)` is false, the part is skipped.
+// Of the four parts of a square, the part with the greatest `promise(range)` is searched first. A part is
+// skipped if `keeps(promise)` is false when the search reaches it.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {

@@ -1,5 +1,5 @@
 // A raster of values with a fast search for values below a limit. The limit decreases with the distance from
-// a position, so the searched region is a cone.
+// the centre of the search, so the searched region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +15,8 @@ class MinMaxPyramid {
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A cone around the position `at`. Let v be a value at a distance d from `at`. The cone contains v if d
-    /// is at most `radius`, and if top - v is at least `least` and at least slope * d.
+    /// A cone around the position `at`. It contains a value v at a distance d from `at` under three
+    /// conditions: d <= radius, top - v >= least, and top - v >= slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
@@ -29,14 +29,14 @@ class MinMaxPyramid {
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. The result may also be true because of a value
-    /// that lies outside the cone by up to an eighth of the radius. The result does not depend on the hint.
+    /// Like any_in, but several times faster for wide cones. The result may also be true for a value slightly
+    /// outside the cone, up to an eighth of the radius. The result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.
     [[nodiscard]] double least() const { return static_cast<double>(levels_.back().ranges.front().low); }
-    /// Returns an approximate maximum near `at`, or `floor` if all values are below `floor`. The result is at
-    /// least the greatest value within `radius`, and at most the greatest value within 9/8 of the radius.
+    /// Returns an approximate maximum of the values near `at`, or `floor` if all of them are below `floor`.
+    /// All values within `radius` are included. Values within 9/8 of the radius may be included.
     [[nodiscard]] double greatest(const glm::dvec2& at, double radius, double floor) const;
     /// Returns an upper bound of greatest(at, radius, floor). It reads only a few squares.
     [[nodiscard]] double at_most(const glm::dvec2& at, double radius, double floor) const;

@@ -1,6 +1,6 @@
 // Ray differentials through mirrors and glass [igehy1999]. They are the derivatives of a ray with respect to
-// p, the tangent of its direction at the pinhole, and q, its lens point. The matrix W of a node is computed
-// from them. It describes how the image of the node moves when the lens point moves.
+// two quantities: p, the tangent of its direction at the pinhole, and q, its lens point. From them, the
+// matrix W of a node is computed. W describes how the image of the node moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -42,8 +42,8 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
 /// entries of W are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that leaves the scene. It is computed from the direction of the ray, which
-/// has no end point.
+/// Returns the matrix W of a ray that leaves the scene. Such a ray has no end point, so W is computed from
+/// its direction.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

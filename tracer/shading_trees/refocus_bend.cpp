@@ -15,18 +15,18 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Largest number of Newton steps in the search for the ray from a lens point to a node. The derivatives are
-// always those at the pinhole, so each step gains about one digit. If a ray has not converged after the last
-// step, its estimated residual is added to its error. If the steps grow, the error is infinite.
+// Limit of the Newton steps in the search for the ray from a lens point to a node. The derivatives are always
+// those at the pinhole, so each step gains about one digit. If the last step is not enough, the estimated
+// distance to the solution (the residual) is added to the error. If the steps grow, the error is infinite.
 constexpr int most_steps = 5;
-// A ray has converged ("is settled") if its last step was at most 0.1 px. It has also converged if its
-// estimated residual is at most 5 % of its difference from the prediction by the matrix W.
+// A ray has converged ("is settled") if its last step was at most `settled_px`. It has also converged if the
+// estimated residual is at most `settled_share` of its difference from the prediction by the matrix W.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed residual after the first Newton step, as a fraction of that step. After later steps, the residual
 // is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Limit as a fraction of settled_px. If rays on one side of the lens differ by less than this from their
-// prediction by the matrix W, the rays on the other side are not traced.
+// If the rays on one side of the lens differ from their prediction by less than this fraction of settled_px,
+// the rays on the other side are not traced. The matrix W makes the prediction.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces outside the node's path that a ray may pass through.
@@ -46,8 +46,8 @@ struct Probe {
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. `hidden` means that another object blocks it. `lost` means that
-    // it cannot make the same sequence of bounces, because it misses a surface or is totally reflected.
+    // The ray ended before its last bounce. `hidden` means that it hit another object or nothing. `lost`
+    // means that it was totally reflected or that the search diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -192,9 +192,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the difference between two tangents: that of the ray that a probe has found, and that of the
-    /// ray that W predicts for its lens point. Infinite if no ray was found. Must not be called for rays to
-    /// hidden surfaces.
+    /// Returns the difference between two tangents: that of the ray that a probe has found, and the tangent
+    /// that W predicts. Infinite if no ray was found. Must not be called if `hidden` is set.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -232,8 +231,7 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // A ray is dropped if its difference from the prediction cannot become the greatest one of its
-            // node.
+            // A ray is dropped if another ray to the same node already differs more from its prediction.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -259,9 +257,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The differences from the prediction by W are of second order. Up to third order, they are therefore
-    // equal on opposite sides of the lens. If they are small for two rays at right angles, the two opposite
-    // rays need not be traced. This is the case for most nodes.
+    // The differences from the prediction by W are of second order, and therefore almost equal on opposite
+    // sides of the lens. If they are small for two rays at right angles, the two opposite rays need not be
+    // traced. This is so for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;

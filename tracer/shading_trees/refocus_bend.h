@@ -1,6 +1,6 @@
 // Measures the error of the matrix W. If the lens point moves by q, the image of a node behind mirrors and
-// glass moves by -W q, but only to first order. The second-order error is measured with exact rays from the
-// rim of a lens.
+// glass moves by -W q to first order. The second-order error of this motion is measured with exact rays from
+// the outline of a lens.
 #pragma once
 
 #include <array>
@@ -39,17 +39,17 @@ struct BentNode {
 };
 
 /// Computes the nonlinear W (`w_bend`) of each node, 1/m^2. It is the largest |e| / |q|^2 over several lens
-/// points q. For the ray from q to the target, e is the difference between the tangent of the ray and its
+/// points q. The vector e is the difference between the tangent of the exact ray from q to the target and its
 /// first-order prediction p - W q. Here p is the tangent of the eye ray.
 ///
-/// There are four lens points, at `radius_m` on the raster axes. If two of them, at right angles, both have
-/// an error below 0.05 px, the other two are not used. From each lens point, Newton's method finds the ray
-/// to the target that bounces at the same sequence of objects. It uses the derivatives at the pinhole. The
-/// residual after five steps is added to the error. Occlusion between the last bounce and the target is
+/// There are four lens points, at `radius_m` on the raster axes. The first two are at right angles. If both
+/// have an error below 0.05 px, the other two are not used. Newton's method finds the ray from each lens
+/// point to the target that bounces at the same sequence of objects. If it has not converged after five
+/// steps, the remaining error is estimated and added. Occlusion between the last bounce and the target is
 /// ignored.
 ///
-/// A lens point is skipped if its ray is blocked or passes the outline of an object. The result is infinite
-/// if all lens points are skipped, if the search does not converge, or if it ends in total internal
+/// A lens point is skipped if its ray hits another object or nothing before the last bounce. The result is
+/// infinite if all lens points are skipped, if the search does not converge, or if it ends in total internal
 /// reflection.
 ///
 /// The results are rounded to half precision. Adds the number of traced rays to `rays_spent`. Thread-safe and

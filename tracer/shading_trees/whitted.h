@@ -25,17 +25,17 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; not if 0
-    /// Lens radius, m. A surface whose lobe is wider than this lens (lobe_is_wide) is recorded with the mean
-    /// radiance over the lobe. Other surfaces are recorded with the radiance of the exact direction. If 0,
-    /// all lobes are averaged.
+    /// Lens radius, m. If the lobe of a surface is wider than this lens (lobe_is_wide), the mean radiance
+    /// over the lobe is recorded. Otherwise the radiance of the exact direction is recorded. If 0, all lobes
+    /// are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
 };
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden` counts rays that
-/// continue behind a surface. `lens` counts rays from lens points. They measure nonlinear W (`w_bend`), the
-/// second-order error of the matrix W.
+/// continue behind a surface. `lens` counts rays from lens points that measure the nonlinear W (`w_bend`, the
+/// second-order error of the matrix W).
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -59,9 +59,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture and the shadows that determine the colour of a record, and the part of the mesh that the
-/// record shows. If these differ between the corners of a cell, the cell contains an edge. It is then
-/// subdivided even if the colours at its corners are equal.
+/// The texture and the shadows that determine the colour of a record, and the part of the mesh that it shows.
+/// If these differ between the corners of a cell, the cell is subdivided even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -74,9 +73,9 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of r, g, b that has sampling noise. It consists of the radiance from lobes
-    /// and, in penumbrae, the radiance from area lights minus half of its unshadowed value. Empty if no
-    /// record has such a part.
+    /// For each record, the part of r, g, b that has sampling noise. It contains the radiance from lobes. In
+    /// penumbrae, it also contains the radiance from area lights minus half of its unshadowed value. Empty if
+    /// no record has noise.
     std::vector<glm::vec3> noisy;
     /// One per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor lights.
     std::vector<ColourSource> sources;
@@ -98,13 +97,14 @@ class WhittedTracer {
     WhittedTracer& operator=(WhittedTracer&&) = delete;
 
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
-    /// close together. Thread-safe. If given, `around(i)` returns earlier samples within a pixel of
-    /// positions[i]. Where `bend_around` finds from these samples that the nonlinear W of a node is small
-    /// (little_bend_px), their value is used. Otherwise the nonlinear W is measured.
+    /// close together. Thread-safe.
+    ///
+    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. `bend_around` then
+    /// estimates the nonlinear W of nodes from these samples. It is measured only where there is no estimate.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// The nonlinear part of W counts as small if it displaces the node's image by less than this value, px,
-    /// seen from any point on the rim of the lens.
+    /// The nonlinear part of W counts as small if it displaces the image of the node by less than this value,
+    /// px, for every lens point.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.

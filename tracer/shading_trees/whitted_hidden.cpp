@@ -1,4 +1,5 @@
-// Traces hidden surfaces as roots of shading trees, behind eye rays and behind reflected and refracted rays.
+// Shades hidden surfaces. Each of them becomes the root of its own shading tree. Hidden surfaces are found
+// behind the hits of eye rays and of reflected and refracted rays.
 #include <algorithm>
 #include <cstddef>
 #include <tuple>

@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current generation. `origin` is exact. In the packet, the origin is moved slightly off the
-    // surface.
+    // A ray of the current number of bounces. `origin` lies exactly on the surface. In Embree's packet, the
+    // origin is moved slightly off the surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
@@ -122,9 +122,9 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. A hit at
-    // which the ray leaves a glass object is not stored, because the transmitted ray finds the surfaces
-    // behind it.
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Hits at
+    // which a ray leaves a glass object are not stored, because the transmitted ray finds the surfaces behind
+    // them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces hidden surfaces that are seen by reflection or refraction. Each becomes a separate layer of its
@@ -160,8 +160,8 @@ struct WhittedTracer::Impl {
     // Takes the nonlinear W (`w_bend`, its second-order error) of nodes from earlier samples nearby, where
     // possible. Nodes that must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
-    // Converts the nodes to records. Nodes are ordered by generation. Records are ordered by sample, layer
-    // and path.
+    // Converts the nodes to records. Nodes are ordered by their number of bounces, but records are ordered by
+    // sample, layer and path.
     void collect(Workspace& w, TracedSamples& out) const;
 };
 
