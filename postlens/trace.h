@@ -32,7 +32,7 @@ struct TraceSettings {
     /// traced.
     bool for_rays = false;
     /// Largest number of recursive subdivisions of a pixel into 2x2 cells, from 0 to 8 (`--subdivide`). The
-    /// default is 2. It differs with `for_f_number` and `for_rays`.
+    /// default is 2. With `for_f_number`, it is 3 at the borders of objects. With `for_rays`, it is 1.
     std::optional<int> subdivide = {};
     /// A cell is divided if the contrast between its corners exceeds this value, 0 or more (`--threshold`).
     std::optional<double> threshold = {};
