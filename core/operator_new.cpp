@@ -30,6 +30,7 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 #endif
 }
 
+#ifdef POSTLENS_OWN_HEAPS
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
@@ -49,6 +50,10 @@ void request_what_follows(std::uintptr_t block_end) {
     bits.fetch_or(bit, std::memory_order_relaxed);
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
+#else
+/// A module must not change the heaps of the program that loaded it.
+void request_what_follows(std::uintptr_t /*block_end*/) {}
+#endif
 
 }  // namespace
 

@@ -28,6 +28,12 @@ struct SightLine {
     std::uint32_t set = 0, view = 0;
 };
 
+/// The line through the centre of the lens and a raster position, in px, at the middle of the exposure.
+inline SightLine line_through(const glm::dvec2& at) {
+    const glm::dvec2 pixel = glm::floor(at);
+    return {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
+}
+
 /// Radiance that is added to the image as highlights. Rays must leave out this radiance, so that it is not
 /// counted twice.
 struct LightElsewhere {

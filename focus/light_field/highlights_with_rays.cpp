@@ -53,8 +53,7 @@ bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32
         const auto aside = [&](std::uint32_t axis) {
             return std::sqrt(light.area) * (unit_float(random_word(id, 2 * i + axis)) - 0.5F);
         };
-        const glm::dvec2 at(light.x + aside(0), light.y + aside(1)), pixel = glm::floor(at);
-        lines[i] = {.x = static_cast<int>(pixel.x), .y = static_cast<int>(pixel.y), .place = at - pixel};
+        lines[i] = line_through({light.x + aside(0), light.y + aside(1)});
     }
     std::vector<glm::dvec3> inverse_z(probes);
     rays.inverse_depths(lines, id, inverse_z);

@@ -193,10 +193,7 @@ void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const
         const std::span part = lights.subspan(
             task * lines_per_task, std::min(lines_per_task, lights.size() - task * lines_per_task));
         std::vector<SightLine> lines;
-        for (const Highlight& light : part) {
-            const auto [y, x] = pixel_of(light);
-            lines.push_back({.x = x, .y = y, .place = glm::dvec2(light.x, light.y) - glm::dvec2(x, y)});
-        }
+        for (const Highlight& light : part) lines.push_back(line_through({light.x, light.y}));
         measure_slopes(part, lines, node, rays);
     });
 }

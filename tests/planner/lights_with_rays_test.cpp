@@ -1,0 +1,338 @@
+// Lights in view samples that become rays: each light is counted once, and small lights have the brightness
+// that rays find.
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "planner/auto_picture.h"
+#include "planner/hybrid.h"
+#include "planner/views/halved_views.h"
+#include "tests/planner/lens_case.h"
+#include "tests/support/quads.h"
+#include "tests/support/reference.h"
+#include "tracer/distributed/render_setup.h"
+#include "tracer/render.h"
+
+namespace postlens::test::lights_with_rays_test {
+namespace {
+
+using glm::dvec3;
+
+// A wall behind all lights. It completes the scene.
+void add_wall(SceneBuilder& b) {
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'c');
+}
+
+// Images of coarse records: as they are, with the edges of lights measured by rays, and the reference. Only
+// the wall is seen outside of `lit`.
+struct LightImages {
+    Image recorded, measured, truth;
+};
+LightImages images_of(const Scene& scene, const Case& c, const Crop& lit, int levels = 1) {
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = levels;
+    const TracedFrame frame(scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 64);
+    LightImages out;
+    out.recorded = hybrid_picture(frame.file(), s).focus.image;
+    s.scene = &scene;
+    out.measured = hybrid_picture(frame.file(), s).focus.image;
+    out.truth = rendered_within(scene, by_rays(c, 50, 16384, 9), lit);
+    return out;
+}
+
+// Records half a pixel apart misjudge the area of a light by about 0.16 px^2 in each pixel at its edge, and
+// rays through the pinhole by 0.007 px^2. A light of 9 px^2 has about 16 such pixels.
+TEST(LightsWithRays, SmallLightsHaveTheAreaThatRaysMeasure) {
+    constexpr int lights = 8;
+    SceneBuilder b;
+    for (int i = 0; i < lights; ++i)
+        b.add(Sphere{dvec3(0.36 * (i - 3.5), 0.013 * i, -4), 0.075}, glowing({60, 40, 20}));
+    add_wall(b);
+    const Case c{"", 1.4, 2.5};
+    const LightImages images = images_of(b.scene, c, {0, 16, 64, 16});
+    const auto error_of = [&](const Image& image) {
+        double square = 0;
+        for (int i = 0; i < lights; ++i) {
+            double light = 0, right = 0;
+            for (int x = i * image.width / lights; x < (i + 1) * image.width / lights; ++x) {
+                for (int y = 0; y < image.height; ++y) {
+                    light += static_cast<double>(image.pixel(x, y)[1]) - 0.2;
+                    right += static_cast<double>(images.truth.pixel(x, y)[1]) - 0.2;
+                }
+            }
+            square += std::pow(light / right - 1, 2) / lights;
+        }
+        return std::sqrt(square);
+    };
+    EXPECT_LT(error_of(images.measured), 2 * 0.007 * std::sqrt(16.0) / 9);
+    EXPECT_GT(error_of(images.recorded), 5 * error_of(images.measured));
+}
+
+// A bright face whose plane almost meets the rim of the lens shows one side of the lens about nine times the
+// area that it shows the other. This displaces its light by a fifth of the CoC radius of 3.3 px.
+TEST(LightsWithRays, AFaceSeenEdgeOnShinesMoreOnOneSideOfTheLens) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(0.06, -0.1, -1.8), dvec3(0, 0, -0.6), dvec3(0, 0.2, 0)}, glowing({60, 40, 20}));
+    add_wall(b);
+    const Case c{"", 0.5, 1};
+    const LightImages images = images_of(b.scene, c, {24, 8, 24, 32});
+    // Column of the middle of the face's light, px.
+    const auto middle = [](const Image& image) {
+        double light = 0, moment = 0;
+        for (int y = 0; y < image.height; ++y) {
+            for (int x = 0; x < image.width; ++x) {
+                const double own = static_cast<double>(image.pixel(x, y)[1]) - 0.2;
+                light += own;
+                moment += own * x;
+            }
+        }
+        return moment / light;
+    };
+    EXPECT_NEAR(middle(images.measured), middle(images.truth), 0.05);  // measured: 0.013
+    EXPECT_GT(std::abs(middle(images.recorded) - middle(images.truth)), 0.3);
+    // With six levels, the records of the edges are finer than the rays that would measure these.
+    EXPECT_NEAR(middle(images_of(b.scene, c, {24, 8, 24, 32}, 6).measured), middle(images.truth), 0.05);
+}
+
+// The plane of a bright face cuts the lens. The lens sees both sides of the face, the pinhole a sliver of
+// one, so the records have a fifth of its light.
+TEST(LightsWithRays, AFaceWhosePlaneCutsTheLensIsLeftToRays) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(0.008, -0.3, -1.8), dvec3(0, 0, -0.6), dvec3(0, 0.5, 0)}, glowing({3, 2, 1.5}));
+    add_wall(b);
+    const Case c{"", 1, 1.4};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 1;
+    const TracedFrame frame(b.scene, trace);
+    AutoSettings s{.hybrid = hybrid_of(c, 50, 64), .target_db = 50};
+    s.hybrid.scene = &b.scene;
+    FocusFrame focus(frame.file());
+    const AutoResult got = auto_picture(focus, s);
+    ASSERT_TRUE(got.hybrid.stated);
+    const Image truth = rendered(b.scene, c, 50, 16384, 9);
+    const double measured_db = db(got.hybrid.focus.image, truth);
+    // Where the highlights keep the face's light, the image has 41 dB, and 55 dB or more are stated.
+    EXPECT_GT(measured_db, got.hybrid.stated->low_db());
+    EXPECT_GT(measured_db, 48);
+
+    // Without more rays, few check rays meet the face, and never two in a pixel. The stated interval
+    // is accordingly wide.
+    s.hybrid.focus.views = 256;
+    const HybridResult few = hybrid_picture(focus, s.hybrid);
+    ASSERT_TRUE(few.stated);
+    EXPECT_LT(few.stated->low_db(), db(few.focus.image, truth));
+    EXPECT_GT(few.stated->high_db(), db(few.focus.image, truth));
+}
+
+// A light that a post hides from the pinhole is seen through the margin of the lens. It keeps its recorded
+// light.
+TEST(LightsWithRays, ALightBehindAPostKeepsItsRecordedLight) {
+    SceneBuilder b;
+    b.add(Sphere{dvec3(0, 0, -4), 0.03}, glowing({60, 40, 20}));
+    b.add(Rectangle{dvec3(-0.02, -0.1, -1.5), dvec3(0.04, 0, 0), dvec3(0, 0.5, 0)}, glowing({0.1, 0.1, 0.1}));
+    add_wall(b);
+    const Case c{"", 0.5, 1.2};
+    TraceSettings trace = traced_for(c);
+    trace.subdivision.levels = 2;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const Image got = hybrid_picture(frame.file(), s).focus.image;
+    const Image truth = rendered_within(b.scene, by_rays(c, 50, 16384, 9), {24, 0, 16, 40});
+    // Measured: 49.2 dB, and 34.4 dB by rays.
+    EXPECT_GT(db(got, truth), db(rendered(b.scene, c, 50, 64, 5, true), truth) + 10);
+}
+
+// A light is added to the image by its exact response, so rays must not see it again.
+TEST(LightsWithRays, MeetNoHighlightTwice) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
+    add_wall(b);
+    TraceSettings trace;
+    trace.overscan_px = 8;
+    trace.subdivision.levels = 4;
+    const TracedFrame frame(b.scene, trace);
+    const Case c{"", 0.7, 2};
+    HybridSettings s = hybrid_of(c, 50, 64);
+    const Image recorded = hybrid_picture(frame.file(), s).focus.image;
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    EXPECT_GT(got.retraced_share, 0);
+    const Image truth = rendered_within(b.scene, by_rays(c, 50, 65536, 9), {24, 16, 16, 16});
+    EXPECT_GT(db(got.focus.image, truth), db(recorded, truth) - 0.1);
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 6);
+    double light = 0, right = 0;
+    for (const float v : got.focus.image.rgb) light += static_cast<double>(v);
+    for (const float v : truth.rgb) right += static_cast<double>(v);
+    EXPECT_NEAR(light / right, 1, 0.01);
+}
+
+// Rays hit a small light source by chance. The part that the bar hides is recorded, so the impulse response
+// can spread all of the light.
+TEST(LightsWithRays, LeaveALampToTheLensIfItsHiddenPartIsRecorded) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.02, -0.02, -4), dvec3(0.04, 0, 0), dvec3(0, 0.04, 0)}, glowing({60, 40, 20}));
+    b.add(Rectangle{dvec3(0.001, -1, -0.7), dvec3(0.04, 0, 0), dvec3(0, 2, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'd');
+    const Case c{"", 0.7, 0.9};
+    TraceSettings trace = traced_for(c);
+    trace.overscan_px = 8;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 64);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    EXPECT_GT(got.retraced_share, 0);
+    const Image truth = rendered_within(b.scene, by_rays(c, 50, 16384, 9), {24, 0, 16, 48});
+    // Measured: 56.5 dB; 42.2 dB if rays replace its highlights, 38.1 dB with rays alone.
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 64, 5), truth) + 16);
+}
+
+// The stated error includes that of highlights. Here a bar beyond the border of the records hides a part of
+// the lens from a lamp, so the image shows light that does not arrive. The lamp is so small that rays would
+// have more noise.
+TEST(LightsWithRays, StateTheErrorOfHighlights) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-1.265, -0.005, -4), dvec3(0.01, 0, 0), dvec3(0, 0.01, 0)},
+          glowing({960, 640, 320}));
+    b.add(Rectangle{dvec3(-0.6, -1, -0.3), dvec3(0.489, 0, 0), dvec3(0, 2, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'e');
+    const Case c{"", 0.7, 0.9};
+    TraceSettings trace;
+    trace.subdivision.levels = 4;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 256);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const double measured =
+        db(got.focus.image, rendered_within(b.scene, by_rays(c, 50, 16384, 9), {0, 0, 16, 48}));
+    ASSERT_TRUE(got.stated);
+    EXPECT_NEAR(got.stated->db(), measured, 1);
+    EXPECT_GT(got.stated->bias_mse, got.stated->views_mse);
+}
+
+// Over a wide lens, the images of a lamp in nested glass move otherwise than W says, so the impulse responses
+// of the recorded highlights show ghosts. Rays that are aimed at them meet no light, and rays show the lamp.
+TEST(LightsWithRays, ShowALampWhoseHighlightsAreMisplaced) {
+    SceneBuilder b;
+    const auto upright = [](double y0, double y1, double radius) {
+        return Cone{dvec3(0, y0, -0.8), dvec3(0, y1, -0.8), radius, radius, true};
+    };
+    b.scene.background = dvec3(0.3);
+    b.add(upright(-0.149, 0.1, 0.07), glass(1.5, 0.9));
+    b.add(upright(-0.14, 0.04, 0.062), glass(1.33, 0.95));
+    b.add(Sphere{dvec3(-0.3, 0.1, -2), 0.02}, glowing({20, 18, 12}));
+    b.scene.sha256 = std::string(64, 'f');
+    const Case c{"", 1, 0.8};
+    TraceSettings trace = traced_for(c);
+    trace.overscan_px = 8;
+    const TracedFrame frame(b.scene, trace);
+    HybridSettings s = hybrid_of(c, 50, 256);
+    s.scene = &b.scene;
+    const HybridResult got = hybrid_picture(frame.file(), s);
+    const Image truth = rendered(b.scene, c, 50, 2048, 9);
+    // Measured: 46.1 dB, 47.0 dB by as many rays, and 36.7 dB with the highlights.
+    EXPECT_GT(db(got.focus.image, truth), db(rendered(b.scene, c, 50, 256, 5, true), truth) - 2);
+    // Rays also meet a target that the highlights alone miss.
+    FocusFrame again(frame.file(), true);
+    const AutoResult to_target = auto_picture(again, {.hybrid = s, .target_db = 42});
+    EXPECT_TRUE(to_target.met) << to_target.plan;
+    EXPECT_GT(db(to_target.hybrid.focus.image, truth), 42);
+}
+
+// Rays that are aimed at a highlight that nothing hides meet its light: in blur wider and narrower than a
+// pixel, and through an aperture that is not round.
+TEST(LightsWithRays, MeetTheHighlightsThatTheyAreAimedAt) {
+    SceneBuilder b;
+    b.add(Rectangle{dvec3(-0.005, -0.005, -4), dvec3(0.01, 0, 0), dvec3(0, 0.01, 0)}, glowing({12, 8, 4}));
+    b.add(Rectangle{dvec3(-90, -90, -10), dvec3(180, 0, 0), dvec3(0, 180, 0)}, glowing({0.2, 0.2, 0.2}));
+    b.scene.sha256 = std::string(64, 'c');
+    TraceSettings trace;
+    trace.overscan_px = 8;
+    trace.subdivision.levels = 7;
+    const TracedFrame frame(b.scene, trace);
+    for (const double focus_m : {1.0, 2.0, 3.9}) {
+        for (const char* impulse : {"disc", "polygon:5:10"}) {
+            SCOPED_TRACE(fmt::format("{} m, {}", focus_m, impulse));
+            HybridSettings s = hybrid_of({"", 0.7, focus_m}, 50, 256);
+            s.focus.impulse = parse_impulse("--impulse", impulse);
+            s.scene = &b.scene;
+            const HybridResult got = hybrid_picture(frame.file(), s);
+            ASSERT_TRUE(got.stated);
+            EXPECT_GT(got.stated->check_rays, 0);
+            EXPECT_LT(got.stated->bias_mse, 1e-6);
+        }
+    }
+}
+
+// Lamps of 0.08 px are only a few records wide, even where the records are closest. Rays measure their area,
+// which determines the brightness of their circles of confusion. The rays that are aimed at a round lamp meet
+// it wherever they are aimed, so that they state no error. Each lamp shines in one channel.
+TEST(LightsWithRays, ShowRoundLampsOfAFewRecordsAsBrightAsTheyAre) {
+    const std::vector<glm::dvec2> at{{-0.5003, 0.2011}, {0.0112, -0.307}, {0.5207, 0.1133}};
+    constexpr double px_per_m = 50 / (36.0 / 64), radius_px = 0.04, radiance = 1000, mirror_m = 2;
+    for (const bool in_mirror : {false, true}) {
+        SCOPED_TRACE(in_mirror ? "in a mirror" : "seen directly");
+        const double depth_m = in_mirror ? 4.5 : 4, radius_m = radius_px / px_per_m * depth_m;
+        SceneBuilder b;
+        for (glm::length_t c = 0; c < 3; ++c) {
+            dvec3 rgb(0);
+            rgb[c] = radiance;
+            b.add(
+                Sphere{dvec3(at[static_cast<std::size_t>(c)], in_mirror ? depth_m - 2 * mirror_m : -depth_m),
+                       radius_m},
+                glowing(rgb));
+        }
+        if (in_mirror) b.add(board(-9, 9, -9, 9, mirror_m), mirror());
+        b.scene.sha256 = std::string(64, 'a');
+        const Case c{"", 0.7, 1};
+        TraceSettings trace = traced_for(c);
+        trace.overscan_px = 8;
+        const TracedFrame frame(b.scene, trace);
+        HybridSettings s = hybrid_of(c, 50, 64);
+        s.scene = &b.scene;
+        const HybridResult got = hybrid_picture(frame.file(), s);
+        dvec3 light(0);
+        for (std::size_t i = 0; i < got.focus.image.rgb.size(); ++i)
+            light[static_cast<glm::length_t>(i % 3)] += static_cast<double>(got.focus.image.rgb[i]);
+        for (glm::length_t channel = 0; channel < 3; ++channel) {
+            // A sphere beside the axis is seen as an ellipse.
+            const double slant =
+                             std::hypot(1.0, glm::length(at[static_cast<std::size_t>(channel)]) / depth_m),
+                         area = std::numbers::pi * radius_px * radius_px * slant;
+            EXPECT_NEAR(light[channel] / (radiance * area), 1, 0.008);
+        }
+        ASSERT_TRUE(got.stated);
+        EXPECT_LT(got.stated->bias_mse, 4e-6);
+    }
+}
+
+// The variance of the highlights' light tells whether rays can show them. Where rays show them already, none
+// of it is left.
+TEST(LightsWithRays, HaveNoHighlightsWhereRaysShowThem) {
+    SceneBuilder b;
+    b.add(board(-0.02, 0.02, -0.02, 0.02, 4), glowing({12, 8, 4}));
+    b.scene.sha256 = std::string(64, 'b');
+    const Case c{"", 0.7, 2};
+    const TracedFrame frame(b.scene, traced_for(c));
+    FocusFrame light_field(frame.file(), true);
+    HybridSettings s = hybrid_of(c, 50, 16);
+    s.scene = &b.scene;
+    HalvedViews views(light_field, s);
+    const std::size_t tiles = views.grid().count();
+    views.draw(std::vector<int>(tiles, 16));
+    const auto largest = [&] { return *std::ranges::max_element(views.half(0).light_square); };
+    EXPECT_GT(largest(), 0);
+    EXPECT_TRUE(views.leave_to_rays(std::vector<std::uint8_t>(tiles, 1), LeftToRays::samples_and_lights));
+    EXPECT_EQ(largest(), 0);
+}
+
+}  // namespace
+}  // namespace postlens::test::lights_with_rays_test
