@@ -238,22 +238,48 @@ class BehindSearch::Impl {
     /// pixel before it. The depth of a pixel is that of the last sample in its stack. For each stored pixel,
     /// `steps` gets the number of steps to the next depth edge, or 0 if there is none within `most_steps`.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
-        constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
         steps.assign(pixels(), 0);
+        // Columns whose neighbour is within the stored window, if the neighbour's row is.
+        const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
             // The neighbour in direction d is visited before the pixel itself.
-            const int y = d.dy > 0 ? height_ - 1 - row : row;
-            for (int column = 0; column < width_; ++column) {
-                const int x = d.dx > 0 ? width_ - 1 - column : column, u = x + d.dx, v = y + d.dy;
-                if (!is_stored(u, v) && !in_raster(u, v)) continue;
-                std::uint16_t& here = steps[index(x, y)];
-                if (is_farther(last_at(u, v), last_of(index(x, y)))) {
-                    here = 1;
-                } else if (is_stored(u, v)) {
-                    const std::uint16_t next = steps[index(u, v)];
-                    here = next == 0 || next >= most_steps ? 0 : static_cast<std::uint16_t>(next + 1);
-                }
+            const int y = d.dy > 0 ? height_ - 1 - row : row, v = y + d.dy;
+            const bool inside = v >= 0 && v < height_;
+            for (int x = 0; x < width_; ++x) {
+                if (inside && x == first && first < end) x = end;
+                if (x < width_ && in_raster(x + d.dx, v))
+                    steps[index(x, y)] = is_farther(Radii{}, last_of(index(x, y))) ? 1 : 0;
             }
+            if (!inside || first >= end) continue;
+            const std::size_t here = index(first, y), next = index(first + d.dx, v);
+            const auto count = static_cast<std::size_t>(end - first);
+            if (blur_px_.empty()) {
+                count_steps(d.dx > 0, here, next, count, steps, [this](std::size_t other, std::size_t own) {
+                    return last_px_[other] - last_px_[own] >= least_step_px;
+                });
+            } else {
+                count_steps(d.dx > 0, here, next, count, steps, [this](std::size_t other, std::size_t own) {
+                    return is_farther(last_of(other), last_of(own));
+                });
+            }
+        }
+    }
+    /// Computes the steps of `count` pixels of a row from `here` on. The neighbour of each is as far from
+    /// `next`. `backwards` begins with the last pixel.
+    template <typename IsFarther>
+    static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
+                            std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
+        constexpr std::uint16_t most_steps = static_cast<std::uint16_t>(farthest_px) + 1;
+        const auto count_at = [&](std::size_t i) {
+            const std::uint16_t beyond = steps[next + i];
+            const auto steps_on =
+                static_cast<std::uint16_t>(beyond == 0 || beyond >= most_steps ? 0 : beyond + 1);
+            steps[here + i] = is_farther_than(next + i, here + i) ? std::uint16_t{1} : steps_on;
+        };
+        if (backwards) {
+            for (std::size_t i = count; i-- > 0;) count_at(i);
+        } else {
+            for (std::size_t i = 0; i < count; ++i) count_at(i);
         }
     }
 

@@ -3,8 +3,10 @@
 #include <OpenEXR/ImfInputPart.h>
 #include <OpenEXR/ImfTileDescription.h>
 #include <algorithm>
+#include <future>
 
 #include "core/memory.h"
+#include "core/threads.h"
 #include "pictures/foreign/foreign_file_impl.h"
 
 namespace postlens {
@@ -21,35 +23,41 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
         // A band consists of whole tiles or chunks, so that each of them is decompressed only once.
         const int unit = p.tiled ? static_cast<int>(h.tileDescription().ySize) : chunk_rows(h);
         const int rows = std::min(p.height(), unit * std::max(1, 64 / unit));
-        require_memory(width * static_cast<std::uint64_t>(rows) * channels.size() * sizeof(float),
-                       "a band of the picture");
-        std::vector<float> buffer(width * static_cast<std::size_t>(rows) * channels.size());
-        std::vector<const float*> values(channels.size());
+        const std::size_t plane = width * static_cast<std::size_t>(rows);
+        require_memory(2 * plane * channels.size() * sizeof(float), "two bands of the picture");
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
-        for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
-            const int last = std::min(y + rows - 1, p.data.y_max);
+        // Each channel of a band is one plane.
+        const auto read_band = [&](int y, std::vector<float>& band) {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
                 // The library expects the address that the pixel (0, 0) of the file would have.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
-                auto* base =
-                    reinterpret_cast<char*>(buffer.data() + c * width * static_cast<std::size_t>(rows));
+                auto* base = reinterpret_cast<char*>(band.data() + c * plane);
                 frame.insert(channels[c],
                              Imf::Slice(read_as(h, channels[c], name),
                                         base + origin * static_cast<std::ptrdiff_t>(sizeof(float)),
                                         sizeof(float), sizeof(float) * width));
             }
             in.setFrameBuffer(frame);
-            in.readPixels(y, last);
-            for (int row = y; row <= last; ++row) {
-                for (std::size_t c = 0; c < channels.size(); ++c) {
-                    values[c] =
-                        buffer.data() +
-                        (c * static_cast<std::size_t>(rows) + static_cast<std::size_t>(row - y)) * width;
-                }
+            in.readPixels(y, std::min(y + rows - 1, p.data.y_max));
+        };
+        std::vector<float> band(plane * channels.size()), next_band(band.size());
+        std::vector<const float*> values(channels.size());
+        read_band(p.data.y_min, band);
+        // The next band is read while the rows of this band are processed.
+        const auto policy = thread_count() > 1 ? std::launch::async : std::launch::deferred;
+        for (int y = p.data.y_min; y <= p.data.y_max; y += rows) {
+            std::future<void> next;
+            if (y + rows <= p.data.y_max)
+                next = std::async(policy, [&, from = y + rows] { read_band(from, next_band); });
+            for (int row = y; row <= std::min(y + rows - 1, p.data.y_max); ++row) {
+                for (std::size_t c = 0; c < channels.size(); ++c)
+                    values[c] = band.data() + c * plane + static_cast<std::size_t>(row - y) * width;
                 take(row, values);
             }
+            if (next.valid()) next.get();
+            std::swap(band, next_band);
         }
     });
 }

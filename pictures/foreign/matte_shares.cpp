@@ -27,8 +27,10 @@ void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum, F
         }
         sum = 1;
     }
-    std::stable_sort(here.begin(), here.end(),
-                     [](const SurfaceShare& a, const SurfaceShare& b) { return a.share > b.share; });
+    if (here.size() > 1) {
+        std::stable_sort(here.begin(), here.end(),
+                         [](const SurfaceShare& a, const SurfaceShare& b) { return a.share > b.share; });
+    }
     for (std::uint64_t k = out.offsets[pixel]; k < out.offsets[pixel + 1]; ++k)
         out.samples[k].id = here[0].id;
     if (here.size() == 1) return;
@@ -39,6 +41,13 @@ void add_shares(std::size_t pixel, std::vector<SurfaceShare>& here, float sum, F
 
 }  // namespace
 
+MatteShares::MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte)
+    : file_(file), onto_(onto), matte_(matte) {
+    for (const MatteRank& rank : matte_.ranks) {
+        if (std::find(parts_.begin(), parts_.end(), rank.part) == parts_.end()) parts_.push_back(rank.part);
+    }
+}
+
 std::vector<std::string> MatteShares::channels(std::size_t part) const {
     std::vector<std::string> names;
     for (const MatteRank& rank : matte_.ranks) {
@@ -48,20 +57,19 @@ std::vector<std::string> MatteShares::channels(std::size_t part) const {
 }
 
 std::vector<std::string> MatteShares::begin_beside(std::size_t part) {
-    if (matte_.ranks.empty() || matte_.ranks.front().part != part) return {};
+    if (parts_.empty() || parts_.front() != part) return {};
     taken_ = part;
     return channels(part);
 }
 
-void MatteShares::take(std::size_t pixel, std::size_t count, std::span<const float* const> values) {
+void MatteShares::take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
+                       ForeignPicture& picture) {
     for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t c = 0; c < values.size(); c += 2) {
             const float share = values[c + 1][i];
             if (!(share >= least_share)) continue;  // also skips NaN
             if (entries_.size() == entries_.capacity()) {
-                const std::size_t pixels =
-                    static_cast<std::size_t>(onto_.width()) * static_cast<std::size_t>(onto_.height());
-                const std::size_t more = std::max(entries_.size() * 3 / 2, pixels);
+                const std::size_t more = std::max(entries_.size() * 3 / 2, count * values.size());
                 require_memory(more * sizeof(Entry), "the Cryptomatte");
                 entries_.reserve(more);
             }
@@ -70,14 +78,11 @@ void MatteShares::take(std::size_t pixel, std::size_t count, std::span<const flo
                  {.id = surface_id(values[c][i], false), .share = std::min(share, 1.0F), .inverse_z = {}}});
         }
     }
+    if (parts_.size() == 1) add_entries(picture);
 }
 
 void MatteShares::finish(ForeignPicture& picture) {
-    std::vector<std::size_t> parts;
-    for (const MatteRank& rank : matte_.ranks) {
-        if (std::find(parts.begin(), parts.end(), rank.part) == parts.end()) parts.push_back(rank.part);
-    }
-    for (const std::size_t part : parts) {
+    for (const std::size_t part : parts_) {
         if (part == taken_) continue;
         const std::vector<std::string> names = channels(part);
         std::vector<const float*> row(names.size());
@@ -85,14 +90,21 @@ void MatteShares::finish(ForeignPicture& picture) {
                       [&](std::size_t first, std::size_t count, std::size_t from,
                           std::span<const float* const> values) {
                           for (std::size_t c = 0; c < row.size(); ++c) row[c] = values[c] + from;
-                          take(first, count, row);
+                          take(first, count, row, picture);
                       });
     }
-    if (parts.size() > 1) {
-        std::stable_sort(entries_.begin(), entries_.end(),
-                         [](const Entry& a, const Entry& b) { return a.pixel < b.pixel; });
+    std::stable_sort(entries_.begin(), entries_.end(),
+                     [](const Entry& a, const Entry& b) { return a.pixel < b.pixel; });
+    add_entries(picture);
+}
+
+void MatteShares::add_entries(ForeignPicture& picture) {
+    std::vector<SurfaceShare>& shares = picture.shares;
+    if (shares.capacity() - shares.size() < entries_.size()) {
+        const std::size_t more = std::max(shares.size() + entries_.size(), shares.capacity() * 3 / 2);
+        require_memory(more * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
+        shares.reserve(more);
     }
-    require_memory(entries_.size() * (sizeof(MixedPixel) + sizeof(SurfaceShare)), "the Cryptomatte");
     std::vector<SurfaceShare> here;
     for (std::size_t i = 0; i < entries_.size();) {
         const std::size_t pixel = entries_[i].pixel;
@@ -111,6 +123,7 @@ void MatteShares::finish(ForeignPicture& picture) {
         }
         add_shares(pixel, here, sum, picture);
     }
+    entries_.clear();
 }
 
 }  // namespace postlens

@@ -172,8 +172,6 @@ class Reader {
         make_room(std::min(pixels(), most_at_once));
         channels.read([&](int, std::span<const float* const> values) {
             make_room(width);
-            for (std::size_t i = 0; i < of_matte.size(); ++i) matte_row[i] = values[of_matte[i]];
-            if (!of_matte.empty()) matte->take(depths.size(), width, matte_row);
             for (std::size_t x = 0; x < width; ++x) {
                 const auto value = [&](const std::optional<std::size_t>& channel, float otherwise) {
                     return channel ? values[*channel][x] : otherwise;
@@ -190,6 +188,9 @@ class Reader {
                 add(s);
                 out_.offsets.push_back(out_.samples.size());
             }
+            if (of_matte.empty()) return;
+            for (std::size_t i = 0; i < of_matte.size(); ++i) matte_row[i] = values[of_matte[i]];
+            matte->take(depths.size() - width, width, matte_row, out_);
         });
         if (c.z.empty()) {
             out_.repairs.push_back(

@@ -205,6 +205,18 @@ TEST(RadianceBounds, LightsThatFallOffAreBoundedByTheirDistanceFromSurfaces) {
     EXPECT_GT(radiance_bounds(b.scene, 1)[1], 1e90);
 }
 
+TEST(RadianceBounds, IncludeWhatIsReflectedAndTransmittedAtGrazingAngles) {
+    SceneBuilder b;
+    b.scene.background = dvec3(1);
+    Material m;
+    m.fresnel = true;
+    m.reflection_grazing = dvec3(0.5);
+    m.transmission_grazing = dvec3(0.25);
+    b.add(Sphere{{0, 0, 0}, 1}, m);
+    const std::vector<double> bounds = radiance_bounds(b.scene, 2);
+    EXPECT_GE(bounds[2], (1 + 0.5 + 0.25) * bounds[1]);
+}
+
 TEST(Tree, WhatIsHitNowhereIsARecordToo) {
     SceneBuilder b;
     b.scene.background = dvec3(0.25, 0.5, 0.75);

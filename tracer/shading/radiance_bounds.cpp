@@ -88,7 +88,8 @@ std::vector<double> radiance_bounds(const Scene& scene, int max_depth) {
         local = std::max(local, largest(m.emission * glow + m.ambient * colour * scene.ambient_light +
                                         lit * (colour * (m.diffuse + m.diffuse_transmission) + specular)));
         passed_on = std::max(passed_on, largest(m.reflection + m.transmission));
-        if (m.fresnel) passed_on = std::max(passed_on, largest(m.reflection_grazing));
+        if (m.fresnel)
+            passed_on = std::max(passed_on, largest(m.reflection_grazing + m.transmission_grazing));
     }
     std::vector<double> bound(static_cast<std::size_t>(max_depth) + 1, 0);
     for (std::size_t k = 1; k < bound.size(); ++k) bound[k] = local + passed_on * bound[k - 1];
