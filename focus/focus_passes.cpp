@@ -19,9 +19,9 @@ namespace {
 
 /// Smallest coverage that is written to a Cryptomatte. Renderers also omit smaller ones.
 constexpr float least_coverage = 1e-4F;
-/// Smallest number of ranks (objects per pixel) in a Cryptomatte. It is larger than usual, because pixels at
-/// blurred edges show more objects. If an image is made in several parts, all parts have this number, so that
-/// they have the same channels.
+/// Smallest number of ranks (objects stored per pixel) in a Cryptomatte. It is larger than usual, because
+/// pixels at blurred edges show more objects. It is fixed, so that all parts of an image that is made in
+/// parts have the same channels.
 constexpr std::size_t least_ranks = 8;
 
 Image::Plane plane(std::string name, std::size_t pixels) {
@@ -32,9 +32,9 @@ float alpha_of(const Image& image, std::size_t pixel) {
     return image.alpha.empty() ? 1.0F : image.alpha[pixel];
 }
 
-/// Returns, for each pixel, the signed CoC diameter of the surface that the pinhole sees. This surface is the
-/// sample at which the composited alpha reaches one half. `effect` scales the diameter in the same way as the
-/// image's blur.
+/// Returns the signed CoC diameter of the surface that each pixel shows without blur. This surface is the
+/// first sample, from front to back, at which the composited alpha reaches one half. `effect` contains a
+/// factor per pixel for the diameter, or is empty.
 Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geometry,
                        const std::vector<float>& effect) {
     const auto width = static_cast<std::size_t>(picture.width);
@@ -53,8 +53,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends the objects' shares of a pixel in the pinhole image with those in the blurred image. The weight is
-/// the effect of the lens on the pixel: 0 means the pinhole image, 1 the blurred image.
+/// Blends each pixel's object shares in the pinhole image with those in the blurred image. `effect` is the
+/// weight of the blurred image, from 0 to 1.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -119,11 +119,12 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
     if (!source.manifest.empty()) image.texts.emplace_back(key + "manifest", source.manifest);
 }
 
-/// Returns the standard error of an image made from `views` views. The error of a pixel is the root mean
-/// square of the three channels. It is estimated by comparing independent sets of views with each other.
+/// Returns the standard error of each pixel of an image that is the mean of s.views views, as the root mean
+/// square of the errors of the three channels. It is estimated from the differences between independent sets
+/// of views.
 ///
-/// Pixels of the same depth share their lens points, so two sets of few views may agree by chance in all of
-/// these pixels. If there are few views, more sets are therefore compared.
+/// If the sets have few views, more than two sets are compared. Two small sets could agree by chance in all
+/// pixels of the same depth, because these pixels use the same lens points.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     constexpr int least_views = 64;  // of all sets together
@@ -153,8 +154,8 @@ std::vector<float> standard_error(const ForeignPicture& picture, const std::vect
     return out;
 }
 
-/// Adds a channel with the standard error to the image. `effect` scales the error in the same way as the
-/// image's blur.
+/// Adds the standard error to the image as a channel. `effect` contains the weight of the blurred image in
+/// each pixel, by which the error is multiplied, or is empty.
 void add_error(std::vector<float> error, const std::vector<float>& effect, Image& image) {
     for (std::size_t k = 0; k < effect.size(); ++k) error[k] *= effect[k];
     image.planes.push_back({"error", std::move(error)});

@@ -45,8 +45,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all pixels whose content is known. These are the pixels that the file
-/// stores, and all other pixels of the raster, which count as empty space.
+/// Returns the window of the corners of all known pixels. These are the pixels that the file stores and all
+/// other pixels of the raster, which count as empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -102,7 +102,7 @@ std::optional<FocusWarning> guessed_warning(const Guessed& guessed, const Foreig
                     rough(100 * share))};
 }
 
-/// Blurs one image with one lens setting. Blurs its colours and, if the image is translucent, its alpha.
+/// Blurs one image with one lens setting: its colours and, if the image is translucent, its alpha.
 class Spread {
   public:
     Spread(const ForeignPicture& picture, const FocusSettings& settings, const FocusGeometry& geometry,
@@ -161,7 +161,7 @@ class Spread {
                 const int y = source.y_begin + static_cast<int>(i);
                 row.clear();
                 behind_row.clear();
-                // Pixels beyond the border use the estimates of the nearest row of the picture.
+                // Rows beyond the border use the estimated surfaces behind the nearest row of the picture.
                 if (behind_ && width > 0 && picture_.y_begin < picture_.y_end)
                     behind_->row(std::clamp(y, picture_.y_begin, picture_.y_end - 1), behind_row);
                 if (y >= picture_.y_begin && y < picture_.y_end) found[task].add(guessed(behind_row));
@@ -181,7 +181,8 @@ class Spread {
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
-                    // `scatter` does not estimate hidden surfaces, so a translucent sample fills its pixel.
+                    // In `scatter`, a translucent sample fills its pixel, because the surfaces behind it are
+                    // not estimated.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -205,8 +206,8 @@ class Spread {
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // sum of its weights. This would fill empty space with the light around it. `nothing_` therefore
-            // limits how much of each pixel may stay empty.
+            // sum of its weights, so the light of an object would fill the empty space beside it. Empty space
+            // therefore adds to the weights. `nothing_` limits its share of each pixel.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {
@@ -225,8 +226,8 @@ class Spread {
         RasterWindow source = source_pixels();
         ++source.x_end;
         ++source.y_end;
-        // Images of other programs have no separate depths for reflected and transmitted surfaces. The choice
-        // of the depth model therefore has no effect.
+        // The depth model only matters for reflected and transmitted surfaces. Images of other programs do
+        // not store these separately, so any depth model can be used.
         if (method_ == FocusMethod::layers) {
             return finish(LayerSplats(source, window_, geometry_, levels_, DepthModel::path, response_),
                           layers);
@@ -234,9 +235,8 @@ class Spread {
         return finish(SplatTables(source, window_, geometry_, levels_, DepthModel::path, response_), scatter);
     }
 
-    /// Divides alpha by the share of the light that the lens transmits. Alpha is coverage, so it must not
-    /// become smaller where the lens blocks light. Where the lens blocks all light, the image is black and
-    /// opaque.
+    /// Divides alpha by the share of the lens that transmits light to the pixel. Alpha is coverage, which
+    /// vignetting must not reduce. Where the lens blocks all light, alpha is set to 1.
     void undo_vignetting(const NodeResponses& responses, Image& alpha) const {
         for (int y = 0; y < alpha.height; ++y) {
             for (int x = 0; x < alpha.width; ++x) {
@@ -272,8 +272,8 @@ void take_alpha(const Image& grey, Image& image) {
     for (std::size_t i = 0; i < image.alpha.size(); ++i) image.alpha[i] = grey.rgb[3 * i];
 }
 
-/// Fills the parts of an image that no view shows. Adds a warning with the share of these parts. An opaque
-/// image gets no alpha.
+/// Fills the parts of an image that no view shows, from the pixels around them. Adds a warning if the share
+/// of these parts is noticeable. Removes the alpha of an opaque image.
 void fill_unseen(StackField& field, const RasterWindow& drawn, bool opaque,
                  std::vector<FocusWarning>& warnings) {
     divide_by_covered(field);
@@ -314,8 +314,8 @@ FocusResult by_field(const ForeignPicture& picture, const FocusSettings& setting
     StackField field = stack_field(picture, behind, s);
     const Guessed of_picture = guessed(behind);
     if (auto warning = guessed_warning(of_picture, picture)) out.warnings.push_back(*std::move(warning));
-    // A gap is filled from the pixels around it, which may lie outside the crop. If there are gaps, the whole
-    // image is therefore drawn.
+    // Gaps in the crop are filled from the pixels around them, which may lie outside the crop. If there are
+    // gaps, the whole image is therefore drawn.
     const auto is_gap = [](float covered) { return !(covered > 0); };
     if (crop && std::any_of(field.covered.begin(), field.covered.end(), is_gap)) {
         s.drawn = window;
@@ -380,8 +380,8 @@ FocusResult focus_foreign(const ForeignPicture& picture, const FocusSettings& as
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const Frame frame = framed(picture, settings.framing, geometry);
-    // The image is blurred before it is magnified, which gives the same result. At the image's own
-    // resolution, circles of confusion are smaller by the factor `zoom`.
+    // The image is blurred first and magnified afterwards. In px of the image before magnification, circles
+    // of confusion are smaller by the factor `zoom`.
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
     FocusResult out;

@@ -13,21 +13,23 @@
 namespace postlens {
 namespace {
 
-/// Neighbouring samples are different surfaces if their signed CoC radii differ by at least this, in px.
+/// Two neighbouring samples belong to different surfaces if their signed CoC radii differ by at least this,
+/// in px.
 constexpr float least_step_px = 1;
 /// Largest distance, in px, at which a farther surface is searched for.
 constexpr float farthest_px = 512;
 
-/// Signed CoC radii of a sample, in px. `own` belongs to the true depth of the sample, which decides what
-/// hides what. `blur` is the radius with which the sample is blurred. They differ if, for example, an object
-/// is kept sharp. In empty space, which is not blurred, both are infinite.
+/// Two signed CoC radii of a sample, in px. `own` follows from the true depth of the sample, which decides
+/// what hides what. `blur` is the radius with which the sample is blurred. The two differ if an effect, such
+/// as "keep this object sharp", changes the blur. Both are infinite for empty space, which is not blurred.
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether one sample is so much farther away than another that it must be another surface.
+/// Returns whether `other` lies behind `own` and must be another surface, because one of its CoC radii
+/// differs by at least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -35,8 +37,8 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// Each pixel is represented by the radii of the last sample in its stack. If the stack never becomes opaque,
-/// empty space represents the pixel.
+/// Only the last sample of a pixel's stack takes part in the search. A pixel whose samples do not add up to
+/// an opaque one counts as empty space, unless it is marked in `fills_`.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -57,8 +59,8 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // A pixel may have further samples behind its first opaque one. The estimate is used for the
-                // surface behind all of them.
+                // A stack may have further samples behind its first opaque one. The last sample counts,
+                // because the surface to be estimated lies behind all samples.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -87,9 +89,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Finds the translucent pixels that have only empty space behind them and around them, and marks them in
-    /// `fills_`. The search treats these pixels as opaque. All other pixels that are not opaque count as
-    /// empty space.
+    /// Marks in `fills_` the translucent pixels behind and around which there is only empty space. The search
+    /// treats them as opaque, and all other pixels that are not opaque as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -165,10 +166,9 @@ class BehindSearch::Impl {
         bool fills = false;                  ///< as Behind::fills
     };
 
-    /// Steps from a pixel in a direction and calls `take(distance_px, x, y)` at each step, until `take`
-    /// returns true. The walk ends when the distance exceeds `blur_px`, the CoC radius of the pixel, plus the
-    /// largest CoC radius of the picture. The walk also ends where the content is unknown, which is outside
-    /// both the raster and the stored window.
+    /// Walks from a pixel in a direction and calls `take(distance_px, x, y)` for each pixel, until `take`
+    /// returns true. The walk ends where no circle of confusion can touch that of the first pixel, whose CoC
+    /// radius is `blur_px`. It also ends outside the raster and the stored pixels, where nothing is known.
     template <typename Take>
     void walk(int x, int y, const Direction& d, float blur_px, const Take& take) const {
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -191,8 +191,8 @@ class BehindSearch::Impl {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
 
-    /// Returns whether a farther surface begins so near to this pixel that the blurred edge can reveal that
-    /// surface. Empty space does not count as a surface.
+    /// Returns whether, in direction `d`, there is a farther surface whose circle of confusion touches that
+    /// of the pixel (x, y). Empty space does not count as a surface.
     [[nodiscard]] bool sees_farther(int x, int y, const Direction& d, const Radii& own) const {
         bool found = false;
         Radii before = own;
@@ -234,9 +234,10 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds depth edges in one direction. A depth edge is a pixel that is farther from the camera than the
-    /// pixel before it. The depth of a pixel is that of the last sample in its stack. For each stored pixel,
-    /// `steps` gets the number of steps to the next depth edge, or 0 if there is none within `most_steps`.
+    /// Finds, for each stored pixel, the next depth edge in direction `d`. A depth edge is a pixel that is
+    /// farther from the camera than the pixel before it. The depth of a pixel is that of the last sample in
+    /// its stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
+    /// farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
         // Columns whose neighbour is within the stored window, if the neighbour's row is.
@@ -283,9 +284,9 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether there is a depth edge near this pixel. A depth edge is a pixel that is farther from
-    /// the camera than the pixel before it, in one of the directions. It is near if blur can reveal the
-    /// farther surface at this pixel.
+    /// Returns whether blur may reveal a farther surface at this pixel, because a depth edge is near. A depth
+    /// edge is a pixel that is farther from the camera than the pixel before it, in one of the eight
+    /// directions.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
         bool is_near = false;
@@ -294,8 +295,8 @@ class BehindSearch::Impl {
         return is_near;
     }
 
-    /// Returns the first surface in a direction that is farther from the camera than the pixel's own surface
-    /// and that blur can reveal at this pixel.
+    /// Returns the first surface in a direction that is farther away than the surface at the pixel (x, y),
+    /// and that blur can reveal there. Its distance is 0 if there is no such surface.
     [[nodiscard]] Find look(int x, int y, std::size_t direction, const Radii& own) const {
         const Direction& d = directions[direction];
         const float step_px = d.dx != 0 && d.dy != 0 ? 1.41421356F : 1;
@@ -323,9 +324,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Keeps only the surfaces of the object with the largest weight. Moves these surfaces to the front, in
-    /// their order, and returns their number. If all objects were kept, a small emitter beside an edge would
-    /// colour everything behind the edge.
+    /// Selects one object, the one with the largest sum of weights (1 / squared distance). Moves its surfaces
+    /// to the front, in their order, and returns their number. Without this selection, a small emitter beside
+    /// an edge would colour everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;
@@ -432,7 +433,7 @@ class RectangleSums {
 
 std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry& geometry,
                                     const RasterWindow& window, double aberration_px) {
-    // The content of pixels outside `known` is unknown, so they do not count as empty.
+    // Pixels outside this window are unknown and do not count as empty.
     const RasterWindow known = known_pixels(p);
     const auto pixels =
         static_cast<std::uint64_t>(known.width()) * static_cast<std::uint64_t>(known.height());
@@ -463,8 +464,8 @@ std::vector<float> nothing_in_reach(const ForeignPicture& p, const FocusGeometry
     for (int y = window.y_begin; y < window.y_end; ++y) {
         for (int x = window.x_begin; x < window.x_end; ++x) {
             const std::size_t k = at(x, y);
-            // The CoC is centred on the pixel. Its radius may be up to a quarter of a pixel larger, because
-            // depths are rounded to levels.
+            // Half a pixel is added because the CoC is centred on the pixel. A quarter of a pixel is added
+            // because the rounding of depths may enlarge the CoC radius by that much.
             const double radius = std::min(static_cast<double>(radius_px[k]), DepthLevels::largest_radius_px);
             const int reach = static_cast<int>(std::ceil(radius + aberration_px + 0.75)) - 1;
             const int column = x - known.x_begin, row = y - known.y_begin;

@@ -1,5 +1,4 @@
-// Estimates what a flat image does not show: the surfaces behind its edges, and empty space that the lens
-// sees past an edge.
+// Estimates what a flat image does not show, but a lens sees past an edge: a farther surface or empty space.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +12,15 @@
 
 namespace postlens {
 
-/// Returns the window of the pixels whose content is known. A pixel is known if the file stores it or if it
-/// lies in the raster. Pixels of the raster that are not stored are empty space.
+/// Returns the window that contains the raster and the pixels that the file stores. The content of these
+/// pixels is known: pixels of the raster that are not stored are empty space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};
 }
 
-/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is near enough to
-/// be seen past an edge at this pixel.
+/// Estimate of the surface behind an opaque pixel. `known` is false if no farther surface is so near that
+/// blur can reveal it at this pixel.
 struct Behind {
     float inverse_z = 0, spread_inverse_z = 0;  ///< same meaning as in StackSample
     float r = 0, g = 0, b = 0;                  ///< premultiplied

@@ -34,11 +34,10 @@ BorderExtension::BorderExtension(const ForeignPicture& picture, const FocusGeome
                window_.y_begin - longest(top_), window_.y_end + longest(bottom_)};
 }
 
-/// Returns the samples along one side of the picture, beginning at the pixel (x, y).
+/// Returns the samples of the outermost pixels along one side of the picture. The side begins at the pixel
+/// (x, y) and runs to the right or downwards.
 BorderExtension::Side BorderExtension::side(int x, int y, int along_x, int along_y) const {
-    // Direction from the side into the picture. A side that begins in the upper left corner is the left or
-    // upper side, so the direction is to the right or down. From the lower or right side, the direction is up
-    // or to the left.
+    // Direction from this side into the picture.
     const int dx = along_x != 0      ? 0
                    : x == p_.x_begin ? 1
                                      : -1,
@@ -75,8 +74,8 @@ BorderExtension::Continued BorderExtension::continue_inwards(const StackSample& 
     return out;
 }
 
-/// Returns the sample of the pixel (x, y) that continues the surface of `sample`, a sample of a neighbouring
-/// pixel. Returns null if there is none.
+/// Returns the sample of the pixel (x, y) that belongs to the same surface as `sample`, which lies in a
+/// neighbouring pixel. Returns null if there is none.
 const StackSample* BorderExtension::next_of(const StackSample& sample, int x, int y) const {
     if (!p_.stores(x, y)) return nullptr;
     const auto apart = [&](const StackSample& s) {
@@ -95,7 +94,8 @@ std::optional<std::size_t> BorderExtension::continued(int x, int y, std::vector<
     const Side* across_x = x < u ? &left_ : x > u ? &right_ : nullptr;
     const Side* across_y = y < v ? &top_ : y > v ? &bottom_ : nullptr;
     if ((across_x != nullptr && across_x->empty()) || (across_y != nullptr && across_y->empty())) return {};
-    // At a corner of the picture, a sample is continued diagonally only if it is continued across both sides.
+    // Beyond a corner of the picture, a sample is continued only if it is continued far enough both
+    // horizontally and vertically.
     const std::vector<Continued>* in_row =
         across_x == nullptr ? nullptr : &(*across_x)[static_cast<std::size_t>(v - p_.y_begin)];
     const std::vector<Continued>* in_column =

@@ -1,4 +1,5 @@
-// Estimates what lies beyond the border of another program's image, because blur spreads it into the image.
+// Estimates the surfaces beyond the border of another program's image. Blur spreads their light into the
+// image.
 #pragma once
 
 #include <cstddef>
@@ -12,33 +13,35 @@
 
 namespace postlens {
 
-/// Continues the samples of the outermost pixels beyond the border of the image. On average, the border cuts
-/// a surface in the middle. A sample is therefore continued outwards as far as its surface extends into the
-/// image, but not farther than its circle of confusion reaches. Its colour and alpha are means over this part
-/// of the surface.
+/// Continues the surfaces at the border of an image beyond the border. On average, the border cuts a surface
+/// in the middle. A sample at the border is therefore continued outwards as far as its surface extends into
+/// the image, but not farther than its blur reaches. Its colour and alpha are means over this part of the
+/// surface.
 ///
-/// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Pixels of the raster
-/// that are not stored are empty space, so nothing is continued into them.
+/// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Nothing is continued
+/// into pixels of the raster that are not stored, because they are empty space.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
     BorderExtension(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px);
 
-    /// The window that contains the raster, the stored pixels and the pixels into which samples continue.
+    /// The window that contains the raster, the stored pixels and all pixels into which samples are
+    /// continued.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
-    /// Sets `stack` to the samples that continue into a pixel outside both the raster and the stored pixels.
-    /// Returns the index of the stored pixel from which these samples continue. Returns nothing if no sample
-    /// continues there.
+    /// Sets `stack` to the samples that are continued into the pixel (x, y). The pixel must lie outside both
+    /// the raster and the stored pixels. Returns the index of the stored pixel from which the samples are
+    /// continued, or nothing if there are no such samples.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
-    /// A sample of an outermost pixel, with the mean colour and alpha of its continuation.
+    /// A sample of an outermost pixel, with the mean colour and alpha of its surface near the border, and the
+    /// distance to which it is continued.
     struct Continued {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples of each pixel along one side, nearest first. It is empty if the raster continues beyond
-    /// that side of the stored pixels.
+    /// The samples of each pixel along one side, nearest first. The list is empty if the raster continues
+    /// beyond the stored pixels on this side, because the raster is empty there.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

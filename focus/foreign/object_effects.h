@@ -10,7 +10,7 @@
 namespace postlens {
 
 struct ObjectEffects {
-    /// Holdouts hide the surfaces behind them, with sharp edges. They add neither colour nor alpha to the
+    /// Objects that hide the surfaces behind them, with sharp edges, but add neither colour nor alpha to the
     /// image.
     std::vector<ObjectChoice> holdouts;
     /// Objects that are not blurred.

@@ -1,4 +1,5 @@
-// The samples of another program's image as quadrilaterals, from which views are drawn.
+// Converts the samples of another program's image to quadrilaterals, which are drawn as seen from many lens
+// points.
 #pragma once
 
 #include <array>
@@ -31,12 +32,13 @@ struct Facet {
     bool beyond = false;      ///< lies beyond the border of the picture (BorderExtension)
 };
 
-/// The samples of an image as quadrilaterals, sorted by pixel. They include the estimated surfaces behind
-/// edges and beyond the border. Where neighbouring quadrilaterals show one surface, their common corners have
-/// the same depth.
+/// The samples of an image as quadrilaterals, sorted by pixel. The estimated surfaces behind edges and beyond
+/// the border are included. Where neighbouring quadrilaterals show one surface, their common corners have the
+/// same depth.
 class Facets {
   public:
-    /// `behind` contains one estimate per pixel, or is empty. `border` must belong to the same picture.
+    /// `behind` contains the estimated surface behind each pixel of `p`, or is empty. `border` must have been
+    /// computed from `p`.
     Facets(const ForeignPicture& p, const std::vector<Behind>& behind, const BorderExtension& border,
            const FocusGeometry& geometry);
 
@@ -54,13 +56,14 @@ class Facets {
     }
 
   private:
-    /// `number` is the number of the pixel, from which Facet::seed is computed.
+    /// Adds a sample of a pixel as a quadrilateral. `number` identifies the pixel and determines Facet::seed.
+    /// `beyond` states whether the pixel lies beyond the border of the picture.
     void add(std::size_t number, const StackSample& s, bool beyond);
-    /// Returns the sample in pixel (x, y) that continues the surface of `f`, or null if there is none.
+    /// Returns the sample in pixel (x, y) that belongs to the same surface as `f`, or null if there is none.
     [[nodiscard]] const Facet* continued(const Facet& f, int x, int y) const;
     void join_neighbours();
-    /// Sets each corner depth of `f` to the mean depth of the samples that continue its surface at this
-    /// corner. The function does not read the corner depths of neighbours, so several threads may call it.
+    /// Sets each corner depth of `f` to the mean depth of the samples of its surface that meet at this
+    /// corner. The corner depths of neighbours are not read, so several threads may call this function.
     void join(Facet& f, int x, int y) const;
     void find_ranges();
 

@@ -17,7 +17,7 @@ namespace {
 
 /// Rows of the image that one task draws for all views.
 constexpr int rows_per_task = 32;
-/// Number of views that are drawn before the next test whether the job was cancelled.
+/// Number of views that are drawn between two tests whether the job was cancelled.
 constexpr std::size_t views_per_look = 16;
 
 /// A view: its lens point, and the position of its samples within the pixels.
@@ -41,8 +41,8 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel, whether empty space is behind it. Empty space is not blurred. Views that see past
-/// the samples of such a pixel therefore see empty space.
+/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and 0 otherwise. In a
+/// pixel with the value 1, views that see none of the samples see empty space, which is not blurred.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -64,10 +64,12 @@ std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vec
     return out;
 }
 
-/// Returns whether a facet (the quadrilateral of a sample) is opaque in a view. A facet is opaque if its
-/// alpha exceeds a threshold that differs from view to view. The thresholds of a facet form a van der Corput
-/// sequence, scrambled with the facet's own seed. Facets behind each other are thus opaque independently, and
-/// their transmittances multiply.
+/// Returns whether a facet (the quadrilateral of a sample) is opaque in a view. The fraction of views in
+/// which it is opaque equals its alpha (stochastic transparency).
+///
+/// Alpha is compared with a threshold that differs between views. The thresholds of a facet form a van der
+/// Corput sequence, scrambled with the facet's own seed. Facets behind each other are thus opaque
+/// independently, and their transmittances multiply.
 bool is_opaque(const Facet& f, std::uint32_t view) {
     if (f.sample.alpha >= 1) return true;
     const std::uint32_t place = reverse_bits(owen_scramble_reversed(reverse_bits(view), f.seed));
@@ -114,8 +116,8 @@ class Band {
             const std::size_t k = in_window(i);
             const auto views = static_cast<float>(s_.views);
             for (std::size_t c = 0; c < 3; ++c) out.image.rgb[3 * k + c] = sums_[i].rgba[c] / views;
-            // If the lens blocks the light of a view, the view contributes black. Colours are therefore means
-            // over all views, but alpha is the mean over the views that are not blocked.
+            // A view whose light the lens blocks (vignetting) contributes black. Colours are therefore means
+            // over all views. Alpha is coverage, so it is the mean over the views that are not blocked.
             const float passed = passed_.empty() ? views : passed_[i];
             out.image.alpha[k] = passed > 0 ? sums_[i].rgba[3] / passed : 1;
             if (!shares_.empty() && passed > 0) {
@@ -129,9 +131,9 @@ class Band {
     }
 
   private:
-    /// Depth order of the quadrilaterals. Among quadrilaterals of the same depth, the one with fewer samples
-    /// in front of it in its own pixel comes first. Parts of one sample thus keep their order even if they
-    /// are blurred differently.
+    /// Position of a quadrilateral in the depth order. Of two quadrilaterals with the same depth, the one
+    /// with fewer samples in front of it in its own pixel comes first. Parts of one sample thus keep their
+    /// order even if they are blurred differently.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -151,7 +153,7 @@ class Band {
         Depth depth;
     };
 
-    /// Converts the index of a pixel in this band to its index in the window.
+    /// Converts the index of a pixel in this band, the rows of one task, to its index in the window.
     [[nodiscard]] std::size_t in_window(std::size_t i) const {
         const int x = s_.drawn.x_begin + static_cast<int>(i % static_cast<std::size_t>(width_)),
                   y = y_begin_ + static_cast<int>(i / static_cast<std::size_t>(width_));
@@ -159,7 +161,7 @@ class Band {
                static_cast<std::size_t>(x - s_.window.x_begin);
     }
 
-    /// Returns whether a row of pixels may appear in this band in a view.
+    /// Returns whether a view may show any sample of a row of pixels in this band.
     [[nodiscard]] bool reaches(const View& v, int row) const {
         const auto& [least, most] = facets_.range(row);
         if (!(least <= most)) return false;
@@ -171,8 +173,8 @@ class Band {
                y + std::min(a, b) - margin_px <= static_cast<float>(y_begin_ + rows_);
     }
 
-    /// Finds the sample points of a view that lie inside a quadrilateral. The sample points are the integer
-    /// positions in the coordinates of the view.
+    /// Finds the sample points of a view that lie inside a quadrilateral. There is one sample point per
+    /// pixel, at the integer positions of the view's coordinates.
     void meet(const View& v, const Facet& f, std::uint64_t number, int x, int y) {
         std::array<float, Facet::corners> px{}, py{};
         for (std::size_t c = 0; c < Facet::corners; ++c) {
@@ -204,8 +206,8 @@ class Band {
     [[nodiscard]] static bool inside(const std::array<float, Facet::corners>& px,
                                      const std::array<float, Facet::corners>& py, float x, float y) {
         const auto side = [&](std::size_t a, std::size_t b) {
-            // Two quadrilaterals that share a side must compute the same number for it, or a crack may
-            // appear. Both therefore begin at the same corner.
+            // Two quadrilaterals with a common side must compute exactly the same value for it, or a crack
+            // may appear. A common side therefore begins at the same corner in each of them.
             return (px[b] - px[a]) * (y - py[a]) - (py[b] - py[a]) * (x - px[a]);
         };
         const float top = side(0, 1), right = side(1, 3), bottom = side(2, 3), left = side(0, 2),
@@ -222,8 +224,8 @@ class Band {
         if (is_opaque(f, v.number)) nearest = depth;
     }
 
-    /// Adds the light of all quadrilaterals that are not hidden by an opaque one. The colours are
-    /// premultiplied. The expected value equals compositing with the operator "over".
+    /// Adds the premultiplied colours of the nearest opaque quadrilateral and of all quadrilaterals in front
+    /// of it, for each pixel. The expected value equals compositing with the operator "over".
     void take_hits(const View& v) {
         if (!passed_.empty()) find_passing(v);
         for (const Hit& h : hits_) {
@@ -241,7 +243,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // If all samples of a pixel are transparent in this view, the view sees past everything in the image.
+        // The view sees past the image in a pixel that has no opaque quadrilateral, or whose nearest opaque
+        // quadrilateral lies beyond the image's border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;
@@ -259,8 +262,8 @@ class Band {
             of_pixel.push_back({s.id, side, s.alpha});
         }
     }
-    /// Tests, for each pixel, whether the lens transmits the light of the view. The result depends on the
-    /// point where the view's ray crosses the plane in focus.
+    /// Tests, for each pixel, whether the lens transmits the light of the view or blocks it (vignetting). The
+    /// result depends on the point where the view's ray crosses the plane in focus.
     void find_passing(const View& v) {
         passes_.resize(passed_.size());
         const glm::dvec2 middle((s_.window.x_begin + s_.window.x_end) / 2.0,

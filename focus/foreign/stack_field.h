@@ -36,16 +36,15 @@ struct ObjectShare {
 };
 
 struct StackField {
-    /// Premultiplied colours. `alpha` always has a value for every pixel. Alpha may exceed 1, because samples
-    /// are opaque at random in each view.
+    /// The mean of the views, with premultiplied colours and an alpha for every pixel. Alpha is a random
+    /// estimate, so it may exceed 1.
     Image image;
-    /// Per pixel of the window, the fraction of the views that see past everything in the image. Such a view
-    /// looks beyond the image's border or sees nothing behind the last sample of a pixel. Empty space behind
-    /// a pixel counts as part of the image.
+    /// Per pixel of the window, the fraction of the views that see nothing there, because they see past the
+    /// image's border or past a pixel's last sample. Views that see known empty space do not count.
     std::vector<float> unseen;
-    /// Per pixel of the window, the sum of the alphas of all visible samples, including holdouts, as a mean
-    /// over the views. Its expected value is 1 minus that of `unseen`. The value is at least 1 for a pixel
-    /// with empty space behind it.
+    /// Per pixel of the window, the sum of the alphas of the samples that a view sees, holdouts included, as
+    /// a mean over the views. On average it is 1 minus `unseen`. In a pixel with empty space behind its
+    /// samples, it is raised to at least 1.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -70,7 +69,7 @@ struct StackField {
                                      const StackFieldSettings& settings);
 
 /// Divides colours and alpha by StackField::covered, and limits alpha to 1. Views that see past the image
-/// thus no longer count in the mean. If no view of a pixel sees anything, the pixel keeps its values.
+/// then no longer count in the mean. A pixel in which `covered` is 0 keeps its values.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Smallest alpha of a sample. A sample that emits light but covers nothing needs a positive weight to be
-/// composited. The weight is so small that even many such samples hide almost nothing.
+/// Smallest alpha of a sample. A sample that emits light but covers nothing has alpha 0, but needs a positive
+/// weight to be composited. This weight is so small that even many such samples hide almost nothing.
 constexpr double least_alpha = 1e-7;
 /// Smaller shares of a pixel are considered rounding errors.
 constexpr double least_share = 1e-6;
@@ -34,17 +34,17 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // Light behind another sample of the same surface cannot be seen from any lens point. Both samples move
-    // together when the lens point moves.
+    // `hidden` is light that other surfaces hide. Light behind a sample of its own surface does not count,
+    // because both samples move together when the lens point moves, so no lens point sees it.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // Compute `covered`, the share of the light that no lens point sees. The surface in front always hides
-    // this light, because both move together when the lens point moves. Behind a translucent sample, the
-    // share is computed from `independence`, as in `composite`.
+    // `covered` is the part of the hidden light that no lens point sees, because the surfaces in front move
+    // together with it when the lens point moves. `apart` is 0 for surfaces that move together, and 1 for
+    // surfaces that move independently. Behind a translucent sample, it is computed as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point. It does not move with any surface that hides it.
+        // Empty space looks the same from every lens point, so all surfaces move independently of it.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);
@@ -119,7 +119,7 @@ void StackLights::add(int x, std::span<const StackSample> stack, bool fills, con
                  hidden});
         };
         store(s.seen, s.seen_weight, s.seen_depths, 0, false);
-        // Light that always moves together with the surface in front of it is hidden from every lens point.
+        // Hidden light that no lens point sees is not stored.
         if (s.covered < s.hidden_weight * (1 - least_share))
             store(s.hidden, s.hidden_weight, s.hidden_depths, s.covered, true);
     }

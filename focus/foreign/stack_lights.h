@@ -1,5 +1,5 @@
-// Converts a pixel's stack of samples to PixelLight. Light that the pinhole sees is separated from hidden
-// light.
+// Converts a pixel's stack of samples to PixelLight, the input of scattering. Light that the pinhole sees is
+// separated from hidden light.
 #pragma once
 
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace postlens {
 
-/// The value that is converted to light: either the colour, or the alpha, which then fills all three
+/// The value of a sample that is converted to light: its colour, or its alpha as the value of all three
 /// channels.
 enum class StackValue { colour, alpha };
 
@@ -27,20 +27,21 @@ enum class StackValue { colour, alpha };
 /// limit is a 16th of the radius.
 class StackLights {
   public:
-    /// `with_nothing` states whether empty space, which is not blurred, is also converted to light.
+    /// `with_nothing` states whether empty space is also converted, to black light that is not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
-    /// Converts a stack of samples and appends the light to `out`. `behind` is the estimate of the surface
-    /// behind the stack and may be null.
+    /// Converts the stack of samples of a pixel in column `x` and appends the light to `out`. `behind` is the
+    /// estimated surface behind the stack, or null.
     ///
-    /// `fills` states that the last sample is a uniformly translucent surface that fills the pixel. Its
-    /// weights are then scaled to add up to 1, as for an opaque surface. Set `fills` only if there is only
-    /// empty space behind the pixel and its neighbours.
+    /// `fills` states that the last sample is translucent but fills the whole pixel. Set it only if there is
+    /// nothing but empty space behind the pixel and its neighbours. The weights of the sample are then scaled
+    /// as if it were opaque.
     void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 
-    /// Returns the number of the surface to which samples with this signed CoC radius belong.
+    /// Returns the number of the surface to which samples with this signed CoC radius belong. Samples with
+    /// nearly the same radius belong to one surface.
     [[nodiscard]] static std::uint32_t surface_of(double signed_radius_px);
     static constexpr std::uint32_t nothing = ~std::uint32_t{0};
 
@@ -49,8 +50,8 @@ class StackLights {
         std::uint32_t surface;
         double radius_px, seen;
     };
-    /// Two inverse depths, in 1/m. `order` determines the order of compositing, `spread` the size of the
-    /// circle of confusion.
+    /// Two inverse depths of a sample, in 1/m. `order` determines the order of compositing, `spread` the size
+    /// of the circle of confusion. They differ if an effect changes the blur of an object.
     struct Depths {
         double order = 0, spread = 0;
     };
