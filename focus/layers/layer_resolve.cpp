@@ -8,13 +8,13 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Smallest sum of weights for which the nodes of a path alone determine the path's radiance at a pixel. If
-/// the sum is smaller, a substitute is blended in: the path's radiance, scattered with the kernel of the
-/// mirror or glass.
+/// Smallest sum of weights with which the records of a reflection or refraction alone determine its radiance
+/// at a pixel. If the sum is smaller, a substitute is blended in: the same radiance, scattered with the
+/// kernels of the mirror or glass.
 constexpr double enough_weight = 0.05;
 
-/// The nodes at a pixel that have the same path (sequence of reflections and transmissions), and their total
-/// radiance.
+/// The sums of one path (sequence of reflections and transmissions) at a pixel, and the path's radiance
+/// there.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -29,9 +29,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to a surface. `mask` states the
-/// share of the surface that shows the path. The radiance is assumed to be visible from the same lens points
-/// as the surface.
+/// Adds the radiance of a path (sequence of reflections and transmissions) to the surface that shows it.
+/// `mask` is the part of the surface that shows the path. The radiance is assumed to pass through the same
+/// lens points as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -41,8 +41,8 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
     }
 }
 
-/// Adds the radiance of a path to `fragment`, the light of a mirror or glass at this pixel. `shown`
-/// identifies the mirror or glass.
+/// Adds the radiance of a path, for example a mirror image, to `fragment`, the light of a surface at this
+/// pixel. `shown` identifies the surface.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -51,8 +51,9 @@ void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     }
 }
 
-/// Computes the light of one surface at a pixel from two sums. `seen` is the sum over nodes that the pinhole
-/// sees, `hidden` the sum over all others. One of them may be null.
+/// Computes the light of one surface at a pixel. `seen` contains the sums over the records that the pinhole
+/// sees, `hidden` those over all other records. One of them may be null. Returns nothing if no light reaches
+/// the pixel.
 std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidden) {
     const double weight = (seen != nullptr ? seen->weight : 0.0) + (hidden != nullptr ? hidden->weight : 0.0);
     if (!(weight > smallest_layer_weight)) return std::nullopt;
@@ -61,9 +62,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Converts the nodes of a path (sequence of reflections and transmissions) to fragments, one per surface.
-/// Also adds the radiance of `longer`, the paths that continue this path. Returns the sum of the nodes'
-/// weights.
+/// Converts the sums of a path (sequence of reflections and transmissions) at a pixel to fragments, one per
+/// surface. Adds to each fragment the radiance of those paths in `longer` that continue this path. Returns
+/// the sum of the weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -108,8 +109,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path has already added its radiance here, so the substitute for missing nodes is not
-        // needed.
+        // The longer path has already added its radiance to `out.rgb`, so no substitute is blended in.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)
@@ -129,7 +129,7 @@ std::optional<Fragment> resolve_surface(std::span<const LayerTerm> terms, const 
     if (!out || own == terms.size()) return out;
     thread_local std::vector<Chain> chains;
     chains.clear();
-    // Longest paths come first, because a path needs the results of the paths that continue it.
+    // Resolve longer paths first, because a path's radiance contains that of the paths that continue it.
     for (std::size_t end = terms.size(); end > own;) {
         std::size_t begin = end - 1;
         while (begin > own && terms[begin - 1].part->path == terms[end - 1].part->path) --begin;

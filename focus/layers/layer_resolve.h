@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Sums, at one pixel, of the splats of one part. A part (LayerPart) is a surface itself, or the light that
-/// it reflects or transmits along one path.
+/// The sums at one pixel of all splats (impulse responses) of one part. A part (LayerPart) is a surface
+/// itself, or the light that it reflects or transmits along one path.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};

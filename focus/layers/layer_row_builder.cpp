@@ -7,10 +7,11 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed only in steps of a quarter pixel or of a whole pixel.
-/// Samples of a pixel then merge into fewer splats. The effect on blurred edges is not visible.
+/// CoC radii, in px, from which samples are placed only in steps of a quarter pixel or of a whole pixel. More
+/// samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// CoC radii, in px, for which phases_of uses steps of a quarter pixel and of a whole pixel.
+/// Radii, in px, with which `phases` places samples in steps of a quarter pixel and of a whole pixel. They
+/// replace the true radius.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);
@@ -52,8 +53,8 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     const std::uint32_t number = number_of(part);
     const double spherical_px = t_.responses_.model().spherical_px();
     NodeResponse coarser = response;
-    // Only uniform responses use coarser steps. Other responses may have a bright core, which coarser steps
-    // would blur.
+    // Only uniform responses are placed in coarser steps. Other responses may have a bright core, which
+    // coarser steps would blur.
     if (!alone_ && t_.responses_.model().is_even() && response.radius_px >= quarter_steps_from_px)
         coarser.radius_px =
             std::max(response.radius_px, response.radius_px >= whole_steps_from_px ? whole_steps_radius_px
@@ -78,13 +79,13 @@ void LayerSplats::RowBuilder::place(const PointSample& s, const NodeResponse& re
     }
 }
 
-// Merges samples of a pixel that share a kernel into one splat (impulse response of a sample). The slot of
-// the cache is selected by the hash of the kernel's key. The number of the kernel is not used, because it
-// depends on the timing of threads, and the image must not.
+// Merges splats of a pixel that have the same part and kernel. A small hash table finds splats to merge with.
+// It uses the hash of the kernel's key, because the kernel's number depends on the timing of threads, and the
+// image must not.
 void LayerSplats::RowBuilder::add(const LayerSplat& splat, std::uint32_t number, std::size_t hash) {
     if (!alone_) {
         const std::uint64_t key = std::uint64_t{number} << 32 | splat.kernel;
-        // This is Fibonacci hashing. If a different splat occupies the slot, the two splats are not merged.
+        // This is Fibonacci hashing. A splat that finds a different one in its slot is not merged.
         Slot& slot = slots_[((hash + number) * 0x9E3779B97F4A7C15U) >> 54];
         if (slot.index >= pixel_begin_ && slot.index < row_.splats.size() && slot.key == key) {
             LayerSplat& to = row_.splats[slot.index];
@@ -118,8 +119,9 @@ void LayerSplats::RowBuilder::meet(std::span<const Record> nodes, const NodeResp
                         is_primary ? primary : t_.responses_.of(node, primary, place_px_),
                         {node.r, node.g, node.b}});
     }
-    // Sum the radiance of subtrees. In the list of nodes, a child comes after its parent. In backward order,
-    // the sum of each node is therefore complete before it is added to the sum of the parent.
+    // For each node, sum the radiance of the node and its descendants. Parents come before their children in
+    // the list. In backward order, the sum of a node is therefore complete before it is added to that of its
+    // parent.
     for (std::size_t i = met_.size(); i-- > 0;) {
         if (met_[i].node->path == NodePath()) continue;
         for (Met& parent : met_) {
@@ -135,9 +137,10 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// A ray that enters a glass object also leaves it, so the object's far side has no outline of its own. The
-// mask (visible share) of the far side is therefore blurred with the kernel of the near side. The far side's
-// own reprojection matrix could blur the mask far too much.
+// A ray that enters a glass object leaves it through the far side, which thus has no outline of its own. What
+// is seen through the far side is therefore outlined by the near side, and its mask (the share of a pixel
+// that shows it) is blurred with the near side's kernel. The kernel from the far side's own reprojection
+// matrix could be far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -174,7 +177,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // As in `scatter`, only directly visible surfaces at a finite depth count for the largest CoC.
+        // Only directly visible surfaces at a finite depth count for the largest CoC, as in `scatter`.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);
@@ -194,7 +197,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     for (Met& met : met_) {
         const Record& node = *met.node;
         if (node.path == NodePath()) continue;
-        // If the parent was not recorded, the nearest recorded ancestor is used instead.
+        // If the parent was not recorded, use the nearest ancestor that was.
         NodePath parent = node.path.parent();
         const Met* from = met_at(parent);
         while (from == nullptr) from = met_at(parent = parent.parent());
@@ -207,8 +210,8 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     }
 }
 
-// Adds nodes that are hidden behind reflected or transmitted nodes. `surface` is the visible mirror or glass
-// that reflects or transmits their light.
+// Adds records that are hidden behind objects seen in a mirror or through glass. `surface` is the mirror or
+// glass.
 void LayerSplats::RowBuilder::add_hidden_chains(const PointSample& s, std::span<const Record> nodes,
                                                 const NodeResponse& primary, SurfaceKey surface) {
     meet(nodes, primary);

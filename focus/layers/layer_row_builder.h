@@ -18,7 +18,8 @@
 
 namespace postlens {
 
-/// Processes one row of pixel corners. It writes only the data of this row.
+/// Builds the splats of one row of pixel corners at a time. Only the data of this row are written, so several
+/// threads may build different rows.
 class LayerSplats::RowBuilder {
   public:
     explicit RowBuilder(LayerSplats& splats) : t_(splats), cache_(splats.kernels_) {}
@@ -30,12 +31,14 @@ class LayerSplats::RowBuilder {
     void begin_row(int y);
     void end_row();
     void add_light(const PixelLight& light);
-    /// The shading-tree nodes of one layer of a point sample. Layer 0 is visible from the pinhole.
+    /// The records of one layer of a point sample, at the position (x, y). The pinhole sees layer 0, and the
+    /// other layers are hidden behind it.
     struct Nodes {
         float x, y;
         std::span<const Record> records;
     };
-    /// A node of the current shading tree, with the data that its child nodes need.
+    /// A node (hit surface point) of the current eye ray's shading tree, with the data that its child nodes
+    /// need.
     struct Met {
         const Record* node = nullptr;
         NodeResponse response;
@@ -51,10 +54,11 @@ class LayerSplats::RowBuilder {
                            SurfaceKey surface);
     /// Returns the node of the current shading tree with this path, or null if there is none.
     [[nodiscard]] const Met* met_at(NodePath path) const;
-    /// Returns the shading-tree node whose kernel blurs the outline of the node `from`.
+    /// Returns the node whose kernel blurs the outline of the node `from`. It differs from `from` for the far
+    /// side of a glass object.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at the node `met`. The mask is the share of the parent node `from`
-    /// that shows this path. `from` must have been added before.
+    /// Adds the mask of the path that ends at the node `met`. The mask is the share of the parent `from` that
+    /// shows this path, and it is blurred like the parent. `from` must have been added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

@@ -12,7 +12,7 @@
 namespace postlens {
 namespace {
 
-/// Edge of a tile, in px. All splats of a tile are skipped together if none of them reaches a block of the
+/// Edge of a tile, in px. All splats of a tile are skipped at once if none of them reaches a block of the
 /// image.
 constexpr int tile_px = 64;
 
@@ -68,7 +68,7 @@ void LayerSplats::add_rows(const FrameRows& rows) {
     });
     if (keep_ != Keep::strip) return;
     strip_rows_.settle();
-    // Rows are added from the top of the image down, so all tiles above the next row are complete.
+    // Rows are added from top to bottom, so the tiles above the next row get no further splats.
     join_rows(static_cast<std::size_t>(rows.y_end - source_.y_begin) / tile_px);
 }
 
@@ -111,8 +111,8 @@ struct LayerSplats::PlacedRun {
     [[nodiscard]] auto place() const { return std::tie(part, tile, run.row); }
 };
 
-// Sorts the splats of a row by part (LayerPart) and tile. The sort is stable. Then appends the runs of the
-// row to `runs`.
+// Sorts the splats of a row by part (LayerPart) and tile, and otherwise keeps their order. Then appends the
+// row's runs to `runs`. A run contains the splats of one part in one tile of the row.
 void LayerSplats::sort_row(std::size_t index, std::vector<PlacedRun>& runs) {
     Row& row = rows_[index];
     if (row.splats.empty()) return;
@@ -239,8 +239,8 @@ std::vector<std::pair<int, int>> LayerSplats::begin_strip(const RasterWindow& pa
     begin_tile_rows();
     rows_.clear();
     rows_.resize(static_cast<std::size_t>(source_.height()));
-    // Some rows of the file are not read again. They only contribute splats that reach far from their row.
-    // These were kept when the rows were first read.
+    // Some rows of the file are not read again for this strip. Only those of their splats that reach far from
+    // their row are needed. These splats were kept when the rows were first read.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         Row& row = rows_[static_cast<std::size_t>(y - source_.y_begin)];
         std::map<LayerPart, std::uint32_t> number;

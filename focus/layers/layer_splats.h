@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// Identifies a surface. An object that hides a part of itself has several surfaces. `before` is the number
-/// of surfaces of the same object in front of this one on the same ray.
+/// Identifies a surface. `id` is the number of its object. A ray may hit several surfaces of one object.
+/// `before` is the number of surfaces of this object in front of this one.
 struct SurfaceKey {
     std::uint32_t id = 0;
     std::uint32_t before = 0;
@@ -30,9 +30,9 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Splats that are summed up together. A part belongs either to a surface itself or to the light that the
-/// surface reflects or transmits along one path. Parts are sorted by surface, then by path, with parents
-/// before their children.
+/// Identifies splats that are summed up together. They belong either to a surface itself, or to the light
+/// that the surface reflects or transmits along one path. Parts are sorted by surface, then by path, with a
+/// path before the paths that continue it.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -43,28 +43,28 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface to which the node belongs. For masks, it is the surface of the parent node, or empty if
-    /// the parent is the primary node. For outer masks, it is also empty.
+    /// The surface that is seen along the path. For a mask, it is the surface that shows the path, or empty
+    /// if that is the first surface on the eye ray. For an outer mask, it is empty.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// One shading-tree node of a point sample, multiplied by the sample's weight. `depth` is the weight times
-/// 1/z', the inverse depth.
+/// The impulse response of one record of a point sample. Colour and weight are multiplied by the sample's
+/// weight. `depth` is the weight times the inverse depth 1/z'.
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// How fast the lens point changes across the kernel, in lens radii per px. Light that arrives d px from
-    /// the anchor (x, y) passed through the lens point d * lens_per_px, on average.
+    /// Change of the lens point per px of the kernel, in lens radii. Light that arrives at an offset of d px
+    /// from the anchor (x, y) passed, on average, through the lens point d * lens_per_px.
     float lens_per_px = 0;
-    /// The part of the weight that no lens point sees. The surface in front always hides it, because both
-    /// surfaces move together when the lens point moves (Fragment::covered).
+    /// The part of the weight that no lens point sees, because the surface in front of it moves together with
+    /// it when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// The pixels that the kernel reaches: a rectangle around the anchor (x, y), in steps of `reach_step_px`.
-    /// If a block of the image lies outside it, the kernel is not read, which saves time. Set by LayerSplats.
+    /// The rectangle that contains the kernel, relative to the anchor (x, y), in steps of `reach_step_px`.
+    /// Blocks of the image outside this rectangle skip the splat. Set by LayerSplats.
     std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
     static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
     /// Returns whether the window and `rows` have a pixel in common.
@@ -74,7 +74,7 @@ struct LayerSplat {
     }
 };
 
-/// Neighbouring splats of one LayerPart in one row and tile, as a range of the row's splats.
+/// The splats of one LayerPart in one row of one tile, as a range of the row's splats.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -111,9 +111,9 @@ class LayerSplats {
     }
     /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
-    /// Places samples at pixel centres instead of pixel corners, for another program's image. Call it before
-    /// add_pixels. `known` is the window of the pixel corners that the image has. Samples outside `known`,
-    /// but within the source window, are estimates.
+    /// Places samples at pixel centres instead of pixel corners, as needed for another program's image. Call
+    /// it before add_pixels. `known` is the window of the corners of the image's pixels. Samples outside this
+    /// window are estimates.
     void take_pixels(const RasterWindow& known) {
         from_anchor_px_ = 0.5;
         known_ = known;
@@ -124,8 +124,9 @@ class LayerSplats {
     /// Builds the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row is added.
-    /// Rows that are added before finish() store no splats (SplatTables::survey).
+    /// Prepares an image that is made in strips, because its splats would exceed a memory limit. Call it
+    /// before the first row is added. The splats of rows that are added before finish() are not stored
+    /// (SplatTables::survey).
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -149,8 +150,8 @@ class LayerSplats {
     [[nodiscard]] const BorderRadii& border() const { return border_; }
     [[nodiscard]] double largest_coc_px() const;
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
-    /// Position of samples relative to their anchors, in px. It is 0.5 for pixels of other programs,
-    /// otherwise 0.
+    /// Position of samples relative to their anchors (integer raster positions), along each axis, in px. It
+    /// is 0.5 for pixels of other programs, otherwise 0.
     [[nodiscard]] double from_anchor_px() const { return from_anchor_px_; }
     [[nodiscard]] const NodeResponses& responses() const { return responses_; }
     /// Returns the range of the recorded colours, to which images are clamped.
@@ -178,7 +179,7 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell);
-    /// Stores the splats of row y that must be kept, and removes all other splats from `made`.
+    /// Stores the splats of row y that are needed in memory, and removes all others from `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

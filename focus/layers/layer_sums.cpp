@@ -11,8 +11,8 @@ namespace {
 // NOLINTBEGIN(modernize-use-using): see above
 typedef double FourDoubles __attribute__((vector_size(32)));
 typedef double TwoDoubles __attribute__((vector_size(16)));
-/// Types for loading numbers from memory and for storing them. Variables of these types would not be kept in
-/// registers.
+/// Types that are used only to load values from memory and to store them. The compiler would not keep
+/// variables of these types in registers.
 typedef double FourStored __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double TwoStored __attribute__((vector_size(16), aligned(8), may_alias));
 // NOLINTEND(modernize-use-using)
@@ -38,9 +38,9 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and further values from which lens_at() computes the lens moments (sums of
-/// light times lens point). The further values are the light times lens_per_px, and this product times the
-/// splat's position.
+/// The values of PlainValues, and those from which lens_at() computes the lens moments (sums of light times
+/// lens point). The additional values are the light times lens_per_px, and this product times the splat's x
+/// coordinate.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
@@ -83,8 +83,8 @@ struct LayerPass {
 /// Largest number of splats that are added together.
 constexpr std::size_t longest_run = 64;
 
-/// Returns the number of splats at the beginning of `splats` that can be added together. They reach the
-/// block, have adjacent anchors and share one kernel.
+/// Returns how many splats at the beginning of `splats` can be added together. They must reach the block,
+/// have adjacent anchors and share one kernel.
 __attribute__((always_inline)) inline std::size_t run_length(std::span<const LayerSplat> splats,
                                                              const RasterWindow& rows) {
     const std::size_t most = std::min(splats.size(), longest_run);
@@ -95,8 +95,8 @@ __attribute__((always_inline)) inline std::size_t run_length(std::span<const Lay
     return n;
 }
 
-/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. `first` is the pixel to
-/// which the product of the first value and the first tap is added.
+/// Adds the convolution of `values` with `taps` to the pixels [begin, end) of a row. The convolution begins
+/// at the pixel `first`, to which the first value times the first tap is added.
 template <typename Values>
 __attribute__((always_inline)) inline void convolve(std::span<const Values> values,
                                                     std::span<const double> taps, int first, double y,
@@ -112,8 +112,9 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Computes the differences between neighbouring pixels at an edge of the kernel, where the values change
-/// from `before` to `after`. Stores them in `taps`.
+/// Sets `taps` to the differences between neighbouring kernel values at one edge of the kernel's uniform
+/// interior. `edge` contains the `count` values between `before` and `after`, the values on the two sides of
+/// the edge.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -125,8 +126,9 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
     taps.back() = after - before;
 }
 
-/// Adds a run of splats to one row of the block. `x` and `y` are the position of the first anchor, counted
-/// from the corner of the block. `sums` and `changes` belong to the row.
+/// Adds adjacent splats that share a kernel to one row of the block. (x, y) is the position of the first
+/// anchor, relative to the corner of the block. `sums` and `changes` are the sums of this row and the
+/// differences between its neighbouring pixels.
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,

@@ -11,11 +11,10 @@
 
 namespace postlens {
 
-/// Sums of colour, weight and depth, each multiplied by the kernel.
+/// Sums of colour, weight and depth, each multiplied by the kernel, for each pixel of a block.
 ///
-/// In each row of a kernel, the uniform interior is stored as differences between neighbouring pixels. The
-/// cost of a splat is therefore proportional to the length of its kernel's outline. Rows without an interior
-/// are added directly.
+/// The uniform interior of a kernel row is added as differences between neighbouring pixels, which `finish`
+/// sums up. The cost of a splat is therefore proportional to the length of its kernel's outline.
 ///
 /// Adjacent splats that share a kernel are added together, row by row, which is three times as fast.
 class LayerSums {
@@ -25,7 +24,8 @@ class LayerSums {
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
-    /// Adds up the differences along each row. Call it after the last splat and before reading the sums.
+    /// Sums up the differences between neighbouring pixels along each row. Call it after the last splat and
+    /// before reading the sums.
     void finish();
 
     [[nodiscard]] const RasterWindow& rows() const { return rows_; }
@@ -33,8 +33,8 @@ class LayerSums {
     [[nodiscard]] const double* at(int x, int y) const { return sums_.data() + index(x, y) * stride_; }
     [[nodiscard]] double depth_at(int x, int y) const { return at(x, y)[stride_ - 2]; }
     [[nodiscard]] double covered_at(int x, int y) const { return at(x, y)[stride_ - 1]; }
-    /// Returns the lens moments of the sums that `at` returns. A lens moment is the sum of the same terms,
-    /// each multiplied by the lens point through which its light passed, in lens radii.
+    /// Returns the lens moments of the four sums that `at` returns. In a lens moment, each term of the sum is
+    /// multiplied by the lens point through which its light passed, in lens radii.
     [[nodiscard]] std::array<LensMoment, 4> lens_at(int x, int y) const;
 
   private:
@@ -48,10 +48,10 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = 6;  ///< values per pixel
-    /// Values of each pixel. [0..3] are red, green, blue and weight. The last two values are depth and
-    /// covered weight. With lens moments, there are further values in between. [4..7] are the first four
-    /// values times LayerSplat::lens_per_px. [8..11] are these products times the x coordinate of the splat,
-    /// and [12..15] times its y coordinate, both counted from the corner of rows_.
+    /// Values of each pixel: red, green, blue, weight, depth and covered weight. With lens moments, there are
+    /// twelve more values between weight and depth: the first four values times LayerSplat::lens_per_px, then
+    /// these products times the splat's x coordinate, and then times its y coordinate. Coordinates are
+    /// relative to the corner of rows_.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

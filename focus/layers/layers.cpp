@@ -13,22 +13,21 @@
 namespace postlens {
 namespace {
 
-/// Width of a block, in px. The sums need up to 288 B per pixel, so the sums of a block fit into the L2
-/// cache.
+/// Width of a block, in px. A pixel needs up to 288 B, so the sums of a block fit into the L2 cache.
 constexpr int block_width = 64;
 constexpr int block_height = layers_block_px;
 /// Largest number of fragments (surfaces at a pixel) in memory at a time. Each fragment and its sums need
 /// about 270 B. A block with more fragments is processed in parts of a few rows.
 constexpr std::size_t most_sums = std::size_t{1} << 17;
 
-/// Composites the fragments of the pixel (x, y) and stores the result. It stores all three channels, or only
-/// `channel` if each channel has its own kernels.
+/// Composites the surfaces at the pixel (x, y) and stores the colour in `out`. Stores all three channels, or
+/// only `channel` if each channel has its own kernels.
 void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int y, std::size_t channel,
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // A surface that fills the pixel has the weight `open`, the share of the lens that transmits light. The
-    // weights are scaled so that such a surface has the weight 1.
+    // `open` is the share of the lens that transmits light to this pixel. The weight of a surface that fills
+    // the pixel equals this share, and is scaled to 1 here.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -39,15 +38,15 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const std::array<double, 3> rgb = composite(fragments, splats.geometry());
     for (std::size_t c = 0; c < 3; ++c) {
         if (!all && c != channel) continue;
-        // The result may leave the range of the recorded colours because of rounding errors and because
-        // colours are approximated as linear functions of the lens point.
+        // Colours are clamped to the range of the recorded colours. They may leave this range because of
+        // rounding errors, and because colours are approximated as linear functions of the lens point.
         out[c] = static_cast<float>(open) *
                  std::clamp(static_cast<float>(rgb[c]), splats.colours().least[c], splats.colours().most[c]);
     }
 }
 
-/// Returns whether the splats of a part need lens moments, which describe through which side of the lens the
-/// light passes. Reflected and transmitted nodes need none, because only the surface that shows them is
+/// Returns whether the splats of a part need lens moments, which state through which side of the lens the
+/// light passes. Light that a surface reflects or transmits needs none, because only the surface itself is
 /// composited by depth.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
@@ -58,13 +57,13 @@ class BlockLayers {
   public:
     explicit BlockLayers(const LayerSplats& splats) : splats_(splats) {}
 
-    /// Computes the pixels of a block. `cells` contains the indices, in ascending order, of the cells that
-    /// reach the block. A cell (LayerCell) is a group of neighbouring splats.
+    /// Computes the pixels of a block. `cells` contains the indices, in ascending order, of the cells (groups
+    /// of neighbouring splats) that reach the block.
     void run(const RasterWindow& block, std::span<const std::uint32_t> cells, Image& image);
 
   private:
-    /// A range of the block's list of cells. The elements [begin, end) of the list belong to one part. A cell
-    /// (LayerCell) is a group of neighbouring splats.
+    /// The cells (groups of neighbouring splats) of one part that reach the block, as a range [begin, end) of
+    /// the block's list of cells.
     struct PartCells {
         const LayerPart* part;
         std::size_t begin, end;
@@ -179,8 +178,8 @@ void BlockLayers::store_pixels(std::size_t channel, Image& image) {
     }
 }
 
-// Returns whether a surface may overlap another surface in the block. Only overlapping surfaces need lens
-// moments, which describe through which side of the lens their light passes.
+// Returns whether a surface may overlap another one in the block. Only overlapping surfaces need lens
+// moments, which state through which side of the lens their light passes.
 bool BlockLayers::meets_another(std::size_t surface) const {
     constexpr std::size_t few = 64;
     if (surfaces_.size() > few) return true;

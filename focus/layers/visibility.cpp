@@ -13,7 +13,8 @@ double independence(double radius_px, double other_px) {
 
 namespace {
 
-/// A transmittance or coverage as a linear function of the lens point q: S(q) = mean + 4 tilt . q.
+/// A transmittance or coverage that varies over the lens, as a linear function of the lens point q: S(q) =
+/// mean + 4 tilt . q. `tilt` is the mean of S(q) q over the lens, in lens radii.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -23,8 +24,9 @@ struct OverLens {
         tilt.x += times * other.tilt.x;
         tilt.y += times * other.tilt.y;
     }
-    /// Returns the fraction, from 0 to 1, of some light that this transmittance lets through. `sum` is the
-    /// sum of the light and `moment` its lens moment, the sum of the light times its lens point.
+    /// Returns the fraction, from 0 to 1, of some light that this transmittance transmits. `sum` is the
+    /// amount of light. `moment` is its lens moment, the sum of light times the lens point through which it
+    /// passed.
     [[nodiscard]] double passing(double sum, const LensMoment& moment) const {
         if (sum == 0) return 0;
         return std::clamp(mean + 4 * (tilt.x * moment.x + tilt.y * moment.y) / sum, 0.0, 1.0);
@@ -74,9 +76,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a surface at the pixel that remains after occlusion by the surfaces in front. `add` adds the
-/// unoccluded part of some light, multiplied by `times`. Each colour channel and alpha are attenuated
-/// separately, according to their own lens moments.
+/// Light of a surface at the pixel that is not hidden by the surfaces in front of it. `add` multiplies
+/// `light` by `times` and adds what the transmittance `open` transmits. Each colour channel and alpha are
+/// attenuated separately, according to their own lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -88,16 +90,17 @@ struct Arrived {
             rgb[c] += times * light.rgb[c] * open.passing(light.rgb[c], light.lens[c]);
         const double whole = times * light.alpha;
         alpha += whole * open.passing(light.alpha, light.lens[3]);
-        // This is the product of two linear functions of the lens point, without its quadratic term.
+        // Lens moment of the product of light and transmittance. Each is a linear function of the lens point,
+        // and the quadratic term of the product is omitted.
         lens.x += times * open.mean * light.lens[3].x + std::min(whole, 1.0) * open.tilt.x;
         lens.y += times * open.mean * light.lens[3].y + std::min(whole, 1.0) * open.tilt.y;
     }
 };
 
-/// Returns the coverage by those surfaces in front that move together with a surface when the lens point
-/// moves. `radius_px` is the signed CoC radius of that surface. The search goes from the surface towards the
-/// lens. It ends at the first surface that moves independently, because all surfaces in front of that one do
-/// so, too.
+/// Returns the coverage by those surfaces in front that move together with a given surface when the lens
+/// point moves. `radius_px` is the signed CoC radius of the given surface. The search goes from this surface
+/// towards the lens. It ends at the first surface that moves independently, because all surfaces in front of
+/// that one do so, too.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -127,21 +130,20 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
         // Surfaces in front with a similar CoC move together with this surface when the lens point moves.
-        // They do not hide any part of this surface that the pinhole sees.
+        // They do not hide any part of it that the pinhole sees, so their coverage does not count.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
-        // Limit the coverage of the surface. It is at most the share of the lens that is still uncovered. It
-        // is at least the part of the surface that nothing can hide.
+        // Limit the coverage by this surface. It is at most the share of the lens that is still uncovered. It
+        // is at least the part of the surface that no surface in front can hide.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the coverage exceeds the upper limit, the excess is removed together with its light. If coverage
-        // is missing, equal fractions of the attenuated alpha and of the attenuated light are added back.
-        // Scaling the light that arrived would be wrong. A pixel where almost no alpha arrived could become
-        // arbitrarily bright.
+        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, equal
+        // fractions of the hidden alpha and of the hidden light are restored. Scaling up the visible light
+        // instead could make a pixel arbitrarily bright where almost no alpha is visible.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
         for (std::size_t c = 0; c < 3; ++c)
@@ -151,8 +153,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limit the lens moment to that of a part of the unit disc with the area free.mean, as a fraction of
-        // the disc. No such part has a larger moment than area times (1 - area).
+        // Limit the lens moment of the transmittance. The uncovered part of the lens has the area free.mean,
+        // as a fraction of the lens. The moment of such a part is at most area times (1 - area).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }

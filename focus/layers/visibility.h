@@ -36,9 +36,9 @@ struct Fragment {
     double covered = 0;  ///< part of hidden.alpha that no lens point sees, because its occluder moves with it
 };
 
-/// Returns how independently two surfaces move when the lens point moves, from 0 to 1. r1 and r2 are the
-/// signed radii of their circles of confusion, in px. The value is |r1 - r2| / (max(|r1|, |r2|) + 1), but at
-/// most 1. The 1 in the denominator is the width of a pixel.
+/// Returns how independently two surfaces move when the lens point moves, from 0 to 1. The arguments are r1
+/// and r2, the signed radii of their circles of confusion, in px. The value is |r1 - r2| / (max(|r1|, |r2|) +
+/// 1), but at most 1. The 1 in the denominator is the width of a pixel.
 [[nodiscard]] double independence(double radius_px, double other_px);
 
 /// Composites the fragments of a pixel, one per surface, and divides by their total coverage. Fragments must
