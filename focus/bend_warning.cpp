@@ -12,8 +12,9 @@
 namespace postlens {
 namespace {
 
-/// Finds the reflected and transmitted nodes that are reprojected to a wrong position for some lens point.
-/// Their position is wrong because their matrix W is only a linear approximation.
+/// Tests whether the position of a reprojected record is wrong by more than most_bend_px, seen from the rim
+/// of the lens. This happens in mirrors and glass, because the record's 2x2 matrix W describes its motion
+/// over the lens only linearly.
 class Misplaced {
   public:
     explicit Misplaced(const FocusGeometry& lens)
@@ -30,8 +31,9 @@ class Misplaced {
     double px_per_bend_;  ///< error of a node's position seen from the lens's rim, in px, for a w_bend of 1
 };
 
-/// Returns half the width of the blur of a shading-tree node, in px. W is the node's 2x2 reprojection matrix.
-/// The width is proportional to the root mean square of the singular values of (1/focus - W).
+/// Returns half the width of a record's blur, in px. It is the root mean square of the singular values of
+/// gain R (I/s - W), the linear map from the lens to the image. R is the aperture radius, s the focus
+/// distance and W the record's 2x2 matrix.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -1,6 +1,5 @@
-// Warning about nodes that are reprojected to wrong positions. A node is reprojected to a lens point by W,
-// its 2x2 matrix. This is a linear approximation, which is too coarse for some reflected and transmitted
-// surfaces.
+// Warning about objects in mirrors and glass that are drawn at wrong positions. The 2x2 matrix W, which
+// reprojects a record to another lens point, is only a linear approximation of the true motion.
 #pragma once
 
 #include <optional>
@@ -26,13 +25,14 @@ namespace postlens {
 [[nodiscard]] std::optional<FocusWarning> bend_warning(FocusFrame& frame, const FocusGeometry& lens,
                                                        const std::optional<Crop>& crop = std::nullopt);
 
-/// Image of the light that is reprojected to wrong positions. It contains the radiance of all nodes that
-/// bend_warning counts. The radiance of each node is spread over a square as wide as the node's blur.
+/// Image of the light that is reprojected to wrong positions. It contains the radiance of all records whose
+/// position is wrong by more than half a pixel for some lens point. The radiance of each record is spread
+/// over a square as wide as the record's blur.
 class MisplacedLight {
   public:
     MisplacedLight(const SampleHeader& header, const FocusGeometry& lens);
-    /// Adds the records of rows [y_begin, y_end) of `band`. The caller must add each row of the file exactly
-    /// once, in order.
+    /// Adds the records of the image rows [y_begin, y_end), which must be in `band`. The caller must add each
+    /// row of the file exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
     /// Returns the misplaced radiance per pixel, row by row. The result is empty if no node is misplaced.
     [[nodiscard]] std::vector<float> picture() const;

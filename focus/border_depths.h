@@ -1,4 +1,5 @@
-// Depths at the border of the records. They determine how much overscan a lens needs.
+// Depths of the surfaces at the border of the traced area. They determine how much overscan (pixels traced
+// outside the image) a lens needs.
 #pragma once
 
 #include <cmath>
@@ -10,15 +11,16 @@
 
 namespace postlens {
 
-/// The range of depths at the border of the records, as the inverse depth 1/z'. There is one range for each
-/// pixel corner of the outermost recorded rows and columns. Only surfaces that are seen directly count.
+/// The range of inverse depths at each pixel corner of the outermost traced rows and columns. Only surfaces
+/// that the pinhole sees directly count.
 class BorderDepths {
   public:
     /// `source` is the window of the recorded pixel corners.
     explicit BorderDepths(const RasterWindow& source);
     /// Adds the records of rows [y_begin, y_end) of `band`.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns how far, in px, the lens spreads the light of the surfaces at the border.
+    /// Returns, for each pixel corner at the border, how far the lens spreads the light of its surfaces, in
+    /// px.
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:

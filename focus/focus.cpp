@@ -21,7 +21,7 @@
 namespace postlens {
 namespace {
 
-/// The part of the traced raster that the image shows, and its magnification.
+/// The window of the traced image that the result shows, and the factor by which it is magnified.
 struct View {
     RasterWindow window;
     double zoom = 1;
@@ -62,7 +62,8 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds all rows of the frame to `splats`, which is a SplatTables or a LayerSplats.
+/// Adds the records of all rows to `splats`, and then finishes it. `splats` collects the impulse responses
+/// that are later added to the image.
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),
@@ -70,8 +71,8 @@ void take_in(FocusFrame& frame, Splats& splats) {
     splats.finish();
 }
 
-/// Divides an image into strips (groups of rows). Strips are used if the splats (impulse responses of
-/// samples) of the whole image exceed the memory limit.
+/// Describes how an image is divided into strips (groups of rows). Strips are used if the splats (impulse
+/// responses of samples) of the whole image exceed the memory limit.
 struct StripPlan {
     double splats_per_record;
     std::size_t bytes_of_splat;
@@ -79,10 +80,12 @@ struct StripPlan {
     int block_px;            ///< edge of the pixel blocks that are scattered together
 };
 
-/// Computes an image strip by strip if its splats exceed the memory limit. The result is bit-identical to
-/// that without strips. The records are read once to find the kernels of all rows, and once to find the
-/// pixels that each splat reaches. They are then read again for each strip. `draw(part)` computes one part of
-/// the image.
+/// Computes an image strip by strip, so that only the splats (impulse responses of samples) of one strip are
+/// in memory at a time. `draw(part)` computes one part of the image. The result is bit-identical to that
+/// without strips.
+///
+/// The records are read twice to plan the strips. The records that a strip needs are then read again for that
+/// strip.
 template <typename Splats, typename Draw>
 void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const std::optional<Crop>& crop,
                const Draw& draw) {
@@ -115,7 +118,7 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
         end = row + 1;
         while (end < rows && bytes(row, end + 1) <= most_bytes) ++end;
         const int y = row * block_px, y_end = std::min(end * block_px, picture.height());
-        // If a single row of blocks exceeds the limit, the row is divided into several parts.
+        // If a single row of blocks exceeds the memory limit, it is divided into parts from left to right.
         const auto parts = static_cast<int>(std::min<std::uint64_t>(
             bytes(row, end) / std::max<std::size_t>(most_bytes, 1) + 1, static_cast<std::uint64_t>(columns)));
         const int width = (columns + parts - 1) / parts * block_px;
@@ -124,9 +127,9 @@ void in_strips(FocusFrame& frame, Splats& splats, const StripPlan& plan, const s
     }
 }
 
-/// Converts the geometry to px of the traced image, in which the blur is computed. An image may be blurred
-/// before or after it is magnified, with the same result. At the traced resolution, a circle of confusion is
-/// smaller than in the framed image by the factor `zoom`.
+/// Converts the geometry from px of the magnified image to px of the traced image. The traced image is
+/// blurred first and magnified afterwards. Its circles of confusion are therefore smaller by the factor
+/// `zoom`.
 FocusGeometry in_traced_px(FocusGeometry geometry) {
     geometry.gain_px /= geometry.zoom;
     geometry.zoom = 1;
@@ -165,24 +168,23 @@ FocusResult spread(FocusFrame& frame, const FocusSettings& settings, const Focus
             out.warnings.push_back(*std::move(warning));
     };
     if (settings.method == FocusMethod::layers) {
-        // On average, a record yields at most one splat, because most samples of a pixel merge. The splats of
-        // a strip may use a sixth of the limit. The rest is needed for the sums of each surface and for
-        // sorting.
+        // On average, a record yields at most one splat, because most samples of a pixel are merged. The
+        // splats of a strip may use a sixth of the memory limit. Sorting and compositing need the rest.
         spread_all(LayerSplats(corners, window, traced, levels, settings.depth_model, response),
                    {1, sizeof(LayerSplat), settings.splat_bytes / 6, layers_block_px},
                    [](const LayerSplats& splats, Image& image, const std::optional<Crop>& part) {
                        layers(splats, image, part);
                    });
     } else {
-        // A response is interpolated between up to four subpixel positions, so each record yields up to four
-        // splats.
+        // Kernels exist only at some subpixel positions. The light of a record is distributed over up to four
+        // of them, so a record yields up to four splats.
         spread_all(SplatTables(corners, window, traced, levels, settings.depth_model, response),
                    {4, sizeof(Splat), settings.splat_bytes / 3, scatter_block_px},
                    [](const SplatTables& splats, Image& image, const std::optional<Crop>& part) {
                        scatter(splats, image, part);
                    });
     }
-    // Writing the image, which comes next, needs as much memory as the image itself.
+    // Free unused memory, because writing the image needs as much memory as the image itself.
     if (parts) give_back_memory();
     return out;
 }
@@ -216,7 +218,7 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // Largest share of a pixel's light that may be missing without a warning.
+    // A pixel counts if a larger share than this of its light comes from surfaces that were not recorded.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /
@@ -265,8 +267,8 @@ FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings) {
         view ? view->geometry()
              : focus_geometry(settings.lens, settings.focus_distance_m, settings.framing, film);
     const View shown = framed(file, settings, geometry);
-    // Each pixel of a magnified image is a mean of traced pixels, so the whole traced image is computed
-    // first.
+    // The crop is given in pixels of the result. If the result is magnified, the whole traced image is
+    // computed first, without a crop.
     const std::optional<Crop> crop = shown.zoom == 1 ? settings.crop : std::nullopt;
     FocusResult out;
     if (pinhole) {

@@ -21,8 +21,8 @@ namespace postlens {
 enum class FocusMethod { pinhole, scatter, layers, lightfield, hybrid, automatic };
 
 struct FocusSettings {
-    /// An infinite f_number means a pinhole. A real lens, described by `impulse`, has a focal length of its
-    /// own.
+    /// An infinite f_number means a pinhole. If `impulse` is a real lens, the focal length of that lens is
+    /// used instead of `lens.focal_length_mm`.
     ThinLens lens;
     double focus_distance_m = 1;
     Framing framing = Framing::keep;
@@ -30,9 +30,9 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of impulse responses for the finite depths, from 2 to DepthLevels::most_depths. The depth of a
-    /// sample is rounded to the nearest depth that has a response. If this number is absent, it is chosen so
-    /// that the rounding changes the CoC diameter by less than half a pixel.
+    /// Number of finite depths that have an impulse response, from 2 to DepthLevels::most_depths. A sample
+    /// uses the response of the nearest of these depths. By default there are so many depths that this
+    /// rounding changes the CoC diameter by less than half a pixel.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;
@@ -46,8 +46,8 @@ struct FocusSettings {
 };
 
 struct FocusWarning {
-    /// For example "overscan" (light from beyond the recorded pixels reaches the image) or "uncovered" (the
-    /// lens sees surfaces that are not recorded).
+    /// Identifies the kind of warning. For example, "overscan" means that light from beyond the recorded
+    /// pixels reaches the image, and "uncovered" that the lens sees surfaces that are not recorded.
     std::string code;
     double share = 0;  ///< share of the pixels that are affected
     std::string text;
@@ -56,8 +56,8 @@ struct FocusWarning {
 struct FocusResult {
     Image image;
     FocusMethod method = FocusMethod::scatter;  ///< the method used; `pinhole` if the aperture is 0
-    /// Number of impulse responses: FocusSettings::depths if given, otherwise the number of different radii.
-    /// It is 0 for a pinhole.
+    /// Number of impulse responses for different depths: FocusSettings::depths if given, otherwise the number
+    /// of different CoC radii in use. It is 0 for a pinhole.
     int depths = 0;
     int views = 0;              ///< number of views of `lightfield`
     double largest_coc_px = 0;  ///< largest CoC diameter of a surface seen directly, px of the image
@@ -70,7 +70,7 @@ struct FocusResult {
 /// Error(wrong_arguments) if a setting is out of range, if the crop exceeds the image, or if the file is
 /// orthographic and the f-number is finite. Throws Error(invalid_input) if the file is damaged.
 [[nodiscard]] FocusResult focus_picture(FocusFrame& frame, const FocusSettings& settings);
-/// Computes one image directly from a file. Throws the same errors as the function above.
+/// Computes one image directly from a file. Throws the same errors as the overload for a FocusFrame.
 [[nodiscard]] FocusResult focus_picture(const SampleFileReader& file, const FocusSettings& settings);
 
 /// Computes the pinhole image by summing the records. The result is bit-identical to the flat image in part 0

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Largest number of rows that are read at a time. After fewest_rows rows, no further row is read if there
-/// are already enough_records records.
+/// Rows are read in bands. A band ends after rows_per_band rows, or earlier if it has at least fewest_rows
+/// rows and enough_records records.
 constexpr int rows_per_band = 64, fewest_rows = 32;
 constexpr std::uint64_t enough_records = 1U << 20U;
-/// Number of rows in each band that is kept in memory. Loops over all rows run in parallel within a band and
-/// wait for all threads at its end. Small bands would make these loops slow.
+/// Number of rows in each band that is kept in memory. All threads work on one band and wait for each other
+/// at its end, so small bands would be slow.
 constexpr int kept_together = 256;
 
 int band_end(const SampleFileReader& file, int y_begin, int y_end) {
@@ -40,8 +40,9 @@ FocusFrame::FocusFrame(const SampleFileReader& file, bool many) : file_(file), m
 void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
-    // Upper bound of the memory. Each record yields at most one point sample. A growing vector may have twice
-    // the capacity that it needs. Each plain corner (corner of an undivided pixel) adds a depth and a colour.
+    // Upper bound of the memory. A record yields at most one point sample, in a vector that may have twice
+    // the capacity it needs. It also yields at most one plain corner, which is stored as a depth and a
+    // colour.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -20,13 +20,15 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of the records of the frame's own instant. `band` also has the row above and the row
-/// below, if the file has them. `samples` contains the point samples, with one element per `rows_per_task`
-/// rows. It is empty if samples are not kept. `plain` contains the samples at corners of undivided pixels
-/// (focus/scatter/plain_corners.h), with the same number of rows per element.
+/// Rows [y_begin, y_end) of a frame, at the frame's own instant. `band` contains the records of these rows,
+/// and of the rows above and below if the file has them.
+///
+/// Each element of `samples` contains the point samples of `rows_per_task` rows. Each element of `plain`
+/// contains those of them that lie at corners of undivided pixels (focus/scatter/plain_corners.h). Both are
+/// empty if the frame does not keep its samples.
 struct FrameRows {
-    /// Rows per task. A task of few rows would be inefficient, because find_point_samples also reads one row
-    /// above and one row below.
+    /// Number of rows per task. Smaller tasks would be inefficient, because find_point_samples also reads one
+    /// row above and one row below the task.
     static constexpr int rows_per_task = 8;
     const RecordBand* band = nullptr;
     int y_begin = 0, y_end = 0;
@@ -36,15 +38,16 @@ struct FrameRows {
 
 [[nodiscard]] RasterWindow recorded_corners(const SampleFileReader& file);
 
-/// The data that images of any lens share: records, point samples, and the sheets (surfaces within squares of
-/// the raster) of the light field. Images are bit-identical whether data are kept or not. Only one thread at
-/// a time may use a frame. The exception is visit_rows: several threads may call it if the frame keeps its
-/// rows and has visited them once.
+/// The data of a sample file that images of any lens share, such as records, point samples and surfaces.
+/// Images are bit-identical whether the frame keeps these data or reads them again.
+///
+/// Only one thread at a time may use a frame. The exception is visit_rows: several threads may call it if the
+/// frame keeps its rows and has visited them once.
 class FocusFrame {
   public:
-    /// `many` states that several images are made, so the frame keeps its data. It keeps the records of the
-    /// frame's own instant, for scattering, and the sheets of every instant in use, for the light field. The
-    /// frame keeps a reference to `file`.
+    /// `many` states that several images will be made. The frame then keeps the records of its own instant,
+    /// for scattering, and the surfaces of every instant in use, for the light field. It keeps a reference to
+    /// `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
@@ -55,19 +58,20 @@ class FocusFrame {
     /// keep would exceed the memory.
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
-    /// Returns the sheets (surfaces within squares of the raster) of a recorded instant. The result is valid
-    /// until the next call for the same instant. All calls must use rules with the same limit. For instant 0,
-    /// `also` is called once for each row of the file. For other instants, `also` is not called.
+    /// Returns the surfaces of a recorded instant, divided into sheets (surfaces within squares of the
+    /// raster). The result is valid until the next call for the same instant. The limit of `rule` must be the
+    /// same in all calls. For instant 0, `also` receives the records of each row of the file once. For other
+    /// instants, `also` is not called.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
-    /// Returns, for each pixel, the largest w_bend, the error of the linear reprojection by the matrix W. The
-    /// result has at least the rows [y_begin, y_end) of the image. The records are not read again if the
+    /// Returns the largest w_bend of each pixel, at least for the rows [y_begin, y_end) of the image. w_bend
+    /// is the error of reprojecting a record by its 2x2 matrix W. The records are not read again if the
     /// surfaces of instant 0 have already been built.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
-    /// Returns the depths at the border of the records of the frame's own instant. The records are not read
-    /// again if the surfaces of instant 0 have already been built.
+    /// Returns the depths at the border of the traced area, at the frame's own instant. The records are not
+    /// read again if the surfaces of instant 0 have already been built.
     [[nodiscard]] const BorderDepths& border_depths();
 
   private:

@@ -23,12 +23,13 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] bool is_round() const override { return false; }
     [[nodiscard]] bool is_even() const override { return false; }
     [[nodiscard]] bool is_point_symmetric() const override { return false; }
-    // If the radius of a response, in px, is smaller than this, the subpixel position of a sample is visible.
+    // Radius of a response, in px, from which fewer subpixel positions are used. The subpixel position of a
+    // sample is visible only if the response is smaller.
     [[nodiscard]] double few_phases_from_px() const override { return 2; }
     [[nodiscard]] bool varies_over_field() const override { return true; }
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
-        // A cell is a square of the image that uses one response. Within a cell, the response changes by up
-        // to half a pixel or by 2 % of its radius. Such changes are not visible.
+        // All samples in a cell, a square of the image, share one response. The cell is so small that the
+        // response changes within it by at most half a pixel or 2 % of its radius, which is not visible.
         constexpr double within_px = 0.5, within_share = 0.02, narrowest_px = 8, widest_px = 1024;
         const double w = inverse_depth_per_m(map_px);
         const double within = std::max(within_px, within_share * geometry_.gain_px * table_.reach(w));
@@ -40,8 +41,8 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // An upper bound of the displacement by the anisotropic part of the map. The factor 1.5 allows for a
-        // pupil that is up to 1.5 times as large.
+        // An upper bound of the displacement by the anisotropic part of the map, which mirrors and glass
+        // cause. The factor 1.5 allows for a pupil that is up to 1.5 times as large.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -54,16 +55,15 @@ class LensModel final : public ResponseModel {
                                              geometry_.aperture_radius_m,
                              .axis = place_px > 0 ? request.place_px / place_px : glm::dvec2(0, 1),
                              .centre_px = request.phase_px};
-        // The shape of a response smaller than a pixel is not visible, so a disc is used, as for other
-        // apertures. If the sample lies on a pixel corner, each of the four pixels around it gets a quarter
-        // of the disc.
+        // The shape of a response smaller than a pixel is not visible, so a disc replaces it. A disc also
+        // divides the light of a sample on a pixel corner equally between the four pixels around it.
         constexpr double least_px = 0.5;
         const double size_px = fan_reach_px(fan, image);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // An anisotropic response of this size is faint. Mirrors and glass cause such responses. The
-        // aberrations of the lens are not visible in it, so an ellipse is sufficient.
+        // Mirrors and glass may cause a large anisotropic response. It is so faint that the aberrations of
+        // the lens are not visible in it, so an ellipse is sufficient.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
@@ -73,8 +73,8 @@ class LensModel final : public ResponseModel {
     }
 
   private:
-    // Returns the mean of the diagonal of W, the node's 2x2 reprojection matrix, which corresponds to 1/z'.
-    // The map from lens to raster is gain R (I/s - W), where R is the aperture radius and s the focus
+    // Returns the mean of the diagonal of W, a sample's 2x2 reprojection matrix. It corresponds to the
+    // inverse depth 1/z'. `map_px` is gain R (I/s - W), where R is the aperture radius and s the focus
     // distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -

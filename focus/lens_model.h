@@ -17,9 +17,9 @@ namespace postlens {
 [[nodiscard]] std::optional<LensView> real_lens(const FocusSettings& settings, const Film& film,
                                                 ImageSize picture, const RasterWindow& recorded);
 
-/// Creates the model of a real lens from a table of traced rays (lens/traced/fan_table.h). `geometry` is the
-/// geometry of `view`, in px of the trace. `half_diagonal_px` is half the diagonal of the recorded area,
-/// including overscan.
+/// Creates the model of a real lens from a table of rays traced through it (lens/traced/fan_table.h).
+/// `geometry` is the geometry of `view`, in px of the traced image. `half_diagonal_px` is half the diagonal
+/// of the recorded area, including overscan.
 [[nodiscard]] std::unique_ptr<ResponseModel> lens_model(const LensView& view, const FocusGeometry& geometry,
                                                         double half_diagonal_px,
                                                         double largest_inverse_depth_per_m);

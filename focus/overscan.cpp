@@ -13,13 +13,13 @@ namespace {
 /// If missing light reaches less far into the image than this, in px, there is no warning.
 constexpr double smallest_reach_px = 0.5;
 
-/// Returns, for each pixel along one side of the image, how far light from beyond the records would reach
-/// into the image, in px.
+/// Returns, for each pixel along one side of the image, the distance in px to which light from beyond the
+/// recorded area would reach into the image.
 std::vector<int> reach_into_picture(const std::vector<float>& radii, int first, int begin, int end,
                                     int margin_px) {
     std::vector<int> out(static_cast<std::size_t>(end - begin));
     for (int i = begin; i < end; ++i) {
-        // CoC radii are recorded at pixel corners. A pixel at a side of the image has two corners on this
+        // `radii` has one value per pixel corner. A pixel at a side of the image has two corners on this
         // side.
         const auto at = static_cast<std::size_t>(i - first);
         const double reach = static_cast<double>(std::max(radii[at], radii[at + 1])) - margin_px;

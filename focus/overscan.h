@@ -1,4 +1,4 @@
-// Warning about blur for which light from beyond the records is missing.
+// Warning about blurred pixels that lack light, because it comes from beyond the recorded area.
 #pragma once
 
 #include <optional>

@@ -9,15 +9,15 @@
 
 namespace postlens {
 
-/// The largest distance that light reaches, in px, at each corner of the outermost recorded rows and columns.
-/// The distance is the CoC radius, or more if there is spherical aberration.
+/// The largest distance, in px, to which the lens spreads light at each pixel corner of the outermost
+/// recorded rows and columns. It is the CoC radius, or more if there is spherical aberration.
 struct BorderRadii {
     std::vector<float> top, bottom;  ///< per column, from x_begin on
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Updates the radii with the radius of a sample in the pixel row y of the source. Several threads may
-    /// add different rows at the same time.
+    /// Raises the radii at the border to the radius of a sample in the pixel row y, if the sample lies there.
+    /// Several threads may add different rows at the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
     /// Updates the radii at all corners of the pixel (x, y) with the given radius.
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
