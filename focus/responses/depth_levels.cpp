@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest step of the CoC diameter, in px, between depth levels with equal steps of z'. The step is not
-/// smaller, because there may be at most `most_linear_levels` such levels.
+/// Largest difference between the CoC diameters of neighbouring depth levels, in px, if the levels have equal
+/// steps of z'. It is this large because there may be at most `most_linear_levels` such levels.
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -17,13 +17,12 @@ double clamped_radius_px(double diameter_px) {
                       DepthLevels::largest_radius_px);
 }
 
-/// Returns the number of levels with equal steps of z'. The CoC diameter is a constant divided by z', plus
-/// another constant, so it changes fastest at the near end. The number is chosen so that the error of the
-/// diameter there is at most half of linear_step_px.
+/// Returns how many levels with equal steps of z' are needed, so that rounding changes the CoC diameter by at
+/// most half of linear_step_px. The CoC diameter is a linear function of 1/z', so it changes fastest at the
+/// near end. The near end therefore determines the number.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // The CoC changes most in the first step. Let h be half of this step, and z the nearest depth. Rounding
-    // by h may change the CoC by at most the tolerance, linear_step_px / 2. This means gain (1 / z - 1 / (z +
-    // h)) = tolerance.
+    // Let z be the nearest depth and h half a step of z'. At the near end, rounding by h may change the CoC
+    // diameter by at most linear_step_px / 2. So gain (1 / z - 1 / (z + h)) = linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;
     const double half_step_m = 1 / room - nearest_m;
@@ -97,8 +96,9 @@ std::optional<std::uint32_t> DepthLevels::level_from_nearest(double inverse_dept
     if (inverse_depth_per_m == 0) return infinite_level_;
     if (finite_levels_ == 0 || inverse_depth_per_m < 0) return std::nullopt;
     const double at = spacing_ == DepthSpacing::linear ? 1 / inverse_depth_per_m : inverse_depth_per_m;
-    // A depth that lies outside the range by at most half a step uses the level at the end of the range. The
-    // depth of a directly visible surface is always in the range.
+    // A depth that lies outside the range by at most half a step uses the level at the end of the range.
+    // Depths farther outside have no level. The depth of a directly visible surface is never outside the
+    // range.
     if (finite_levels_ == 1) {
         if (std::abs(at - first_) > 1e-6 * first_) return std::nullopt;
         return 0;

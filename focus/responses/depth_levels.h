@@ -1,5 +1,5 @@
-// The depth levels of [potmesil1981]: the depths that have an impulse response, and the choice of the level
-// for a sample.
+// The depth levels of [potmesil1981]. Impulse responses are computed only for these depths, and each sample
+// uses the response of one level.
 #pragma once
 
 #include <cstdint>
@@ -46,26 +46,26 @@ class DepthLevels {
   public:
     static constexpr int most_depths = 4096;
     static constexpr int most_linear_levels = 256;
-    /// Radius at the depth in focus, in px. It is not 0, because the disc must have an area. The disc still
-    /// lies within one pixel.
+    /// CoC radius of a point in focus, in px. It is not 0, because the disc must have an area. It is so small
+    /// that the disc lies within one pixel.
     static constexpr double smallest_radius_px = 1e-4;
-    /// Largest radius, in px. A sample with a larger radius would add less than 1e-10 to any pixel, and
-    /// uniformly over the image.
+    /// Largest CoC radius, in px. Larger radii are reduced to it. A disc of this radius adds less than 1e-10
+    /// of a sample's light to any pixel.
     static constexpr double largest_radius_px = LevelTable::largest_diameter_px / 2;
 
     /// Throws Error(wrong_arguments) if `depths` is not in the range from 2 to most_depths.
     DepthLevels(const FocusGeometry& geometry, const DepthRange& range, DepthSpacing spacing,
                 std::optional<int> depths);
 
-    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing if there
-    /// is no level for this depth. This happens outside the range of depths, if the number of levels was
-    /// given or the spacing is linear.
+    /// Returns the level for an inverse depth in 1/m, where 0 means infinitely far. Returns nothing if the
+    /// depth is outside the range of the levels. This only happens if the number of levels was given or the
+    /// spacing is linear.
     [[nodiscard]] std::optional<std::uint32_t> level_of(double inverse_depth_per_m) const {
         if (around_focus_) return table_->level_of(geometry_.coc_diameter_px(inverse_depth_per_m));
         return level_from_nearest(inverse_depth_per_m);
     }
-    /// Returns whether the levels come from LevelTable. In this case every inverse depth has a level, and
-    /// levels_of may be called.
+    /// Returns whether the levels come from LevelTable, which has a level for every depth. Only then may
+    /// levels_of be called.
     [[nodiscard]] bool around_focus() const { return around_focus_; }
     /// Computes level_of for several inverse depths. `level` must have room for as many elements. Requires
     /// around_focus().
@@ -74,7 +74,7 @@ class DepthLevels {
     }
     /// Radius of each level, in px.
     [[nodiscard]] const std::vector<double>& radius_px() const { return radius_px_; }
-    /// The number K of levels, without the level for infinity. Absent if the levels come from LevelTable.
+    /// The number K of levels for finite depths. Absent if the levels come from LevelTable.
     [[nodiscard]] std::optional<int> depths() const { return depths_; }
 
   private:

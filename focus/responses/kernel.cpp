@@ -14,12 +14,12 @@
 namespace postlens {
 namespace {
 
-/// Smallest length, in px, of the uniform interior of a kernel row. A shorter interior is stored as single
-/// values (taps), because that is as fast.
+/// Smallest length, in px, of a kernel row's interior that is stored as one uniform value. A shorter interior
+/// is stored as single values (taps), which is as fast.
 constexpr int shortest_inner_px = 6;
 
-/// Radius, in px, of the disc that replaces an ellipse of size 0. The kernel of this disc equals the kernel
-/// of an infinitely small CoC.
+/// Radius, in px, of the disc that replaces an ellipse whose size was rounded to 0. It is so small that its
+/// kernel equals that of a point.
 constexpr double smallest_ellipse_px = 1e-4;
 
 /// Converts a length to a number of steps of `step_px`, rounded to the nearest integer.
@@ -43,8 +43,7 @@ Kernel kernel_of_rows(const Rows& source, KernelReach reach) {
                       .inner_end = std::clamp(span.inner_end, -reach.x, reach.x),
                       .x_end = std::min(span.x_end, reach.x),
                       .tap = static_cast<std::uint32_t>(out.taps.size())};
-        // A row stays in the kernel even if all its columns lie outside the kernel's limits, but it then has
-        // no pixels.
+        // A row that lies completely outside the limits stays in the kernel, but has no pixels.
         if (row.x_begin >= row.x_end) row.x_begin = row.inner_begin = row.inner_end = row.x_end = 0;
         const auto left_taps = static_cast<std::size_t>(span.inner_begin - span.x_begin);
         const bool all_taps = row.inner_end - row.inner_begin < shortest_inner_px;
@@ -146,8 +145,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // Fields of 17 bits contain a sign and a length of up to 16000 px in steps of 1/4 px. Cells are numbered
-    // from -2^14 to 2^14 - 1 in each direction.
+    // Each size has 17 bits, which contain a sign and a length of up to 16000 px in steps of 1/4 px. Cell
+    // numbers are limited to the range from -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -176,7 +175,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
         return key.level;
     }
     if (built_) {
-        // After `build`, threads only read the table of kernel numbers, so no lock is needed.
+        // After `build`, the table of kernel numbers no longer changes, so no lock is needed.
         return number_of_key_.at(key.packed());
     }
     // Most keys have been requested before. They are found without waiting for other threads.
@@ -190,7 +189,7 @@ std::uint32_t KernelTable::number_of(const KernelKey& key) {
 
 Ellipse KernelTable::outline(const KernelKey& key) const {
     if (key.is_disc) return Ellipse::disc(disc_radius_px_[key.level]);
-    // A size that was rounded to 0 is set to half a step, so that the ellipse has an area.
+    // A size that was rounded to 0 is replaced by half a step, so that the ellipse has an area.
     const double step = key.step_px();
     const auto size = [step](std::int32_t n) { return n > 0 ? n * step : step / 2; };
     if (key.half_height == 0 && key.half_chord == 0 && key.top_displacement == 0)
@@ -255,7 +254,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Coarsening may have made several keys equal. They all use the kernel of the first of them.
+    // Keys that were rounded to the same values (KernelKey::coarsen) share one kernel.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

@@ -20,18 +20,18 @@
 
 namespace postlens {
 
-/// One row of a kernel. Columns are relative to the anchor of a splat, which is an integer raster position.
-/// The row covers the columns [x_begin, x_end). The pixels in the interior, [inner_begin, inner_end), all
-/// have the value Kernel::inner. Every other pixel has its own value, called a tap. Taps are stored from left
-/// to right. A row without an interior has inner_begin == inner_end == x_end.
+/// One row of a kernel. Columns are relative to the anchor, the integer raster position at which the kernel
+/// is placed. The row covers the columns [x_begin, x_end). The pixels of the interior,
+/// [inner_begin, inner_end), all have the value Kernel::inner. Every other pixel has its own value, called a
+/// tap. Taps are stored from left to right. A row without an interior has inner_begin == inner_end == x_end.
 struct KernelRow {
     std::int32_t x_begin = 0, inner_begin = 0, inner_end = 0, x_end = 0;
     std::uint32_t tap = 0;  ///< index of the row's first tap
     float sum = 0;          ///< sum of the row's values
 };
 
-/// Largest distance, in px, between the anchor of a splat (an integer raster position) and a pixel of the
-/// image. Kernels are limited to columns [-x, x) and rows [-y, y).
+/// Limits of a kernel: columns [-x, x) and rows [-y, y), in px, relative to the anchor (the integer raster
+/// position at which the kernel is placed). No anchor is farther than this from a pixel of the image.
 struct KernelReach {
     int x = 0, y = 0;
 };
@@ -57,9 +57,9 @@ struct Kernel {
 /// Builds the kernel of an ellipse, clipped to `reach`. The centre of the ellipse is (phase_x, phase_y) px
 /// from the anchor (the integer raster position of a splat).
 [[nodiscard]] Kernel make_kernel(const Ellipse& ellipse, double phase_x, double phase_y, KernelReach reach);
-/// The first overload builds the kernel of an outline. The second overload builds the kernel of a grid of
-/// values, in which every pixel has its own value (tap). Both inputs are relative to the anchor, and both
-/// kernels are clipped to `reach`.
+/// The first overload builds the kernel of a uniform shape, given by its outline. The second overload builds
+/// the kernel of a grid of values, in which every pixel has its own value (tap). Shape and grid are relative
+/// to the anchor. The kernels are clipped to `reach`.
 [[nodiscard]] Kernel make_kernel(const OutlineRows& outline, KernelReach reach);
 [[nodiscard]] Kernel make_kernel(const ResponseGrid& grid, KernelReach reach);
 
@@ -73,9 +73,9 @@ struct KernelKey {
     /// Step to which the sizes of ellipses are rounded, in px. The outline then has an error of at most an
     /// eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
     ///
-    /// Finer steps are only used for highlights. A highlight's ellipse that is smaller than
-    /// fineness_below_px[k] may use the fineness k. Small ellipses need it, because an error of their size
-    /// changes their brightness.
+    /// Only highlights use a fineness above 0. An ellipse that is smaller than fineness_below_px[k] may have
+    /// the fineness k. Small ellipses need fine steps, because an error of their size changes their
+    /// brightness.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
     /// Larger ellipses are scaled down to this size.
@@ -87,7 +87,8 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The members from here on are used only for apertures that are not round or that vary over the image.
+    // The following members are used only for apertures that are not round, or whose response varies over the
+    // image.
     bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -98,8 +99,8 @@ struct KernelKey {
     /// Returns the key of an ellipse. If `fine` is set, the size is rounded to the finest step that is
     /// allowed for an ellipse of this size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// Number of leading bits that are kept of the largest entry of a map. A map is the 2x2 matrix from the
-    /// aperture to the image.
+    /// A map is the 2x2 matrix from the aperture to the image. Its entries are rounded to a common step, so
+    /// that the largest entry keeps this number of leading bits.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
@@ -108,8 +109,7 @@ struct KernelKey {
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
-    /// Returns the number of bits of the largest size that the key contains. Sizes are integers, in units of
-    /// step_px().
+    /// Returns the number of bits of the largest size in the key. Sizes are integers, in units of step_px().
     [[nodiscard]] int extent_bits() const;
     /// All fields, packed into 128 bits.
     using Packed = std::pair<std::uint64_t, std::uint64_t>;
@@ -127,22 +127,23 @@ struct KernelKey {
     void round_map(int bits);
 };
 
-/// Kernels (impulse responses on the pixel grid), each with a number. First, any thread may request the
-/// numbers of keys with `number_of`. Then `build` builds the kernels of all requested keys. The number of a
-/// key depends on the timing of threads, but its kernel does not.
+/// Table of kernels (impulse responses on the pixel grid), each with a number. First, any thread may request
+/// the number of a key with `number_of`. Then `build` builds the kernels of all requested keys. The number
+/// that a key gets depends on the timing of threads, but its kernel does not.
 class KernelTable {
   public:
-    /// `disc_radius_px` contains the radius of each depth level. The disc of level i at the subpixel position
-    /// (0, 0) has the number i. `model` provides the impulse responses and must outlive the table.
+    /// `disc_radius_px` contains the CoC radius of each depth level. The number i belongs to the disc of
+    /// level i, centred on an integer raster position. `model` provides the impulse responses and must
+    /// outlive the table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
-    /// Returns the number of a key. After `build`, the key must be one that was requested before.
+    /// Returns the number of a key. After `build`, only keys that were requested before are allowed.
     [[nodiscard]] std::uint32_t number_of(const KernelKey& key);
-    /// Marks the disc of a depth level at the subpixel position (0, 0) as needed.
+    /// Marks the disc of a depth level as needed, centred on an integer raster position.
     void use_disc(std::uint32_t level) { disc_used_[level].store(true, std::memory_order_relaxed); }
     /// Builds the kernels, in parallel. Call this function once, after all keys have been requested. If the
     /// kernels of ellipses need more than `memory_limit_bytes`, the ellipses are rounded more coarsely
-    /// (KernelKey::coarsen), so that more of them share a kernel. Throws Error(out_of_memory) if all kernels
+    /// (KernelKey::coarsen), so that more samples share a kernel. Throws Error(out_of_memory) if all kernels
     /// together exceed the memory.
     void build(std::size_t memory_limit_bytes = default_memory_bytes);
     static constexpr std::size_t default_memory_bytes = std::size_t{384} << 20;
@@ -158,10 +159,10 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Returns the count of kernel numbers, after `build`. The number of a disc that is not needed refers to
-    /// another kernel.
+    /// Returns the number of kernel numbers, which are 0, 1, 2 and so on. Call it after `build`. The number
+    /// of a disc that is not needed refers to some other kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
-    /// Returns the count of depth levels whose disc has a kernel at any subpixel position, after `build`.
+    /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
     /// Returns the ellipse of a key, for a round aperture.
     [[nodiscard]] Ellipse outline(const KernelKey& key) const;
@@ -182,8 +183,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// The hash map selects a bucket by the lowest bits of a hash. In PackedHash, these bits depend only on
-    /// the phases, so MixedHash mixes them with the upper bits.
+    /// Hash function of the hash map, which selects a bucket by the lowest bits. In PackedHash, these bits
+    /// depend only on the subpixel position, so they are mixed with the upper bits here.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

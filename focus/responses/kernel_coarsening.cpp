@@ -23,8 +23,8 @@ std::int32_t nearest_multiple(std::int32_t n, std::int32_t unit) {
 }  // namespace
 
 void KernelKey::round_to(std::int32_t unit) {
-    // packed() has 17 bits per number. Larger numbers would not fit, and the keys of different shapes could
-    // be equal.
+    // packed() has 17 bits per number. Larger numbers would not fit, so keys of different shapes could become
+    // equal.
     constexpr std::int32_t most = (1 << 16) - 1;
     for (std::int32_t* n : {&half_height, &half_chord, &top_displacement, &map_yy})
         *n = std::clamp(nearest_multiple(*n, unit), -most, most);
@@ -54,15 +54,16 @@ void KernelKey::coarsen(int times) {
     const std::int32_t unit = std::int32_t{1} << std::max(0, extent_bits() - bits);
     if (unit == 1) return;
     round_to(unit);
-    // Subpixel positions (phases) are rounded to half the step of the shape, but at most to a whole pixel.
+    // Subpixel positions (phases) are rounded to half the step of the shape, but not more coarsely than to
+    // whole pixels.
     const std::int32_t step = std::min(phase_steps, 2 * unit);
     phase_x = nearest_multiple(phase_x, step);
     phase_y = nearest_multiple(phase_y, step);
 }
 
-// Rounds sizes and positions more coarsely, so that more samples share a kernel. All kernels within one
-// octave of size are rounded alike. This limits the relative error of their size. A common absolute step
-// would round small kernels to size 0.
+// Rounds the sizes and positions of ellipses more coarsely, so that more samples share a kernel. All ellipses
+// within one octave of size are rounded alike, which limits the relative error of their size. With the same
+// step for all sizes, small ellipses would be rounded to size 0.
 void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     constexpr std::size_t steps = KernelKey::most_coarsenings + 1;
     struct Octave {
@@ -82,9 +83,9 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
     }
     if (total <= memory_limit_bytes) return;
     parallel_for(octaves.size(), [&](std::size_t i) {
-        // Equal keys nearly always stay equal. After each step, only one of them is therefore processed
-        // further. The keys are sorted first, so that the choice does not depend on the order in which
-        // threads requested them.
+        // Keys that become equal in one step nearly always stay equal. Only one of them is therefore
+        // processed in the next step. The keys are sorted first, so that the choice does not depend on the
+        // order in which threads requested them.
         std::vector<std::pair<KernelKey::Packed, std::uint32_t>> left, kept;
         left.reserve(octaves[i].numbers.size());
         for (const std::uint32_t number : octaves[i].numbers)
@@ -103,8 +104,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of an outline's size. It doubles with each coarsening. All shapes have the same weight,
-    // because it is unknown how many samples use each shape.
+    // Relative error of the sizes in an octave after `times` coarsenings. It doubles with each coarsening.
+    // All shapes count equally, because it is unknown how many samples use each shape.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// The table of rounded CoC diameters. A circle of confusion uses the nearest of them. All lenses share this
-/// table. The steps between the diameters grow from 1/8 px to half a pixel. From `even_diameter_px` on they
-/// are 1/500 of the diameter.
+/// The CoC diameters that have an impulse response. A circle of confusion uses the nearest of them. They are
+/// the same for all lenses. The steps between the diameters grow from 1/8 px to half a pixel. From
+/// `even_diameter_px` on, they are 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -22,10 +22,11 @@ class LevelTable {
 
     /// Returns the diameter of a level, in px.
     [[nodiscard]] static double diameter_px(std::uint32_t level);
-    /// Computes the nearest level without the table. `diameter_px` must be finite. Its sign is ignored.
+    /// Computes the level nearest to a diameter, without the lookup table. `diameter_px` must be finite. Its
+    /// sign is ignored.
     [[nodiscard]] static std::uint32_t nearest_level(double diameter_px);
-    /// Returns the nearest level. It is read from the table if the diameter is below the end of the table,
-    /// and computed otherwise.
+    /// Returns the level nearest to a diameter. It is read from the lookup table if the diameter is below
+    /// end_px, and computed otherwise.
     [[nodiscard]] std::uint32_t level_of(double diameter_px) const {
         const double wide_px = std::abs(diameter_px);
         if (!(wide_px < end_px)) return nearest_level(wide_px);
@@ -41,10 +42,11 @@ class LevelTable {
         return static_cast<std::uint32_t>(before_[cell] + (wide_px < begin_px_[cell] ? 0 : step_[cell]));
     }
 
-    /// The cells of the table are so narrow that at most one level begins in each of them.
+    /// Size of the lookup table. Its cells are so narrow that at most one level begins in each of them.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the table: the diameter at which a new level begins, the number of the level before
-    /// it, and the difference between the two numbers.
+    /// For each cell of the lookup table: the diameter at which a level begins in the cell, the number of the
+    /// level before it, and the difference between the two level numbers. The difference is 0 if no level
+    /// begins in the cell.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

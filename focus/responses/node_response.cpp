@@ -6,7 +6,7 @@
 namespace postlens {
 namespace {
 
-/// A CoC radius, in px, for which phases_of uses subpixel positions in steps of a quarter pixel.
+/// Radius, in px, that is passed to phases_of if it shall use steps of at least a quarter pixel.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -35,16 +35,17 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Completes the response of an aperture that is not round. Computes its extent and the cell (square of the
-// image) in which its kernel is used.
+// Computes the remaining members of `out` for an aperture that is not round: the extent of the response, and
+// the cell (square of the image) in which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
     const double cell_px = response_->cell_px(map_px);
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
-    // The transmittance must be computed at the same depth as the kernel's vignetting, which is the depth of
-    // the level. The node's own depth is not used here, because a part of the light would then be lost.
+    // The transmittance must belong to the same depth as the kernel, or a part of the light would be lost.
+    // The depth is therefore computed from `map_px`, whose depth was rounded to a level, and not taken from
+    // the record.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);
@@ -60,8 +61,9 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Seen from the lens point q, the image of a shading-tree node is displaced by gain (s I - W) q. W is the
-    // node's 2x2 matrix and s the inverse focus distance. glm matrices are column-major.
+    // Seen from the lens point q, the image of a record is displaced by gain (s I - W) q. W is the record's
+    // 2x2 matrix and s the inverse focus distance. `map` is this linear map in px per lens radius. glm
+    // matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -39,14 +39,14 @@ struct RasterWindow {
             static_cast<double>(y) - (window.y_begin + window.y_end) / 2.0};
 }
 
-/// The impulse response of a shading-tree node. It consists of the key of its kernel, without the subpixel
-/// position, and its size.
+/// The impulse response of a record: the key of its kernel, without the subpixel position, and its size.
 struct NodeResponse {
     KernelKey key;
     double radius_px = 0;        ///< half the longer side of the kernel's bounding box
     double exact_radius_px = 0;  ///< CoC radius, not quantised
     double farthest_px = 0;      ///< largest distance that light reaches; only set by to_depth
-    /// Inverse depth of the node's level, in 1/m. It is used only for apertures that vary over the image.
+    /// Inverse depth for which the kernel was computed, in 1/m. It is only set if responses vary over the
+    /// image.
     double inverse_depth_per_m = 0;
 };
 
@@ -58,21 +58,22 @@ class NodeResponses {
         : geometry_(geometry), levels_(std::move(levels)), model_(model), response_(std::move(response)) {}
 
     [[nodiscard]] NodeResponse to_depth(double inverse_depth_per_m, const glm::dvec2& place_px) const;
-    /// Returns the response of a reflected or transmitted node, according to the depth model.
+    /// Returns the response of a reflected or transmitted record. The depth model decides which of its depths
+    /// is used.
     [[nodiscard]] NodeResponse of(const Record& node, const NodeResponse& primary,
                                   const glm::dvec2& place_px) const;
-    /// Returns the transmittance of the lens for this response. Both the light and the weights that normalise
-    /// the image are multiplied by it. The transmittance is 1 if one kernel is used for the whole image.
+    /// Returns the share of a record's light that the lens transmits. The record's light and its weight in
+    /// the normalisation are multiplied by this share. It is 1 if one kernel is used for the whole image.
     [[nodiscard]] float passing(const NodeResponse& response, const glm::dvec2& place_px) const;
-    /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`. The
-    /// weights of the splats that reach a pixel add up to this share. After normalisation, the pixel is
-    /// multiplied by the share.
+    /// Returns the share of the lens that transmits light to the pixel (x, y) of the image `window`
+    /// (vignetting). The weights of the splats that reach the pixel add up to this share. The normalisation,
+    /// which divides by them, is corrected by multiplying the pixel by the share.
     [[nodiscard]] double open_share(const RasterWindow& window, int x, int y) const {
         const auto middle = [](int at) { return static_cast<float>(at) + 0.5F; };
         return response_->transmission(from_middle_px(window, middle(x), middle(y)),
                                        geometry().inverse_focus_per_m);
     }
-    /// Returns the positions at which a sample's response is placed, with their weights.
+    /// Returns the subpixel positions at which a sample's response is placed, with their weights.
     [[nodiscard]] Phases phases(const PointSample& sample, const NodeResponse& response) const;
 
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }

@@ -9,23 +9,23 @@
 namespace postlens {
 namespace {
 
-/// CoC radius, in px, from which a sample is scattered as a single disc at its own position. A sample with a
-/// smaller radius is divided between the pixels around it if its weight differs between them.
+/// CoC radius, in px, from which a sample is scattered as a whole. A sample with a smaller radius is divided
+/// between the pixels around it if its weight differs between them.
 constexpr double one_disc_from_px = 2;
 
-/// Returns the number of subpixel positions per px at which kernels of this radius are built. A sample
-/// between two positions is distributed over both, which preserves the centroid.
+/// Returns the number of subpixel positions per px, along each axis, at which kernels of this radius are
+/// built. A sample between two positions is distributed over both of them, which preserves the centroid.
 int phases_per_px(double radius_px) {
     if (radius_px <= 16) return 16;
     return radius_px <= 256 ? 4 : 1;
 }
 
-/// Returns the displacement, in px, of a corner sample between quadtree leaves of different sizes.
+/// Returns the displacement, in px, of a sample at a corner between quadtree leaves (undivided cells) of
+/// different sizes. It corrects an integration error that would blur edges.
 ///
-/// The sum over corners is the trapezoidal rule. Its error at each end of a row of leaves of size h is h^2 /
-/// 12 times the slope of the colour (Euler-Maclaurin). This error would blur edges, because leaves are
-/// divided along edges. To compensate for it, each leaf's part of the corner, which has the weight h / 2, is
-/// moved by h / 6 into the leaf.
+/// The sum over corner samples is the trapezoidal rule. At each end of a row of leaves of size h, its error
+/// is h^2 / 12 times the slope of the colour (Euler-Maclaurin). To compensate for it, each leaf's part of a
+/// corner sample, which has the weight h / 2, is moved by h / 6 into the leaf.
 std::pair<float, float> shift_between_leaves(const PointSample& s) {
     float x = 0, y = 0;
     for (std::size_t q = 0; q < 4; ++q) {
@@ -37,8 +37,8 @@ std::pair<float, float> shift_between_leaves(const PointSample& s) {
     return total > 0 ? std::pair(x / total, y / total) : std::pair(0.0F, 0.0F);
 }
 
-/// Returns the rounded subpixel position nearest to a position inside a pixel. The result is never on the
-/// border of the pixel. `fraction` is the position, from 0 to 1 px.
+/// Rounds a position inside a pixel, from 0 to 1 px, to the nearest subpixel position that is not on the
+/// border of the pixel.
 std::int32_t phase_inside(float fraction) {
     return std::clamp(static_cast<std::int32_t>(std::lround(fraction * KernelKey::phase_steps)), 1,
                       KernelKey::phase_steps - 1);
@@ -78,8 +78,9 @@ Phases phases_of(const PointSample& s, double radius_px) {
     }
     for (std::size_t q = 0; q < 4; ++q) {
         if (w[q] == 0) continue;
-        // A corner sample represents a quarter of each quadtree leaf around it. The centre of this quarter is
-        // at a distance of a quarter of the leaf's edge from the corner.
+        // A corner sample represents a quarter of each quadtree leaf (undivided cell) around it. The sample's
+        // part in each leaf is moved to the centre of this quarter, a quarter of the leaf's edge away from
+        // the corner.
         const auto move = std::max<std::int32_t>(
             1, static_cast<std::int32_t>(s.leaf_size[q] * (static_cast<float>(KernelKey::phase_steps) / 4)));
         out.add(fx == 0 ? (q % 2 == 0 ? -move : move) : phase_inside(fx),

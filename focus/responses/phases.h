@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// A subpixel position, and the weight of the sample at this position. The position is relative to the
-/// nearest integer coordinates at or before the sample, in units of 1/KernelKey::phase_steps px.
+/// A subpixel position at which a part of a sample is placed, and the weight of this part. The position is in
+/// units of 1/KernelKey::phase_steps px, relative to the sample's position rounded down to integers.
 struct Phase {
     std::int32_t x, y;
     float weight;

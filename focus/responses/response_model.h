@@ -14,8 +14,8 @@
 
 namespace postlens {
 
-/// Describes the impulse response of a scene point. Light through the aperture point q, in lens radii,
-/// arrives at `map_px q`. The aberrations of the model displace it further.
+/// Describes the impulse response of a scene point. Light that passes through the point q of the aperture, in
+/// lens radii, arrives at `map_px` times q, apart from aberrations.
 struct ResponseRequest {
     glm::dmat2 map_px{1};
     glm::dvec2 place_px{0};  ///< position of the scene point relative to the image's centre
@@ -35,15 +35,16 @@ class ResponseModel {
     virtual ~ResponseModel() = default;
 
     [[nodiscard]] virtual bool is_round() const { return true; }
-    /// Returns whether responses are uniform within an outline. The cost of a response is then proportional
-    /// to the length of its outline.
+    /// Returns whether responses are uniform inside an outline. The cost of adding such a response to the
+    /// image is proportional to the length of its outline.
     [[nodiscard]] virtual bool is_even() const { return true; }
     /// Returns whether the maps M and -M have the same response.
     [[nodiscard]] virtual bool is_point_symmetric() const { return true; }
     /// Returns whether responses depend on the position in the image.
     [[nodiscard]] virtual bool varies_over_field() const { return false; }
-    /// Returns the width, in px, of the part of the image in which one kernel can be used for this map.
-    /// Within this part, the change of the outline is not visible. 0 means the whole image.
+    /// Returns the width, in px, of a square of the image in which one kernel can be used for all responses
+    /// with this map. The outline changes too little within the square to be visible. 0 means the whole
+    /// image.
     [[nodiscard]] virtual double cell_px(const glm::dmat2& /*map_px*/) const { return 0; }
     /// Returns the transmittance for a scene point at `place_px` from the image's centre.
     [[nodiscard]] virtual double transmission(const glm::dvec2& /*place_px*/,
@@ -68,11 +69,11 @@ class ResponseModel {
     /// Returns whether red, green and blue have their own responses. In this case `channel_kernels` is called
     /// instead of `kernel`.
     [[nodiscard]] virtual bool has_channels() const { return false; }
-    /// Returns whether `map_px` may be anisotropic. Otherwise, reflected and transmitted nodes are blurred
-    /// with a mean radius.
+    /// Returns whether the model supports an anisotropic `map_px`. If not, surfaces seen in mirrors and
+    /// through glass are blurred with a mean radius.
     [[nodiscard]] virtual bool takes_maps() const { return true; }
-    /// Builds the kernels of all requests, in parallel. All requests must have the same subpixel position
-    /// (phase_px).
+    /// Builds the kernels of all requests, in parallel. All requests must have the same subpixel position,
+    /// phase_px.
     [[nodiscard]] virtual std::vector<std::array<Kernel, 3>> channel_kernels(
         std::span<const ResponseRequest> /*requests*/) const {
         return {};
