@@ -1,4 +1,4 @@
-// Radii of the circles of confusion at the border of the records.
+// Radii of the circles of confusion at the border of the recorded area.
 #pragma once
 
 #include <cstdint>

@@ -9,7 +9,7 @@
 namespace postlens {
 
 /// Light at one depth in a pixel. It is placed at the centre of the pixel, because the values of pixels and
-/// of kernels are means over a pixel.
+/// kernels are means over a pixel's area.
 struct PixelLight {
     int x = 0;                   ///< column of the pixel
     double inverse_depth = 0;    ///< 1/m; for the order of compositing

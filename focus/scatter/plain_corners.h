@@ -1,5 +1,6 @@
-// Plain corners are samples at corners of undivided pixels, without reflections and refractions. Most samples
-// of a frame are plain corners. They are therefore stored compactly, as arrays of depth, r, g and b.
+// Plain corners are samples at pixel corners. No pixel around them is divided into smaller cells, and they
+// have no reflections or refractions. Most samples of a frame are plain corners. They are therefore stored
+// compactly, as arrays of depth, r, g and b.
 #pragma once
 
 #include <array>
@@ -13,7 +14,8 @@
 
 namespace postlens {
 
-/// Returns whether a sample lies at a pixel corner and none of the four pixels around it is divided.
+/// Returns whether a sample lies at a pixel corner and none of the four pixels around it is divided into
+/// smaller cells.
 [[nodiscard]] inline bool is_whole_corner(const PointSample& s) {
     return s.weight == std::array<float, 4>{0.25F, 0.25F, 0.25F, 0.25F};
 }
@@ -31,7 +33,8 @@ struct PlainCorners {
     /// All other point samples, in order, as indices into PointSamples::samples. The samples of row i are the
     /// elements [other_begin[i], other_begin[i + 1]) of `others`.
     std::vector<std::uint32_t> others, other_begin;
-    /// The range of depths of the plain corners in a row, and whether any of them has a negative colour.
+    /// Summary of the plain corners in a row: their range of depths, and whether any of them has a negative
+    /// colour.
     struct Row {
         /// Smallest and largest 1/z' of the corners at a finite depth, in 1/m. If there are no such corners,
         /// least_inverse > greatest_inverse.

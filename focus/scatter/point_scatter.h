@@ -12,10 +12,10 @@ namespace postlens {
 /// Sums over a few pixel rows of a block. Channels 0 to 2 are colour times kernel, and channel 3 is weight
 /// times kernel.
 ///
-/// The pixels on the outline of a kernel are added one by one. The uniform interior of a wide row is stored
-/// as differences: its value is added at its first pixel and subtracted after its last one. Running sums
-/// along the row are computed later. All sums use double, because in float every bright sample would leave a
-/// rounding error to its right.
+/// The pixels on the outline of a kernel are added one by one. For the uniform interior of a wide row, only
+/// differences are stored: its value is added at its first pixel and subtracted after its last one. Running
+/// sums along each row then yield the interior. All sums use double, because in float every bright sample
+/// would leave a rounding error to its right.
 class PointScatter {
   public:
     /// `channel` is the colour channel whose kernels are used if each channel has its own kernels.
@@ -33,7 +33,8 @@ class PointScatter {
     [[nodiscard]] const double* sums(int x, int y) const { return sum_.data() + index(x, y); }
 
   private:
-    /// The splats of one source row that have kernels of similar size (reach_classes) and may reach rows_.
+    /// The splats of one source row with kernels of similar size (one of the reach_classes) that may reach
+    /// rows_.
     struct Pass {
         std::span<const Splat> splats;
         int y;

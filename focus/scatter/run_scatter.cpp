@@ -9,11 +9,11 @@
 namespace postlens {
 namespace {
 
-/// Number of source rows that are summed in float. The sums are then added to sums in double. The number is
-/// so small that the rounding error of float does not matter.
+/// Number of source rows that are summed in float before the sums are added to sums in double. It is so small
+/// that the rounding error of float does not matter.
 constexpr int source_rows_per_flush = 32;
-/// Number of source rows that are filtered together, for one strip (64 columns of a block) after another.
-/// With this number, the sums of one strip usually stay in the L1 cache.
+/// Number of source rows that are filtered together for one strip (64 columns of a block) before the next
+/// strip. The sums of a strip then usually stay in the L1 cache.
 constexpr int source_rows_per_group = 8;
 
 constexpr std::size_t cache_line_floats = 16;
@@ -29,8 +29,8 @@ typedef float FloatsAnywhere __attribute__((vector_size(lanes * sizeof(float)), 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
 typedef double DoublesAnywhere __attribute__((vector_size(lanes * sizeof(double)), aligned(8), may_alias));
 
-/// The inputs of filter_strip. That function filters a source row by a kernel and adds the result to the sums
-/// of one strip.
+/// Arguments of filter_strip, which filters a source row with a kernel and adds the result to the sums of one
+/// strip (64 columns of a block).
 struct StripFilter {
     const KernelRow* rows;  ///< kernel rows dy = 0, 1, ...
     const float* taps;
@@ -38,12 +38,13 @@ struct StripFilter {
     const double* running;  ///< sum of source colours before the strip, times the kernel's inner value
 };
 
-/// The range [begin, end) of kernel rows dy whose target rows lie in the block of pixels.
+/// A range [begin, end) of kernel rows dy. Filtering with these rows changes pixels of the block.
 struct RowRange {
     int begin, end;
 };
 
-/// Adds the source row, filtered by kernel row dy, to two rows of the image: `down` + dy and `up` - dy.
+/// Filters the source row with each kernel row dy, and adds each result to two rows of the image: `down` + dy
+/// and `up` - dy. Kernels are symmetric, so the result is the same for both.
 POSTLENS_MULTIVERSION
 void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -88,8 +89,8 @@ void filter_strip(const StripFilter& f, float* down, RowRange down_rows, float* 
     }
 }
 
-/// Adds the result of filtering a source row in which all values are 1. For such a row, no filtering is
-/// needed: the result is the sum of the kernel row.
+/// Adds the result of filtering a source row in which all values are 1. No filtering is needed for it,
+/// because the result is the sum of the kernel row.
 POSTLENS_MULTIVERSION
 void add_row_sums(const KernelRow* rows, float* down, RowRange down_rows, float* up, RowRange up_rows) {
     constexpr int width = RunScatter::strip_width;
@@ -128,9 +129,9 @@ struct RunScatter::LaidRun {
     int full_begin, full_end;  ///< strips in which the run covers the whole kernel around every pixel
     int line_begin;            ///< column of the lines' first value
     int from, to;              ///< columns of the run within the lines
-    /// For each channel: the colours in the raster if the run covers the whole line, otherwise null. If they
-    /// are null, `line_at` is the index in lines_ of a copy of the colours. `running_at` is the index in
-    /// running_ of the running sums of the colours.
+    /// The colours of the line, for each channel. If the run covers the whole line, `in_raster` points to the
+    /// colours in the raster. Otherwise it is null, and `line_at` is the index in lines_ of a copy of the
+    /// colours. `running_at` is the index in running_ of their running sums.
     std::array<const float*, 4> in_raster;
     std::array<std::size_t, 4> line_at, running_at;
 };
@@ -151,7 +152,7 @@ void RunScatter::flush_rows(int begin, int end, bool fresh) {
 }
 
 void RunScatter::flush() {
-    // Rows of the block that no run has reached are added as well. They contain zeros.
+    // Rows of the block that no run has reached are included, which sets their sums to 0.
     const int end = std::max(touched_end_, fresh_from_);
     flush_rows(touched_begin_, fresh_from_, false);
     flush_rows(fresh_from_, end, true);
@@ -199,7 +200,7 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
     const int reach = kernel.x_end;
     const int rows = kernel.y_end();
     LaidRun laid{};
-    // Only kernel rows with dy >= 0 are used, because the rows -1 - dy and dy are equal.
+    // The kernel is symmetric: its rows -1 - dy and dy are equal. Only the rows with dy >= 0 are used.
     laid.row_0 = kernel.rows.data() - kernel.y_begin;
     laid.taps = kernel.taps.data();
     laid.inner = static_cast<double>(kernel.inner);
@@ -215,9 +216,9 @@ void RunScatter::lay_run(const SplatRun& run, int y) {
         std::clamp(strip_of(run.begin + reach + strip_width - 1), laid.strip_begin, laid.strip_end);
     laid.full_end = std::clamp(strip_of(run.end - reach), laid.full_begin, laid.strip_end);
 
-    // A line is the part of a source row that is needed to filter it for the run. It contains the columns of
-    // all strips that the run reaches, and `reach` more columns on either side. It has one more column for
-    // the running sums.
+    // A line is the part of a source row that is filtered for the run. It contains the columns of all strips
+    // that the run reaches, and `reach` more columns on either side, because the kernel extends that far. The
+    // running sums need one more column.
     laid.line_begin = block_.x_begin + laid.strip_begin * strip_width - reach - 1;
     const int line_end = block_.x_begin + laid.strip_end * strip_width + reach + 1;
     laid.from = std::clamp(run.begin, laid.line_begin, line_end);

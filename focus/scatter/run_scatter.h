@@ -57,8 +57,8 @@ class RunScatter {
     const SplatTables& tables_;
     RasterWindow block_;
     int strips_ = 0, rows_ = 0;
-    /// partial_ contains the sums over the last few source rows. total_ contains the sums over all rows
-    /// before them. Both are stored strip by strip. The rows of a strip are contiguous.
+    /// partial_ contains the sums over the last few source rows, and total_ the sums over all rows before
+    /// them. They are stored strip by strip, with the rows of a strip one after another.
     std::vector<float> partial_;
     std::vector<double> total_;
     int touched_begin_ = 0, touched_end_ = 0;  ///< rows of the block with values in partial_

@@ -15,12 +15,13 @@
 namespace postlens {
 namespace {
 
-// Size of a block, in px. A run (adjacent samples that share a disc) adds to as many rows as its disc is
-// high. These rows should fit into the L2 cache. Larger blocks share more work, and smaller blocks keep more
-// threads busy. Measured with bench/scatter_bench.cpp.
+// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). A run (adjacent samples that share
+// a disc) adds to as many rows of the block as its disc is high, and these rows should fit into the L2 cache.
+// Larger blocks share more work, and smaller blocks keep more threads busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
-/// Number of rows for each call of PointScatter. A call needs 64 B per pixel and tests every splat once.
+/// Number of pixel rows that one call of PointScatter computes. A call needs 64 B per pixel of these rows,
+/// and tests every splat.
 constexpr int point_rows = 32;
 
 constexpr int strip_width = RunScatter::strip_width;
@@ -28,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// The sums of one row of a strip for each channel. Each element points to strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel. It is the sum of the weights that arrived. If this sum is below 1, empty
-/// space raises it, to at most 1 and by at most `most_nothing`.
+/// Returns the divisor of a pixel, the sum of the weights that reached it. If this sum is below 1, empty
+/// space adds to it, by at most `most_nothing`, up to a total of at most 1.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }
@@ -53,7 +54,7 @@ void normalise(const Sums& sums, const float* __restrict nothing, bool may_be_ne
 }
 
 /// Normalises and stores one colour channel, for models in which each channel has its own kernels. The sums
-/// in `points` must come from the kernels of this channel. The sums of the other two colours are ignored.
+/// in `points` must come from the kernels of this channel. Only this channel and the weight are read.
 void store_channel(const SplatTables& tables, const PointScatter& points, std::size_t channel,
                    const RasterWindow& rows, Image& image) {
     const RasterWindow& picture = tables.picture();

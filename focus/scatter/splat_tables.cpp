@@ -22,7 +22,8 @@ int shortest_run(double radius_px) {
 
 }  // namespace
 
-/// Builds the splats of one row of corners. It writes only the data of this row.
+/// Builds the splats of one row of pixel corners at a time. Only the data of this row are written, so several
+/// threads may build different rows.
 class SplatTables::RowBuilder {
   public:
     explicit RowBuilder(SplatTables& tables)
@@ -39,8 +40,8 @@ class SplatTables::RowBuilder {
     void add_plain(const PlainCorners& plain, std::size_t row);
     void add_sample(const PointSample& s, std::span<const Record> nodes);
     void add_light(const PixelLight& light);
-    /// `weight` is multiplied by the sample's weight. It is 0 for nodes that do not count in the
-    /// normalisation.
+    /// Adds the splats of one record of a sample. Colour and `weight` are multiplied by the sample's weight.
+    /// `weight` is 0 for reflected and transmitted records, which do not count in the normalisation.
     void add_splats(const PointSample& s, const NodeResponse& response, const std::array<float, 3>& rgb,
                     float weight);
     void add_splat(std::int32_t column, const KernelKey& key, const std::array<float, 3>& rgb, float weight) {
@@ -81,8 +82,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     const double depth = inverse_depth_per_m(nodes[0]);
     const NodeResponses& responses = t_.responses_;
     const NodeResponse primary = responses.to_depth(depth, place_px_);
-    // Only directly visible surfaces at a finite depth count for the largest CoC. The matrix W of a reflected
-    // or transmitted surface is unbounded near a caustic. The CoC of empty space is not visible.
+    // Only directly visible surfaces at a finite depth count for the largest CoC. In mirrors and glass, the
+    // CoC has no upper limit near a caustic. The CoC of empty space is not visible.
     if (depth > 0) largest_radius_px_ = std::max(largest_radius_px_, primary.exact_radius_px);
     t_.border_.note(t_.source_, s, y_, primary.farthest_px);
     std::array<float, 3> rgb{nodes[0].r, nodes[0].g, nodes[0].b};
@@ -116,8 +117,8 @@ void SplatTables::RowBuilder::add_sample(const PointSample& s, std::span<const R
     add_splats(s, primary, rgb, share);
 }
 
-// Adds the plain corners of a row (samples of undivided pixels without reflections). The result is the same
-// as if add_sample were called for each of them, which a test checks.
+// Adds the plain corners of a row (samples of undivided pixels without reflections). This is faster than
+// calling add_sample for each of them, and a test checks that the result is the same.
 void SplatTables::RowBuilder::add_plain(const PlainCorners& plain, std::size_t row) {
     const std::size_t width = level_.size(), at = row * width;
     const std::span inverse = std::span(plain.inverse_depth).subspan(at, width);
@@ -243,8 +244,8 @@ void SplatTables::add_pixels(int y, std::span<const PixelLight> lights) {
 }
 
 KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture) {
-    // The rectangle of reached pixels is enlarged by 1 px on each side, because a kernel may lie up to 1 px
-    // from its anchor (integer raster position).
+    // A kernel may lie up to 1 px from its anchor (integer raster position), so 1 px is added to the largest
+    // distance.
     return {std::max(source.x_end - picture.x_begin, picture.x_end - source.x_begin) + 1,
             std::max(source.y_end - picture.y_begin, picture.y_end - source.y_begin) + 1};
 }
@@ -366,8 +367,8 @@ std::vector<std::pair<int, int>> SplatTables::begin_strip(const RasterWindow& pa
     if (keep_ != Keep::strip) strip_rows_ = {source_, picture_, block_px};
     keep_ = Keep::strip;
     strip_ = part;
-    // Some rows are not added again. They only contribute splats that reach far from their row. These were
-    // kept when the rows were first added.
+    // Some rows are not added again for this strip. Only those of their splats that reach far from their row
+    // are needed. These splats were kept when the rows were first added.
     for (int y = source_.y_begin; y < source_.y_end; ++y) {
         std::vector<Splat> splats;
         for (const auto& far : strip_rows_.far(y)) {

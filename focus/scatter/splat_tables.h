@@ -23,45 +23,45 @@
 
 namespace postlens {
 
-/// Returns the largest distance between a splat in `source` and a pixel in `picture`.
+/// Returns the largest distance between a splat in `source` and a pixel in `picture`, along each axis.
 [[nodiscard]] KernelReach kernel_reach(const RasterWindow& source, const RasterWindow& picture);
 
-/// One shading-tree node of a point sample. The node's colour is multiplied by the sample's weight. `weight`
-/// is 0 for reflected and transmitted nodes, so that each point sample counts only once in the sum of
-/// weights.
+/// The impulse response of one record of a point sample. The record's colour is multiplied by the sample's
+/// weight. `weight` is 0 for reflected and transmitted records, so that each point sample counts only once in
+/// the sum of weights that normalises a pixel.
 struct Splat {
     std::int32_t x = 0;  ///< anchor column; the row is that of its SplatRow
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0;
 };
 
-/// Adjacent corner samples of weight 1 with the same disc, in the columns [begin, end). Their colours are
-/// stored in SplatTables::raster_row.
+/// Adjacent samples at pixel corners, in the columns [begin, end) of a row, that have weight 1 and the same
+/// disc as impulse response. Their colours are stored in SplatTables::raster_row.
 struct SplatRun {
     std::int32_t begin = 0, end = 0;
     std::uint32_t kernel = 0;
 };
 
 /// The pixels that a kernel reaches: rows [dy_begin, dy_end) and columns [dx_begin, dx_end). They are
-/// relative to the kernel's anchor (the integer raster position of a splat).
+/// relative to the kernel's anchor, the integer raster position at which it is placed.
 struct Reach {
     int dy_begin = 0, dy_end = 0, dx_begin = 0, dx_end = 0;
     void include(const Reach& other);
 };
 
-/// Number of classes into which the splats of a row are divided by the size of their kernels. Blocks far from
-/// the row then only test the splats of the classes with large kernels.
+/// Number of classes into which the splats of a row are sorted by the size of their kernels. Blocks far from
+/// the row then test only the classes with large kernels.
 inline constexpr std::size_t reach_classes = 6;
 [[nodiscard]] std::size_t reach_class(const Reach& reach);
 
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// A reach class c consists of splats with kernels of similar size, [class_begin[c], class_begin[c + 1]).
-    /// class_reach[c] contains all pixels that a splat of the class reaches.
+    /// The splats [class_begin[c], class_begin[c + 1]) have kernels of similar size. They form the reach
+    /// class c. class_reach[c] contains all pixels that they reach, relative to their anchors.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
-    /// The rows that the runs of this row reach, [run_dy_begin, run_dy_end), relative to this row.
+    /// The pixel rows that the runs of this row reach, relative to this row.
     int run_dy_begin = 0, run_dy_end = 0;
 
     [[nodiscard]] std::span<const Splat> splats_of(std::size_t reach_class) const {
@@ -94,9 +94,9 @@ class SplatTables {
     /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
     /// Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill a share of those pixels in which the weights that arrive add up to less than 1.
-    /// `most` contains, for each pixel of the image, row by row, the largest share that may be empty. Without
-    /// this call, every pixel is divided by its sum of weights.
+    /// Lets empty space fill a part of each pixel in which the weights add up to less than 1. `most`
+    /// contains, for each pixel of the image, row by row, the largest share that may be empty. Without this
+    /// call, every pixel is divided by its sum of weights, so that no part of it is empty.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
@@ -113,8 +113,8 @@ class SplatTables {
     /// May be called any number of times after finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of splats that reach the rows [begin, end) of blocks. Call it after a first strip
-    /// that is empty.
+    /// Returns the number of splats that reach the rows of blocks [begin, end). Call it after begin_strip and
+    /// finish_strip for a first strip that is empty.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -130,8 +130,8 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The rows that the runs (adjacent samples with the same disc) of a row reach, relative to that row. The
-    /// range holds for all rows. class_reach is the same for the splats of a reach class.
+    /// The pixel rows that runs (adjacent samples with the same disc) reach, relative to the row of the run.
+    /// The range contains the ranges of all rows. class_reach is the same for the splats of a reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
@@ -146,8 +146,8 @@ class SplatTables {
                                                         static_cast<std::size_t>(picture_.width());
     }
     [[nodiscard]] const BorderRadii& border() const { return border_; }
-    /// Returns the largest CoC diameter of the visible surfaces at a finite depth, in px and not rounded to a
-    /// level.
+    /// Returns the largest CoC diameter of the directly visible surfaces at a finite depth, in px. It is not
+    /// rounded to a depth level.
     [[nodiscard]] double largest_coc_px() const;
     /// Returns the number of different radii of discs in use.
     [[nodiscard]] int levels_used() const { return kernels_.discs_used(); }
@@ -173,8 +173,8 @@ class SplatTables {
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
     std::vector<Reach> reach_;            ///< per kernel number
-    /// Colour planes of the source. Only those columns are initialised in which adjacent samples share a disc
-    /// (runs).
+    /// Colours of the samples at pixel corners, one plane per channel. Only the columns of runs (adjacent
+    /// samples that share a disc) are initialised.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

@@ -59,9 +59,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items. An item is kept if it reaches at least a certain distance. While
-    /// the kept items exceed the limit, this distance is doubled, and items that do not reach it are dropped.
-    /// Call this function each time that further rows are complete.
+    /// Limits the memory of the kept items, which are those that reach at least a certain distance. While
+    /// they exceed the limit, this distance is doubled, and items that do not reach it are dropped. Call this
+    /// function each time that further rows are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
