@@ -30,8 +30,8 @@ std::function<bool(int, int)> passing(const FieldFocusSettings& s, const LensVie
     };
 }
 
-/// Divides objects into classes. The objects of one class move alike on the raster. Each moving object has
-/// its own class. All objects that move only with the camera are in class 0.
+/// Divides the objects into classes that move alike on the raster. Each object with a motion of its own forms
+/// a class. All objects that move only with the camera are in class 0.
 class Motions {
   public:
     explicit Motions(const FieldShutter& shutter) : shutter_(shutter) {
@@ -63,8 +63,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Returns the recorded instants from which a view at `time_s` is reprojected, with the motion from each of
-/// these instants to `time_s`.
+/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`. Each comes with its
+/// weight and its motion from that instant to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -131,13 +131,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // A moving mirror and its reflection move differently on the raster. Reflected and transmitted nodes are
-    // therefore drawn separately from their parents.
+    // In a moving scene, a mirror and its reflection move differently on the raster. A negative follow_px
+    // makes all reflected and transmitted surfaces be drawn separately.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
-    // With motion, the views show some highlights that would otherwise be spread by impulse responses. These
-    // are highlights that moving objects reflect, and highlights on large moving surfaces.
+    // If something moves, the views show some highlights that would otherwise be spread by their impulse
+    // responses. These are reflections in moving objects, and large highlights on moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -162,8 +162,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, highlights can only be chosen if all surfaces are known at once (leave_to_lens). If
-        // surfaces are read strip by strip, no highlights are chosen.
+        // With rays, highlights can only be selected if all surfaces are known at once (leave_to_lens). Here
+        // the surfaces are read strip by strip, so no highlights are selected.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -259,8 +259,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // Strips are read later and may contain highlights. To find what hides a highlight, all patches
-        // (planar parts of surfaces) that any lens point sees are needed.
+        // The strips, which are read later, may contain highlights. To find what hides a highlight, all
+        // patches (planar parts of surfaces) that any lens point sees are needed, and not only those that a
+        // view sees.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
@@ -276,9 +277,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // Rays replace the reflected and transmitted surfaces of a piece (square of the image) if this takes
-        // less time than drawing them. The choice must not depend on the views of this call, so the whole
-        // lens is assumed.
+        // With rays, the whole lens is also assumed. Rays replace the reflected and transmitted surfaces of a
+        // piece (square of the image) if this takes less time than drawing them. This choice must not depend
+        // on the views of this call.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

@@ -35,9 +35,9 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// Allows pixels to be left out, because scattering is exact for them. These are the pixels in which
-    /// nothing moves and all views see a single surface. They are left out only if they make up at least this
-    /// share of the image. If absent, all pixels are drawn.
+    /// Allows pixels to be left out in which scattering is exact. In these pixels, nothing moves and all
+    /// views see a single surface. They are left out only if they make up at least this share of the image.
+    /// If absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If present, only the pixels of the window within this crop are drawn, bit-identical to those of the
@@ -47,13 +47,13 @@ struct FieldFocusSettings {
     /// Memory limit for the surfaces, in bytes. If all surfaces together need more, the image is drawn in
     /// strips (groups of rows), and the surfaces are read again for each image. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
-    /// Traces rays for those samples of views whose colours the records do not determine. If null, no rays
-    /// are traced. With rays, every pixel is drawn and known. A highlight is then spread by its impulse
-    /// response only if all rays that hit it return the same radiance.
+    /// Traces rays where the records do not determine what a view sees. If null, no rays are traced. With
+    /// rays, every pixel is drawn and known. A highlight is then spread by its impulse response only if all
+    /// rays that hit it return the same radiance.
     const SightRays* rays = nullptr;
 };
 
-/// The mean of the views, with one value per pixel of the window. Pixels that no view knows are filled from
+/// The mean of the views, with one value per pixel of the window. Pixels that no view shows are filled from
 /// the pixels around them.
 struct FieldFocus : PatchPicture {
     std::vector<std::uint8_t> left_out;  ///< 1 if left out (leave_out_from_share); empty if none is
@@ -69,12 +69,12 @@ struct FieldViews {
     /// Pieces that are not drawn are filled from the pixels around them.
     std::function<bool(int x, int y, int width, int height)> wanted;
     std::optional<double> leave_out_from_share;  ///< see FieldFocusSettings; only for a single set
-    // These functions are only used with rays. They are defined in PatchViews.
+    // The following functions are only used with rays. PatchViews describes them.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
     std::function<double(int x, int y)> aimed;
-    /// The number of the image to which this set of views belongs. Several images may be drawn together. Sets
-    /// that belong to one image must draw different pieces of it.
+    /// Index of the image to which this set of views belongs, if several images are drawn together. Sets that
+    /// belong to one image must draw different pieces of it.
     std::size_t picture = 0;
 };
 
@@ -104,8 +104,8 @@ class FieldFocuser {
     /// Returns the instant at which the shutter has let through the fraction `u` (from 0 to 1) of the light.
     [[nodiscard]] double instant_s(double u) const;
     [[nodiscard]] std::vector<PatchView> views_at(std::span<const LensViewPoint> points) const;
-    /// Finds the pixels to leave out because they show a single surface (OneSurface). Uses the surfaces of
-    /// the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if all
+    /// Finds the parts of the image that show a single surface and are therefore left out. Uses the surfaces
+    /// of the strips if `strips` is given, otherwise the surfaces of the whole image. Returns nothing if all
     /// pixels must be drawn.
     [[nodiscard]] std::optional<OneSurface> one_surface(std::span<const FieldViews> sets,
                                                         FieldStrips* strips) const;

@@ -13,26 +13,26 @@
 namespace postlens {
 namespace {
 
-/// Limit for the smaller semi-axis of the CoC, in px. If a highlight is blurred more than this, the mean of
-/// the views would show it as separate dots.
+/// If the smaller semi-axis of a highlight's CoC exceeds this, in px, the highlight counts as blurred. The
+/// mean of the views would show it as separate dots.
 constexpr double spread_from_px = 2;
-/// Limit for the smaller semi-axis of the CoC, in px. If a highlight is blurred less than this, a pixel
-/// receives its light through the whole lens.
+/// If the smaller semi-axis of a highlight's CoC is below this, in px, a pixel receives the highlight's light
+/// through the whole lens.
 constexpr double seen_by_all_px = 0.5;
-/// Limits for the total area, in px^2, of the highlights of one surface within a square of the raster.
-/// Highlights below the limit are spread by their impulse response even if they are hardly blurred. sharp_px2
-/// is the usual limit. small_px2 is the limit for reflected highlights that are partly hidden.
+/// Limits for the total area, in px^2, of the highlights of one surface within a square of the raster. Below
+/// the limit, highlights that are hardly blurred are also spread by their impulse responses. sharp_px2 is the
+/// limit if nothing hides the highlights. small_px2 is the limit for reflected highlights that are partly
+/// hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
-/// Edges, in px, of the squares in which the highlights of one surface are merged. merged_px is used if the
-/// blur is at least spread_from_px, and merged_sharp_px otherwise.
+/// Edges, in px, of the squares within which the highlights of one surface are merged. merged_px is used for
+/// highlights that are blurred by at least spread_from_px, and merged_sharp_px for all others.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
 /// Limits for the number of instants that form the streak of a moving highlight. Neighbouring highlights are
-/// merged within squares of the image, which are larger if a streak needs many instants. Up to the first
-/// limit the squares are 1/8 px wide, up to the second 1/4 px. Beyond the second limit they are merged_px
-/// wide.
+/// merged within squares, which are larger if more instants are needed. The squares are 1/8 px wide up to the
+/// first limit, 1/4 px up to the second limit, and merged_px beyond.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Largest number of sources (highlights at one instant) of all moving highlights together. Each highlight
-/// has at least least_moments sources, even if the limit is exceeded.
+/// Largest number of sources of all moving highlights together. A source is a highlight at one instant. Each
+/// highlight has at least least_moments sources, even if this exceeds the limit.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. Radiance above this value is spread as a highlight.
@@ -40,17 +40,17 @@ constexpr float white = 1;
 /// Smallest radiance above white, in any channel, of a highlight that does not move. Dimmer light is shown by
 /// the views with little noise.
 constexpr float least_radiance = 1;
-/// Edge, in px, of the squares in which all highlights share one computation of visibility.
+/// Edge, in px, of the squares of the image in which all highlights of a surface share one computation of
+/// visibility.
 constexpr double group_px = 1.5;
 
 double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the distance, in px, between the middle of a highlight's light and the middle of its impulse
-/// response. A highlight on an inclined surface looks larger from one side of the lens than from the other,
-/// so more of its light passes through that side. `slope` is Highlight::slope, the inclination of the
-/// surface.
+/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. The
+/// surface looks larger from one side of the lens than from the other, so more of the highlight's light
+/// passes through that side. `slope` is Highlight::slope, the inclination of the surface.
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
@@ -89,13 +89,13 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // Impulse responses do not take into account that a surface inside a mirror may hide the reflection
-        // of a highlight. A sharp reflected highlight that is partly hidden is therefore left to the views,
-        // unless few views would hit it.
+        // A surface inside a mirror may hide the reflection of a highlight, but impulse responses ignore
+        // this. A sharp reflected highlight that is partly hidden is therefore shown by the views, unless it
+        // is so small that few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // A highlight that is hardly blurred is shown by the views. A highlight that is wider than its blur
-        // is also left to the views. A pixel sees only a part of it, and all highlights of a group would
-        // wrongly share one shadow of a nearer surface.
+        // A highlight that is hardly blurred is shown by the views. So is a highlight that is wider than its
+        // blur. A pixel sees only a part of such a highlight, but all parts would share one shadow of a
+        // nearer surface.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -218,13 +218,14 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the impulse response is about as small as a pixel, the pixel receives light through the whole lens.
+    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. All
+    // views then decide whether the pixel sees the highlight.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A kernel is the response of a point, which lies in a single pixel. A moving highlight may cross the
-    // border between two pixels. If its kernel is about as small as a pixel, the highlight is therefore
-    // divided at the border.
+    // A kernel describes the blur of a point, which lies in one pixel. A moving highlight has an extent and
+    // may cross the border between two pixels. If its kernel is about as small as a pixel, the highlight is
+    // therefore divided at the border.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {
@@ -251,7 +252,7 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
 }
 
 // Groups the highlights of one surface that lie in the same square of edge group_px. Visibility is computed
-// only once per group. A nearer surface's shadow is thus displaced by less than group_px.
+// once per group, so the shadow of a nearer surface is displaced by less than group_px.
 void FieldHighlights::group_sources() {
     std::map<std::tuple<bool, std::uint32_t, int, int, bool>, std::uint32_t> known;
     for (Source& s : sources_) {

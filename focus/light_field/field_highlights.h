@@ -15,9 +15,9 @@
 
 namespace postlens {
 
-/// Returns the rule by which `tree_sheets` selects highlights. A highlight that is not selected appears once
-/// per view, so the mean of a few views shows several copies of it. No highlight is selected if the impulse
-/// response varies over the image or differs from the shape of the aperture.
+/// Returns the rule that selects the highlights that are spread by their impulse responses. A highlight that
+/// is not selected appears once per view, so the mean of a few views shows several copies of it. No highlight
+/// is selected if the impulse response varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
@@ -35,27 +35,28 @@ class FieldHighlights {
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the highlights as light that is added to a set of views. `set` is the number of the set, which
-    /// also seeds the positions at which visibility is sampled. `instants` contains, for each view, the
-    /// fraction of the exposure that has passed. It may be empty if nothing moves. Keeps a reference to this
-    /// object.
+    /// Returns the highlights as light that is added to a set of views. `set` is the number of the set, and
+    /// also a random seed for the positions at which visibility is sampled. `instants` contains, for each
+    /// view, the fraction of the exposure that has passed at its instant. It may be empty if nothing moves.
+    /// The result keeps a reference to this object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
-    /// Implements Lights::aim. Each line runs from a random point of a recorded highlight to a lens point
-    /// from which the pixel sees this point. Only highlights whose light reaches the pixel are used. For a
-    /// sharp moving highlight, the lines are random lines of the pixel at instants at which the highlight is
-    /// near.
+    /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
+    /// (Lights::aim). A line runs from a random point of a highlight to a lens point from which the pixel
+    /// sees this point. For sharp moving highlights, random lines of the pixel are chosen instead, at
+    /// instants at which such a highlight is near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
-    /// Returns the indices of the sources that reach a rectangle within a row of tiles.
+    /// Returns the indices of the sources whose light may reach a rectangle of the image. The rectangle must
+    /// lie within one row of tiles.
     [[nodiscard]] std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const;
 
   private:
     class OverViews;
-    /// One of the highlights that are merged into a source, which is spread as one point of light. The
-    /// highlight is a square around `at`, which is relative to the source's position. `area_until` is the
-    /// total area, in px^2, of this highlight and those before it in the source.
+    /// One of the highlights that are merged into a source, which is spread like a single point of light. The
+    /// highlight is a square with the centre `at`, in px relative to the source's position. `area_until` is
+    /// the total area, in px^2, of this highlight and those before it in the source.
     struct SourcePart {
         glm::vec2 at{0};
         float side = 0, area_until = 0;
@@ -86,9 +87,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// A group of neighbouring highlights whose light reaches a tile. `sources` contains those highlights of
-    /// the group that reach the tile. `samples` is the number of visibility samples per pixel, or 0 if the
-    /// views decide on visibility.
+    /// A group of neighbouring highlights whose light reaches a tile (square of the image). `sources`
+    /// contains those highlights of the group that reach the tile. `samples` is the number of visibility
+    /// samples per pixel. If it is 0, the views decide on visibility.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -100,17 +101,17 @@ class FieldHighlights {
     /// Adds a source whose parts are the last `parts` elements of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of image pixels within a tile. `share` contains, for each pixel of the rectangle, the
-    /// fraction of a group of highlights that the pixel sees.
+    /// A rectangle of pixels within a tile (square of the image). `share` contains, for each of its pixels,
+    /// the fraction of a group of highlights that the pixel sees.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};
     };
-    /// Returns the fraction of a source's light that reaches a pixel of the image if nothing hides the
-    /// source.
+    /// Returns the fraction of a source's light that reaches the pixel (x, y) of the image if no surface
+    /// hides the source.
     [[nodiscard]] double response(const Source& s, int x, int y) const;
-    /// Returns whether a sharp moving source passes so near to the pixel that its light may reach the pixel.
-    /// Includes a margin for errors of the recorded positions.
+    /// Returns whether a sharp moving source passes so close to the pixel (x, y) that its light may reach the
+    /// pixel. A margin allows for errors of the recorded positions.
     [[nodiscard]] bool passes_near(const Source& s, int x, int y) const;
     [[nodiscard]] bool reach(int x, int y, int width, int height) const;
     [[nodiscard]] bool sees(const Source& s, std::uint32_t texel, float inverse_z) const;
@@ -124,8 +125,7 @@ class FieldHighlights {
     std::vector<Source> sources_;  ///< sorted by group
     std::vector<SourcePart> parts_;
     std::vector<Group> groups_;
-    /// A source and the image pixels near its kernel (see passes_near). The source is added to these pixels
-    /// once per piece of the image.
+    /// A source and the image pixels near its kernel.
     struct Reach {
         RasterWindow pixels;
         std::uint32_t source = 0;

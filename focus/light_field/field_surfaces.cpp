@@ -13,11 +13,11 @@
 namespace postlens {
 namespace {
 
-/// A highlight's kernel may be larger than its CoC by this factor and this margin. The reason is that similar
-/// kernels are replaced by one of a rounded size.
+/// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. A kernel
+/// may be larger than the CoC, because similar kernels are replaced by one of a rounded size.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A distance in px. A surface is kept in memory if some view displaces it farther than this from its square
-/// of the raster. All kept surfaces together need at most most_far_bytes.
+/// A surface is kept in memory if some view displaces it farther than this, in px, from its square of the
+/// raster. All kept surfaces together need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -36,8 +36,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// Selects the surfaces for which `wanted` returns true. The argument of `wanted` is the range of raster rows
-/// in which views may show a surface.
+/// Returns the surfaces for which `wanted` returns true. `reaches` contains, for each surface, the range of
+/// raster rows in which views may show it. This range is the argument of `wanted`.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -53,7 +53,8 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // An eighth of a small frame is enough for an estimate. Less is enough for a large frame.
+    // Number of rows of squares that are built for the estimate. An eighth of all rows is enough, and six
+    // rows are enough for any frame.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;
@@ -131,7 +132,7 @@ std::vector<FieldStrips::Reach> FieldStrips::reach_of(const PatchMesh& mesh, std
     std::vector<Reach> out(mesh.sheets->sheets.size());
     for (const Patch& patch : mesh.patches) {
         const RasterRect r = sweep_.of(mesh, patch, instant);
-        // patch_field also draws one additional pixel on either side of a surface.
+        // patch_field draws a margin of one pixel around each surface.
         out[patch.sheet].include(std::floor(r.y_min - 1), std::floor(r.y_max + 1) + 1);
     }
     const auto include = [&](const Highlight& light) {

@@ -21,8 +21,8 @@
 
 namespace postlens {
 
-/// The surfaces of each recorded instant, in two forms. A sheet is a surface within a square of the raster. A
-/// patch is a planar part of a sheet and has references to the sheet.
+/// The surfaces of each recorded instant, in two forms. Sheets are the surfaces within squares of the raster.
+/// Patches are the planar parts of sheets, and refer to their sheets.
 struct FieldSurfaces {
     std::vector<std::shared_ptr<const TreeSheets>> sheets;
     std::vector<PatchMesh> primary, deeper;
@@ -35,22 +35,22 @@ struct FieldSurfaces {
 using SurfacesVisit = std::function<void(const PatchMesh& primary, const PatchMesh& deeper)>;
 
 /// Estimates how much memory a file's surfaces and patches (planar parts of surfaces) need, in bytes per
-/// record. To find out, builds the surfaces in a few rows of squares of the raster.
+/// record. For this, the surfaces in a few rows of squares of the raster are built.
 [[nodiscard]] double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& lens,
                                              const HighlightRule& rule);
 /// Upper bound of the result of surface_bytes_of_record.
 inline constexpr double most_surface_bytes_of_record = 400;
 
-/// Reads the surfaces of an image for one strip (group of rows) after another. Each strip gets the surfaces
-/// that any view shows in it. The first read measures how far views displace each surface. The few surfaces
-/// that are displaced far are kept in memory. For each later strip, only the rows close to the strip are
+/// Reads the surfaces of an image for one strip (group of rows) at a time, to save memory. A strip gets all
+/// surfaces that any view may show in it. The first read measures how far views displace each surface, and
+/// keeps the few surfaces that are displaced far. For later strips, only the rows close to the strip are
 /// read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views` describes the views, without recorded instants.
-    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It limits the
-    /// distance at which highlights are read. `motion` is the motion of highlights, and null if no highlight
-    /// moves.
+    /// Keeps references to its arguments. `views` contains the views, but no surfaces. `lens_box_px` is half
+    /// the width and height of the lens, in units of LensShift::lens_px. It limits the blur of highlights,
+    /// and thus the rows for which they are read. `motion` is the motion of highlights, and null if no
+    /// highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
@@ -73,8 +73,8 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces of neighbouring squares of the raster that views displace far. Each has the range of raster
-    /// rows in which views may show it.
+    /// Surfaces of neighbouring squares of the raster that views displace far. `primary` and `deeper`
+    /// contain, for each of these surfaces, the range of raster rows in which views may show it.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

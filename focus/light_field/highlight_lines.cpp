@@ -14,11 +14,12 @@ namespace {
 
 /// Number of attempts to find a lens point for a line.
 constexpr int attempts = 256;
-/// If a sharp moving light is near, this many times as many lines are used, because many of them miss the
-/// light.
+/// If a sharp moving highlight passes near a pixel, this many times as many lines are aimed, because many of
+/// them miss the highlight.
 constexpr int passing_lines = 16;
 
-/// A sharp light that passes a pixel, with the parts of the exposure during which it is near.
+/// Sharp moving highlights of one surface that pass near a pixel. `spans` contains the parts of the exposure
+/// during which they are near.
 struct Passing {
     NodeIdentity identity;
     double light = 0;
@@ -38,8 +39,8 @@ struct Passing {
         spans.resize(count);
         for (const auto& [begin, end] : spans) duration += end - begin;
     }
-    /// A span is a part of the exposure. Returns the instant at which the fraction `part` of the total
-    /// duration of the spans has passed.
+    /// Returns the instant at which the fraction `part` of the total duration of the spans has passed. Spans
+    /// are parts of the exposure.
     [[nodiscard]] double instant(double part) const {
         double left = part * duration;
         for (const auto& [begin, end] : spans) {
@@ -136,8 +137,8 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         // Choose sources in proportion to their light.
         double chosen = (n + random.next()) / lines_wanted * all;
         if (chosen >= light && !passing.empty()) {
-            // The records miss some parts of a moving light, beside the recorded parts. The lines therefore
-            // pass through random positions in the pixel.
+            // Beside the recorded parts of a moving highlight, there may be parts that the records miss. The
+            // lines therefore pass through random positions in the pixel.
             chosen -= light;
             std::size_t k = 0;
             for (; k + 1 < passing.size() && chosen >= passing[k].light; ++k) chosen -= passing[k].light;
@@ -156,8 +157,9 @@ void FieldHighlights::aim(int x, int y, std::span<const std::uint32_t> sources, 
         const Source& s = sources_[r.source];
         const double light_before = s.u >= 0 ? s.u : random.next();
         Lights::Line aimed;
-        // If the response is smaller than a pixel, few lines from the highlight to the pixel pass through the
-        // lens. If it is larger, few lines through the lens meet the pixel.
+        // For a response smaller than a pixel, choose a random lens point and compute the line's position in
+        // the pixel. For a larger response, choose the position and compute the lens point. Otherwise few
+        // lines would pass through both the pixel and the lens.
         const bool from_lens = std::abs(glm::determinant(s.px_from_lens)) < 1;
         for (int attempt = 0; attempt < attempts; ++attempt) {
             const double choice = random.next();

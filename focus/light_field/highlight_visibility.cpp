@@ -19,26 +19,27 @@ namespace {
 
 /// A surface hides a highlight if its 1/z' exceeds the 1/z' of the highlight by more than this factor.
 constexpr float nearer = 1.02F;
-/// Limit for the cost of all visibility samples of a tile. They may cost as much as drawing this number of
-/// views of the tile, or all of its views if there are more.
+/// Limit for the cost of all visibility samples of a tile (square of the image). They may cost as much as
+/// drawing this number of views of the tile, or all of its views if there are more.
 constexpr std::size_t least_drawn = 64;
 /// Lower bound of the cost of one visibility sample, relative to drawing one view of the whole tile.
 constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// For each visibility sample, the position that represents all highlights of a group. It is relative to the
-/// centre of the group and in standard deviations of the group's highlights. The positions have mean 0 and
-/// variance 1 along each axis.
+/// For each visibility sample, the point that represents all highlights of a group. Its position is relative
+/// to the group's centre, in standard deviations of the highlights' positions. The four points have mean 0
+/// and variance 1 along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
-/// A nearer surface casts one shadow for each highlight of a group. If these shadows lie closer together than
-/// this, they are replaced by a single shadow. The limit is a standard deviation, in px.
+/// A nearer surface casts one shadow for each highlight of a group. If the standard deviation of the shadows'
+/// positions, in px, is below this, a single shadow replaces them.
 constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// The highlights for one set of views, with tables of the views that are nearest to each lens point.
+/// The highlights as light that is added to one set of views. Contains tables of the views that are nearest
+/// to each lens point.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -66,17 +67,17 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The views that decide whether a source of light is visible. `nearest` contains the views nearest to
-    /// each cell of a table over the lens, which has `edge` by `edge` cells. `all` contains the views for
-    /// sources that are hardly blurred (Source::by_all).
+    /// The views that decide whether a source of light is visible. `nearest` is a table over the lens with
+    /// `edge` x `edge` cells, which contains the views nearest to each cell. `all` contains the views that
+    /// decide for sources that are hardly blurred (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
         std::vector<std::uint32_t> all;
     };
-    /// Returns the three views nearest to each cell of a table over the lens, which has `edge` by `edge`
-    /// cells. Distances are measured on the lens, in lens radii. `away2(view)` is added to the square of a
-    /// view's distance.
+    /// Returns the three views nearest to each cell of a table over the lens, which has `edge` x `edge`
+    /// cells. Distances on the lens are in lens radii. `away2(view)` is added to the squared distance, to
+    /// take the distance in time into account.
     template <typename Away>
     [[nodiscard]] static Nearest nearest_of(const std::vector<LensViewPoint>& views, int edge,
                                             const Away& away2);
@@ -94,9 +95,9 @@ class FieldHighlights::OverViews final : public Lights {
     /// (seen_share).
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Returns the fraction of the views that see the light source at a pixel. Only those views count that
-    /// are near the lens point through which the source's light reaches the pixel. If Source::by_all is set,
-    /// all views count. `at` is the centre of the pixel, in image px.
+    /// Returns the fraction of the views that see the light source at a pixel. Only views near the lens point
+    /// through which the source's light reaches the pixel count. If Source::by_all is set, views of the whole
+    /// lens count. `at` is the centre of the pixel, in image px.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Returns whether one view sees the source at a pixel of the tile.
@@ -108,9 +109,9 @@ class FieldHighlights::OverViews final : public Lights {
 
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
-    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. A
-    /// distance in time is converted to a distance on the lens. The whole exposure counts as
-    /// `lens_radii_of_open` lens radii.
+    /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. The
+    /// distance of a view combines the distances on the lens and in time. The duration of the exposure counts
+    /// as `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -183,7 +184,7 @@ bool FieldHighlights::sees(const Source& s, std::uint32_t texel, float inverse_z
     const Texel& t = sheets_.primary.texels[texel];
     const SheetKey& seen = sheets_.primary.sheets[t.sheet()].key;
     if (s.key.path.bits() == 0) return seen.id == s.key.id || inverse_z <= nearer * s.inverse_z;
-    // A reflected or transmitted source is visible if the view sees the object that reflects or transmits it.
+    // A source that is seen in a mirror or through glass is visible if the view sees the mirror or glass.
     if ((t.children() & child_bit(s.key.path.bounce(0))) == 0) return false;
     return s.key.path.depth() > 1 || seen.id == s.key.parent_id;
 }
@@ -195,9 +196,9 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // A visibility sample rasterises the surfaces in front of a group of highlights. Its cost is proportional
-    // to the area of the tile that the group's light reaches, and at least least_cost. The samples of all
-    // groups are limited by least_drawn.
+    // Choose the groups of highlights that get visibility samples, the brightest first. A sample rasterises
+    // the surfaces in front of a group. Its cost is the share of the tile that the group's light reaches, but
+    // at least least_cost. The total cost is limited by least_drawn.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -231,10 +232,10 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                                              Part& part) const {
     const Source& s = g.middle;
     const int width = part.x1 - part.x0, height = part.y1 - part.y0;
-    // Random offset of the positions at which the visibility of a group of highlights is sampled. It differs
-    // between groups, so that the groups do not all miss the same nearer surface. It also differs between
-    // sets of views, so that the difference between two images shows the error of the sampling. It is
-    // computed from the group's position, because the number of a group depends on the crop.
+    // Random offset of the positions at which visibility is sampled. It differs between groups, so that not
+    // all of them miss the same nearer surface. It differs between sets of views, so that the difference
+    // between their images shows the sampling error. It is computed from the group's position, because the
+    // number of a group depends on the crop.
     constexpr int next_row = 89;
     const glm::dvec2 turn = static_cast<double>(g.column + next_row * g.row) *
                                 glm::dvec2(0.7548776662466927, 0.5698402909980532) +
@@ -248,8 +249,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Patches (planar parts of surfaces) are sorted by the depths of their corners, so a later patch
-            // may still have nearer parts.
+            // Patches (planar parts of surfaces) are sorted by the depths of their corners. A later patch may
+            // still have nearer parts, so the loop does not end here.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -264,9 +265,9 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // A nearer surface casts one shadow for each highlight of a group. If these shadows can be told apart,
-    // four positions represent the highlights. The positions have the same standard deviation as the
-    // highlights.
+    // A nearer surface casts one shadow for each highlight of a group. If these shadows lie so far apart that
+    // their distance is visible, the group's centre is replaced by four points with the standard deviation of
+    // the highlights.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -311,7 +312,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // If all views count and nothing moves, all highlights of a group have the same visible share.
+        // Visibility is computed once for all highlights of a group if it is sampled, or if all views count
+        // and nothing moves.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

@@ -15,9 +15,8 @@
 namespace postlens {
 namespace {
 
-/// Identifies a surface by properties that a ray can determine. These are the path, the id of the last
-/// reflecting or transmitting object, the id of the surface, and the square of the raster in which the
-/// surface lies.
+/// Identifies a surface by what a ray can determine: the path, the id of the last reflecting or transmitting
+/// object, the id of the surface, and the square of the raster in which the surface lies.
 using SurfaceSeen = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
 
 SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at,
@@ -29,9 +28,10 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
     return {0, parent_id, id, square(at.x), square(at.y)};
 }
 
-/// Returns whether the records contain all light of a highlight. If the highlight is seen directly, the part
-/// that a nearer surface hides must be recorded. If it is seen in a mirror or through glass, nothing may hide
-/// it, and its reprojection by its matrix W must be accurate over the whole lens.
+/// Returns whether the records contain all light of a highlight that any lens point sees. For a highlight
+/// that is seen directly, the part that a nearer surface hides must be recorded, too. In a mirror or through
+/// glass, nothing may hide the highlight. Its reprojection by its 2x2 matrix W must also be accurate over the
+/// whole lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -41,9 +41,10 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 /// Returns whether some lens points see a surface edge-on or from behind. The records then lack light that
 /// the lens sees.
 ///
-/// The slopes of the surface are measured by rays through the pinhole at random points of `lights`, the
-/// directly visible highlights of object `id`. A slope is steep if a point of the lens's edge sees the plane
-/// edge-on. At least half of the slopes must be steep, because even a round surface is steep at its outline.
+/// Rays through the pinhole measure the slope of the surface at random points of `lights`, the directly
+/// visible highlights of object `id`. A slope is steep if some point on the rim of the lens sees the surface
+/// edge-on there. At least half of the slopes must be steep, because even a round surface is steep at its
+/// outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

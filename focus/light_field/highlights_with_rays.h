@@ -7,12 +7,12 @@
 
 namespace postlens {
 
-/// Restricts `rule` to highlights that a ray can recognise and applies it to `sheets`. Returns the radiance
-/// that rays must leave out.
+/// Restricts `rule`, which selects highlights, to those that a ray can recognise, and applies it to `sheets`.
+/// Returns the radiance of the selected highlights, which rays must leave out.
 ///
-/// A ray can only tell which surface it hits. For each surface, therefore, either all radiance above the
-/// limit is a highlight, or none. A surface has no highlights if rays get different radiance from it
-/// (SightRays::steady), or if the records do not contain all of its bright light.
+/// A ray only knows which surface it hits. On each surface, therefore, either all radiance above the limit is
+/// a highlight, or none. It is none if different rays get different radiance from the surface
+/// (SightRays::steady), or if the records lack some of its bright light.
 ///
 /// If nothing moves, rays then measure the edges of the highlights (measure_edges).
 [[nodiscard]] LightElsewhere leave_to_lens(TreeSheets& sheets, const SightRays& rays, const PatchLens& lens,

@@ -21,16 +21,17 @@ namespace {
 /// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
 /// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area of a small light, in px^2. The brightness of its circle of confusion is proportional to its area, so
-/// the area must be known well. A pixel with a small light therefore gets more rays, finest_rays along each
-/// axis, but only near the light's records. The error of the area is then at most 1 %.
+/// Area, in px^2, below which a light counts as small. The brightness of its circle of confusion is
+/// proportional to its area, so the area must be known well. Pixels with a small light are therefore measured
+/// with finest_rays x finest_rays rays, but only near the recorded light. The error of the area is then at
+/// most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// The measured area is divided into n x n squares. The rays of one square that hit the light form one
-/// highlight.
+/// The measured part of a pixel is divided into squares, this many along each axis. The rays that hit the
+/// light in one square form one highlight.
 constexpr int edge_squares = 8;
-/// Limits for the number of pixels that are measured. At most this share of the cells of all sheets is
-/// measured, or least_measured if that is more. If more pixels contain an edge, none are measured.
+/// Limit for the number of pixels that are measured. It is this fraction of the number of cells of all
+/// surfaces, or least_measured if that is more. If more pixels contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// If the highlights in a pixel cover more than this area, in px^2, they fill the whole pixel.
@@ -55,18 +56,20 @@ struct BrightSurface {
     std::span<const Highlight> lights;  ///< sorted by pixel
 
     [[nodiscard]] std::span<const Highlight> at(const Pixel& pixel) const;
-    /// Returns, in order, the pixels that an edge of the bright part crosses or may cross.
+    /// Returns, in order, the pixels that an edge of the highlights crosses or may cross.
     ///
     /// Leaves out pixels in which a nearer surface hides a part of the light, because rays through the
-    /// pinhole do not reach that part. For larger lights, pixels in mirrors and glass are left out, too. The
-    /// same applies if the records there are closer together than the rays.
+    /// pinhole do not reach that part. If the light is not small, pixels in mirrors and glass are left out,
+    /// too, and so are pixels whose records are closer together than the rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
-    /// Returns the part of a pixel into which the recorded light of the pixel and its neighbours may extend.
+    /// Returns the part of a pixel into which the light that is recorded in the pixel and its neighbours may
+    /// extend.
     [[nodiscard]] EdgeArea near_records(const Pixel& pixel) const;
-    /// Returns the highlights of a pixel as seen by `across` x `across` rays.
+    /// Traces `across` x `across` rays through a part of a pixel, and returns the highlights that they hit.
     [[nodiscard]] std::vector<Highlight> measured(const EdgeArea& area, std::size_t across,
                                                   const SightRays& rays, const LightElsewhere& less) const;
-    /// Returns the highlight nearest to a position in a pixel. The pixel or a neighbour must contain one.
+    /// Returns the recorded highlight nearest to the position (x, y). The pixel or one of its neighbours must
+    /// contain a highlight.
     [[nodiscard]] const Highlight& nearest(const Pixel& pixel, float x, float y) const;
 };
 
@@ -82,7 +85,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light ends somewhere between two records. Each record represents a quarter of its cell.
+            // The light may extend to the next record, which is one edge of a cell away. A record represents
+            // a quarter of its cell.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -137,7 +141,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // Within two pixels, a small light has at most this area. A large light has more.
+            // Total area of the light within two pixels. It decides whether the light is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {
@@ -170,8 +174,8 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depths of highlights of one surface, and the slopes of the depths. lines[i] goes through the
-/// pinhole to lights[i]. Only highlights that are seen directly are measured.
+/// Measures the depths and slopes of highlights of one surface with rays. lines[i] passes through the pinhole
+/// and lights[i]. Only highlights that are seen directly are measured.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;
@@ -186,7 +190,8 @@ void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> line
     }
 }
 
-/// The same for highlights that were recorded, by lines through their positions.
+/// Measures the depths and slopes of recorded highlights, with rays through the pinhole and the highlights'
+/// positions.
 void measure_slopes(std::span<Highlight> lights, const NodeIdentity& node, const SightRays& rays) {
     constexpr std::size_t lines_per_task = 4096;
     parallel_for((lights.size() + lines_per_task - 1) / lines_per_task, [&](std::size_t task) {

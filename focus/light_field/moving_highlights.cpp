@@ -11,17 +11,16 @@ namespace {
 
 /// Number of instants at which a highlight's position is computed, to find its speed.
 constexpr int looks = 64;
-/// Largest distance that a moving highlight covers from one instant to the next. The limit is step_px (in px)
-/// or step_of_blur times the CoC radius, whichever is larger.
+/// Largest distance that a moving highlight may cover between two of its instants: step_px (in px), or
+/// step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// Constants that vary the instants of a highlight with its raster position. The exposure is divided into
-/// equal intervals with one instant each, and each interval into `turns` subintervals. The raster position,
-/// multiplied by turn_x and turn_y, selects the subinterval. Highlights a quarter or half a pixel apart thus
-/// get different instants.
+/// Constants with which the instants of a highlight depend on its raster position, so that highlights a
+/// quarter or half a pixel apart have different instants. The exposure is divided into equal intervals with
+/// one instant each, and each interval into `turns` parts. The fractional part of x * turn_x + y * turn_y
+/// selects the part.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
-/// Limit for the position and the CoC radius of a highlight, in px. If one of them exceeds the limit, the
-/// highlight is ignored.
+/// Limit for the position and the CoC radius of a highlight, in px. A highlight that exceeds it is ignored.
 constexpr double farthest_px = 1e5;
 
 }  // namespace
@@ -47,8 +46,8 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // The area is computed from the positions of neighbouring points. A surface that comes nearer becomes
-    // larger.
+    // The displacements of two neighbouring points are used to compute the area, because a surface that comes
+    // nearer becomes larger.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -18,19 +18,19 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Largest total area, in px^2, of the highlights of one surface within a square of the raster, for which
-    /// they are spread as streaks of impulse responses. Larger highlights already form streaks in the mean of
-    /// the views.
+    /// Largest total area, in px^2, of the highlights of one surface within a square of the raster that are
+    /// spread as streaks of impulse responses. Larger highlights already form streaks in the mean of the
+    /// views.
     static constexpr float largest_px2 = 64;
-    /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
-    /// highlights already look smooth in the mean of the views.
+    /// Smallest radiance of a highlight that is spread as a streak, measured from the limit for highlights.
+    /// Dimmer highlights already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 
     /// Returns the motion of an object from the recorded instant to another instant. At that instant, the
     /// fraction `u` (from 0 to 1) of the exposure has passed.
     using Map = std::function<RasterMap(std::uint32_t id, double u)>;
-    /// `moves` returns whether an object moves on the raster. `lens` determines the size of the impulse
-    /// responses.
+    /// `moves` returns whether an object moves on the raster, and `map` returns its motion. `lens` determines
+    /// the size of the impulse responses.
     HighlightMotion(std::function<bool(std::uint32_t id)> moves, Map map, PatchLens lens);
 
     /// Returns whether the surface with this key (its path and object) is seen directly and moves.
@@ -43,10 +43,10 @@ class HighlightMotion {
         double u = 0;      ///< fraction of the exposure that has passed, 0 to 1; -1 if always present
         double share = 1;  ///< share of the highlight's energy
     };
-    /// Returns the number of instants that form a highlight's streak. It is a power of two of at most
-    /// `most_moments`, and 1 if the highlight does not move. The number is so large that the highlight moves
-    /// and grows by at most half a pixel from one instant to the next. If the highlight is blurred, these
-    /// steps may be as large as a quarter of its CoC radius.
+    /// Returns how many instants are needed, so that the impulse responses of a highlight form a continuous
+    /// streak. From one instant to the next, the highlight may move and grow by at most half a pixel, or by a
+    /// quarter of its CoC radius if that is more. The number is a power of two, and at most `most_moments`.
+    /// It is 1 if the highlight does not move.
     [[nodiscard]] int moments_wanted(const Highlight& light, const SheetKey& key) const;
     static constexpr int most_moments = 256;
     /// Returns the highlight at `count` instants, one in each of `count` equal parts of the exposure.

@@ -7,7 +7,7 @@ namespace postlens {
 namespace {
 
 /// Limit for the steepness of a patch (planar part of a surface). Seen from the edge of the lens, its size
-/// may differ at most by this fraction.
+/// may differ by at most this fraction from its size seen from the centre.
 constexpr double most_stretch = 0.25;
 constexpr std::uint32_t nobody = 0xFFFFFFFFU, several = 0xFFFFFFFEU;
 
@@ -79,8 +79,8 @@ void OneSurfaceFinder::add(const PatchMesh& primary, const PatchMesh& deeper) {
                 if (owner_[c] != id) owner_[c] = several;
             });
             if (mesh == &deeper) continue;
-            // Adds to each cell the number of pixels that the patch has there. If all patches together have
-            // more pixels than the cell, the surface overlaps itself there.
+            // Count the recorded pixels of the patch in each cell. If all patches together have more pixels
+            // than a cell, the surface overlaps itself there.
             const glm::dvec2 corner = mesh->corner(p);
             for (int y = 0; y < p.height; ++y) {
                 for (int x = 0; x < p.width; ++x) {

@@ -1,4 +1,5 @@
-// Finds the parts of an image that show a single surface. Scattering is exact there.
+// Finds the parts of an image in which all lens points see a single surface. The method `scatter` is exact
+// there.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +11,8 @@
 namespace postlens {
 
 /// One value per cell of `edge` x `edge` px of the window, row by row. The value is 1 if all lens points see
-/// a single object in the cell, and 0 otherwise. It is also 0 if the object's surface overlaps itself or is
-/// too steep for the lens.
+/// the same object in the cell, and if its surface neither overlaps itself nor is too steep for the lens.
+/// Otherwise it is 0.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -31,7 +32,7 @@ struct OneSurface {
 class OneSurfaceFinder {
   public:
     /// `lens_px` is half the width and height of the lens's bounding box, in m, times the gain (film distance
-    /// / pixel pitch), in px.
+    /// / pixel pitch, in px).
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
     /// Adds patches of directly visible surfaces (`primary`) and of reflected and transmitted surfaces
     /// (`deeper`, which may be empty).
