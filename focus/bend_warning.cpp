@@ -32,8 +32,8 @@ class Misplaced {
 };
 
 /// Returns half the width of a record's blur, in px. It is the root mean square of the singular values of
-/// gain R (I/s - W), the linear map from the lens to the image. R is the aperture radius, s the focus
-/// distance and W the record's 2x2 matrix.
+/// gain R (I/s - W), the linear map from the lens to the image. The gain is the film distance in px, R the
+/// aperture radius, s the focus distance and W the record's 2x2 reprojection matrix.
 double blur_px(const Record& r, const FocusGeometry& lens) {
     const double s = lens.inverse_focus_per_m;
     const double a = s - static_cast<double>(r.w.xx), b = static_cast<double>(r.w.xy),

@@ -34,7 +34,8 @@ class MisplacedLight {
     /// Adds the records of the image rows [y_begin, y_end), which must be in `band`. The caller must add each
     /// row of the file exactly once, from top to bottom.
     void add(const RecordBand& band, int y_begin, int y_end);
-    /// Returns the misplaced radiance per pixel, row by row. The result is empty if no node is misplaced.
+    /// Returns, for each pixel, the radiance at wrong positions, row by row. The result is empty if there is
+    /// none.
     [[nodiscard]] std::vector<float> picture() const;
 
   private:

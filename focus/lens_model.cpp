@@ -42,7 +42,7 @@ class LensModel final : public ResponseModel {
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
         // An upper bound of the displacement by the anisotropic part of the map, which mirrors and glass
-        // cause. The factor 1.5 allows for a pupil that is up to 1.5 times as large.
+        // cause. The factor 1.5 allows for a pupil up to 1.5 times as large as the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
     }
@@ -74,8 +74,8 @@ class LensModel final : public ResponseModel {
 
   private:
     // Returns the mean of the diagonal of W, a sample's 2x2 reprojection matrix. It corresponds to the
-    // inverse depth 1/z'. `map_px` is gain R (I/s - W), where R is the aperture radius and s the focus
-    // distance.
+    // inverse depth 1/z'. `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the
+    // aperture radius and s the focus distance.
     [[nodiscard]] double inverse_depth_per_m(const glm::dmat2& map_px) const {
         return geometry_.inverse_focus_per_m -
                mean_of(map_px) / (geometry_.gain_px * geometry_.aperture_radius_m);

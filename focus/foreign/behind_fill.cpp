@@ -37,8 +37,8 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// Only the last sample of a pixel's stack takes part in the search. A pixel whose samples do not add up to
-/// an opaque one counts as empty space, unless it is marked in `fills_`.
+/// The search compares pixels by the last samples of their stacks. A pixel that is not opaque counts as empty
+/// space, unless it is marked in `fills_`.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)

@@ -1,4 +1,4 @@
-// Estimates what a flat image does not show, but a lens sees past an edge: a farther surface or empty space.
+// Estimates what a lens sees past an edge but a flat image does not show: a farther surface or empty space.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +12,9 @@
 
 namespace postlens {
 
-/// Returns the window that contains the raster and the pixels that the file stores. The content of these
-/// pixels is known: pixels of the raster that are not stored are empty space.
+/// Returns the window that contains the raster (the file's display window) and all pixels that the file
+/// stores. The content of these pixels is known, because pixels of the raster that are not stored are empty
+/// space.
 [[nodiscard]] inline RasterWindow known_pixels(const ForeignPicture& p) {
     return {std::min(0, p.x_begin), std::max(p.width, p.x_end), std::min(0, p.y_begin),
             std::max(p.height, p.y_end)};

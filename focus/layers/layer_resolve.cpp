@@ -13,8 +13,8 @@ using Kind = LayerPart::Kind;
 /// kernels of the mirror or glass.
 constexpr double enough_weight = 0.05;
 
-/// The sums of one path (sequence of reflections and transmissions) at a pixel, and the path's radiance
-/// there.
+/// The sums of the splats (impulse responses) of one path at a pixel, and the path's radiance there. A path
+/// is a sequence of reflections and transmissions.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -62,9 +62,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Converts the sums of a path (sequence of reflections and transmissions) at a pixel to fragments, one per
-/// surface. Adds to each fragment the radiance of those paths in `longer` that continue this path. Returns
-/// the sum of the weights.
+/// Converts the sums of one path (sequence of reflections and transmissions) at a pixel to fragments, one per
+/// surface that is seen along the path. Adds to each fragment the radiance of those paths in `longer` that
+/// continue this path. Returns the sum of the weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -109,7 +109,8 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The longer path has already added its radiance to `out.rgb`, so no substitute is blended in.
+        // The path that continues this one has already added its radiance to `out.rgb`, so no substitute is
+        // needed for missing records.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

@@ -7,11 +7,11 @@
 namespace postlens {
 namespace {
 
-/// CoC radii, in px, from which samples are placed only in steps of a quarter pixel or of a whole pixel. More
-/// samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
+/// CoC radii, in px, from which samples are placed only at multiples of a quarter pixel, or of a whole pixel.
+/// More samples of a pixel then share a kernel and are merged. The effect on blurred edges is not visible.
 constexpr double quarter_steps_from_px = 3, whole_steps_from_px = 12;
-/// Radii, in px, with which `phases` places samples in steps of a quarter pixel and of a whole pixel. They
-/// replace the true radius.
+/// Radii, in px, that are passed to NodeResponses::phases instead of the true radius, so that it places
+/// samples in steps of a quarter pixel or of a whole pixel.
 constexpr double quarter_steps_radius_px = 17, whole_steps_radius_px = 257;
 
 constexpr double tiny_px = 1.0 / (2 * KernelKey::phase_steps);

@@ -131,8 +131,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // In a moving scene, a mirror and its reflection move differently on the raster. A negative follow_px
-    // makes all reflected and transmitted surfaces be drawn separately.
+    // In a moving scene, a mirror and its reflection move differently on the raster. With a negative
+    // follow_px, reflected and transmitted surfaces are drawn separately from the mirror or glass.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
@@ -277,9 +277,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // With rays, the whole lens is also assumed. Rays replace the reflected and transmitted surfaces of a
-        // piece (square of the image) if this takes less time than drawing them. This choice must not depend
-        // on the views of this call.
+        // `lens_reach_px` covers the whole lens if there are highlights or rays. Rays replace the reflected
+        // and transmitted surfaces of a piece (square of the image) if this takes less time than drawing
+        // them. This choice must not depend on the views of this call.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

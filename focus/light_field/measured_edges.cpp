@@ -85,8 +85,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light may extend to the next record, which is one edge of a cell away. A record represents
-            // a quarter of its cell.
+            // The light may extend to the next record, which is one cell edge away. The edge is 2 sqrt(area),
+            // because a record represents a quarter of its cell.
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));

@@ -6,7 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Radius, in px, that is passed to phases_of if it shall use steps of at least a quarter pixel.
+/// Radius, in px, that is passed to phases_of so that it uses subpixel positions in steps of at least a
+/// quarter pixel.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -61,9 +62,9 @@ NodeResponse NodeResponses::to_w(const Mat2& w, const glm::dvec2& place_px) cons
         !response_->takes_maps()) {
         return to_depth((xx + yy) / 2, place_px);
     }
-    // Seen from the lens point q, the image of a record is displaced by gain (s I - W) q. W is the record's
-    // 2x2 matrix and s the inverse focus distance. `map` is this linear map in px per lens radius. glm
-    // matrices are column-major.
+    // Seen from the lens point q, the image of a record is displaced by gain (s I - W) q. The gain is the
+    // film distance in px, s the inverse focus distance and W the record's 2x2 reprojection matrix. `map` is
+    // this linear map in px per lens radius. glm matrices are column-major.
     const double s = geometry_.inverse_focus_per_m;
     const glm::dmat2 map(scale * (s - xx), -scale * yx, -scale * xy, scale * (s - yy));
     NodeResponse out;

@@ -76,9 +76,9 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // `map_px` is gain R (I/s - W), where R is the aperture radius, s the focus distance and W the
-            // 2x2 matrix of a record. The mean of W's diagonal corresponds to the inverse depth 1/z', and is
-            // computed from `map_px` here.
+            // `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the aperture radius,
+            // s the focus distance and W a record's 2x2 reprojection matrix. The mean of W's diagonal, which
+            // corresponds to the inverse depth 1/z', is computed from `map_px` here.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }

@@ -16,10 +16,10 @@ struct BorderRadii {
     std::vector<float> left, right;  ///< per row, from y_begin on
 
     explicit BorderRadii(const RasterWindow& source);
-    /// Raises the radii at the border to the radius of a sample in the pixel row y, if the sample lies there.
-    /// Several threads may add different rows at the same time.
+    /// Raises the radius at the position of a sample to `radius_px`, if the sample lies on the border. `y` is
+    /// the sample's row of pixels. Several threads may add different rows at the same time.
     void note(const RasterWindow& source, const PointSample& sample, int y, double radius_px);
-    /// Updates the radii at all corners of the pixel (x, y) with the given radius.
+    /// Raises the radii at the corners of the pixel (x, y) to `radius_px`, if they lie on the border.
     void note_pixel(const RasterWindow& source, int x, int y, double radius_px);
 };
 
