@@ -1,5 +1,5 @@
-// Adds channels for compositors to the file of a focused image. These channels are the CoC, Cryptomatte, the
-// error, and each pixel's shares in front of, in and behind the focus.
+// Adds channels for compositing to a focused image: the CoC, Cryptomatte, the error, and the shares of each
+// pixel that lie in front of, in and behind the focus.
 #pragma once
 
 #include <string>

@@ -49,8 +49,8 @@ class BehindSearch {
     /// Both `picture` and `geometry` must outlive the search. `aberration_px` is the distance by which
     /// spherical aberration spreads light beyond the CoC radius.
     BehindSearch(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px = 0);
-    /// Sets `out` to the estimates behind the stored pixels of row `y` of the picture. Several threads may
-    /// call this function at the same time.
+    /// Sets `out` to the estimated surfaces behind the stored pixels of row `y` of the picture. Several
+    /// threads may call this function at the same time.
     void row(int y, std::vector<Behind>& out) const;
 
   private:

@@ -52,7 +52,8 @@ class LayerSplats::RowBuilder {
     void add_tree(const PointSample& s, std::span<const Record> nodes, LayerPart::Kind kind);
     void add_hidden_chains(const PointSample& s, std::span<const Record> nodes, const NodeResponse& primary,
                            SurfaceKey surface);
-    /// Returns the node of the current shading tree with this path, or null if there is none.
+    /// Returns the node of the current eye ray's shading tree with this path (sequence of reflections and
+    /// transmissions), or null if there is none.
     [[nodiscard]] const Met* met_at(NodePath path) const;
     /// Returns the node whose kernel blurs the outline of the node `from`. It differs from `from` for the far
     /// side of a glass object.

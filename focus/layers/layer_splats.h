@@ -80,7 +80,7 @@ struct LayerRun {
     std::uint32_t begin = 0, end = 0;
 };
 
-/// The splats (impulse responses) of one LayerPart whose anchors lie in one tile of 64 x 64 raster px.
+/// The splats (impulse responses) of one LayerPart that are placed in one tile of 64 x 64 raster px.
 struct LayerCell {
     std::uint32_t part = 0;
     std::uint32_t tile_row = 0;
@@ -104,8 +104,9 @@ class LayerSplats {
                 const DepthLevels& levels, DepthModel model,
                 std::shared_ptr<const ResponseModel> response = nullptr);
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must also have the row above and
-    /// the row below, if the source window has them. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` contains the records of these
+    /// rows. It must also contain the row above and the row below, if the source window has them. Throws
+    /// Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }

@@ -139,7 +139,8 @@ __attribute__((always_inline)) inline void add_run(std::span<const Values> value
         convolve<Values>(values, taps, x + row.x_begin, y, 0, width, sums);
         return;
     }
-    // The differences between neighbouring pixels are 0 inside the uniform part of the row.
+    // Inside the uniform part of the row, the differences between neighbouring pixels are 0. Only the two
+    // edges of this part are therefore added.
     int from = 0;
     if (x + row.x_begin < 0) {
         Values sum;

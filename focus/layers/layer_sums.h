@@ -1,4 +1,5 @@
-// Sums of the splats (impulse responses) of one LayerPart over a block of pixels.
+// Sums, over a block of pixels, of the splats (impulse responses) of one LayerPart, for example of one
+// surface.
 #pragma once
 
 #include <array>

@@ -185,7 +185,7 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
                                                  p.moving());
 }
 
-/// Describes the light field. The caller adds the surfaces and the sets of views.
+/// Returns a description of the light field without surfaces and views, which the caller adds.
 PatchField FieldFocuser::outline() const {
     const Prepared& p = *prepared_;
     PatchField field;

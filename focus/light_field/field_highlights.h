@@ -1,4 +1,5 @@
-// Spreads the highlights of a light field by their exact impulse responses. Nearer surfaces hide highlights.
+// Spreads the highlights of a light field with their exact impulse responses. Nearer surfaces may hide a
+// highlight.
 #pragma once
 
 #include <memory>

@@ -59,8 +59,8 @@ class FieldStrips {
     /// Visits all surfaces of an instant, in parts and in any order. `visit` is called by only one thread at
     /// a time.
     void visit(std::size_t instant, const SurfacesVisit& visit);
-    /// Divides the window's rows into strips of whole rows of tiles. Each strip has at most `most_records`
-    /// records, unless a single row of tiles already has more.
+    /// Divides the window's rows into strips, each of which consists of whole rows of tiles (squares of the
+    /// image). A strip has at most `most_records` records, unless a single row of tiles already has more.
     [[nodiscard]] std::vector<std::pair<int, int>> strips(const RasterWindow& window,
                                                           double most_records) const;
 

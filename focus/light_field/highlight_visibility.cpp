@@ -1,4 +1,5 @@
-// Computes the share of each highlight's light that reaches a pixel of a tile, in a set of views.
+// Computes, for a set of views, the share of each highlight's light that reaches the pixels of a tile (square
+// of the image).
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -87,8 +88,8 @@ class FieldHighlights::OverViews final : public Lights {
         if (s.u < 0 || timed_.empty()) return always_;
         return timed_[static_cast<std::size_t>(std::clamp(s.u * spans, 0.0, spans - 1.0))];
     }
-    /// Returns the groups of neighbouring highlights whose light reaches the tile, with the number of
-    /// visibility samples per pixel for each group.
+    /// Returns the groups of neighbouring highlights whose light reaches the tile (square of the image), with
+    /// the number of visibility samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
     /// Sets the visible share of a group in each pixel to the share of the views that see the group's centre

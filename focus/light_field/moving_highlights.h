@@ -1,5 +1,5 @@
-// Highlights that move during the exposure. Each has impulse responses at so many instants that they form a
-// continuous streak.
+// Highlights that move during the exposure. Each is spread by its impulse responses at so many instants that
+// they form a continuous streak.
 #pragma once
 
 #include <cstdint>

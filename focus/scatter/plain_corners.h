@@ -23,9 +23,9 @@ namespace postlens {
     return node.r == 0 && node.g == 0 && node.b == 0;
 }
 
-/// The plain corners of some rows, stored row by row with the width of the band. A plain corner has weight 1,
-/// and only its first surface has radiance. Corners on the border of the raster have fewer than four pixels
-/// around them and are never plain.
+/// The plain corners of some rows, with one element per pixel corner, row by row. A plain corner has weight
+/// 1, and only its first surface has radiance. Corners on the border of the raster have fewer than four
+/// pixels around them and are never plain.
 struct PlainCorners {
     /// 1/z' of the corner at each column, in 1/m. Corners that are not plain have the value `not_plain`.
     std::vector<double> inverse_depth;
@@ -46,8 +46,8 @@ struct PlainCorners {
     static constexpr double not_plain = -1;
 };
 
-/// Finds the plain corners in those rows of `band` for which `samples` has samples. Reuses the memory of
-/// `out`.
+/// Finds the plain corners in the rows of `samples`. `band` contains the records of these rows. Reuses the
+/// memory of `out`.
 void find_plain_corners(const RecordBand& band, const PointSamples& samples, PlainCorners& out);
 
 }  // namespace postlens

@@ -1,4 +1,5 @@
-// Scatters runs with SIMD. A run consists of adjacent corner samples that share a disc.
+// Scatters runs with SIMD. A run consists of adjacent samples at pixel corners whose impulse responses are
+// the same disc.
 #pragma once
 
 #include <vector>

@@ -84,8 +84,9 @@ class SplatTables {
     SplatTables(SplatTables&&) = delete;
     SplatTables& operator=(SplatTables&&) = delete;
 
-    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` must also have the row above and
-    /// the row below, if the source window has them. Throws Error(invalid_input) if a quadtree is damaged.
+    /// Adds the rows [y_begin, y_end) of pixel corners, in parallel. `band` contains the records of these
+    /// rows. It must also contain the row above and the row below, if the source window has them. Throws
+    /// Error(invalid_input) if a quadtree is damaged.
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }

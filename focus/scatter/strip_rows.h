@@ -36,8 +36,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of a row. Call it before all items of the row are added again, in order. Several
-    /// threads may call it, and `add`, for different rows.
+    /// Removes the items of row y, before they are added again, in order. Several threads may call this
+    /// function and `add` at the same time, for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -101,8 +101,8 @@ class StripRows {
         }
         return out;
     }
-    /// Returns the number of items that reach the blocks [begin, end). Call it after all rows have been
-    /// added.
+    /// Returns the number of items that reach the rows of blocks [begin, end). Call it after all rows have
+    /// been added.
     [[nodiscard]] std::uint64_t reaching(int begin, int end) const {
         std::uint64_t out = 0, gone = 0;
         for (const Row& r : rows_) {
