@@ -1,4 +1,4 @@
-// The exposure of a scene: the scale of its light relative to white (docs/exposure.md).
+// The exposure of a scene: the factor, in stops, by which all its light is multiplied (docs/exposure.md).
 #pragma once
 
 #include <string>

@@ -30,9 +30,9 @@ double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// Renders each tile in rounds of a few samples per pixel. The rays of a round are always traced together, and
-// samples are added one at a time. The result is therefore bit-identical for any number of threads, and also
-// if the render was interrupted.
+// Renders the image in tiles, and each tile in rounds of a few samples per pixel. The rays of a tile in one
+// round are traced together, and their radiance is added in a fixed order. The result is therefore
+// bit-identical for any number of threads, and also if the render was interrupted.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)
@@ -70,15 +70,15 @@ class Renderer {
     }
 
     /// Returns the number of blocks into which the samples of a pixel are divided, and the number of groups
-    /// in each block. The rays of a group are traced together.
+    /// in each block. A group is up to 16 samples of a pixel whose rays are traced together.
     static std::pair<int, int> division(int spp_asked, bool halves) {
         const int spp = spp_asked / (halves ? 2 : 1), group = std::min(spp, RayBatch::group),
                   groups = (spp + group - 1) / group,
                   block = (groups + most_sample_blocks - 1) / most_sample_blocks;
         return {(groups + block - 1) / block, block};
     }
-    /// The blocks of samples that this run renders. These are all blocks, unless the render is divided into
-    /// parts.
+    /// The sample blocks [begin, end) that this run renders. These are all blocks, unless the run renders
+    /// only a part of the samples (--share).
     struct Blocks {
         int begin = 0, end = 0;
         bool with_open = false;  ///< a block has several groups of samples, and blocks are added to one sum
@@ -112,8 +112,8 @@ class Renderer {
         return state_.samples[0][pixel] + (halves_ == 2 ? state_.samples[1][pixel] : 0);
     }
 
-    // Returns the number of finished rounds of a tile. All pixels of the tile have the same number, so only
-    // the first is read. `tile` is an index into the list of tiles to render.
+    // Returns the number of finished rounds of a tile. `tile` is an index into tiles_. All pixels of the tile
+    // have the same number of samples, so only the first pixel is read.
     [[nodiscard]] int rounds_done(std::size_t tile) const {
         const std::size_t pixel = first_pixel(tile);
         int done = 0;
@@ -175,8 +175,8 @@ class Renderer {
             double* sum = state_.sums[half].data() + block * pixels_of_block + 3 * std::size_t{pixel};
             double* open =
                 state_.open[half].empty() ? nullptr : state_.open[half].data() + 3 * std::size_t{pixel};
-            // The sum of every block starts at 0, as in a part of the render that contains only this block.
-            // The two sums are then bit-identical.
+            // Each block is summed from 0 before it is added to the total. A run that renders only this block
+            // (--share) sums it in the same order, so both results are bit-identical.
             glm::dvec3 of_block = open == nullptr ? glm::dvec3(0) : glm::dvec3(open[0], open[1], open[2]);
             if (is_part_) of_block = glm::dvec3(sum[0], sum[1], sum[2]);
             for (int i = 0; i < count; ++i, ++ray) {

@@ -54,12 +54,12 @@ struct RenderSettings {
     /// resumed run may use another crop.
     std::optional<Crop> crop;
     std::string made_by;  ///< written to the image files (Image::made_by)
-    /// Text stored in each file to mark it as a part of a render (records/picture_part.h). If empty, the
-    /// files are ordinary images.
+    /// Text that marks each written file as a part of a render (pictures/picture_part.h). If empty, the files
+    /// are ordinary images.
     std::string part_mark;
-    /// Used with `part_mark`. This run renders only part number `sample_share[0]` of `sample_share[1]` parts
-    /// of the samples of every pixel (render_state.h). The two halves of the samples are then not written to
-    /// separate files.
+    /// If set, this run renders only part number [0] (counted from 0) of [1] parts of the samples of every
+    /// pixel (render_state.h). Both halves of the samples are then written to one file. Used with
+    /// `part_mark`.
     std::optional<std::array<int, 2>> sample_share;
 };
 
@@ -85,10 +85,10 @@ struct RenderResult {
 /// additional channels contain the sums from which the render resumes.
 [[nodiscard]] std::filesystem::path partial_path(const std::filesystem::path& path);
 
-/// Renders to the file `path`, and to half_paths. The file is bit-identical for any number of threads, and
-/// also after an interruption. Throws Error(wrong_arguments) if a setting is out of range. Throws
-/// Error(interrupted) after writing partial_path. Throws Error(invalid_input) if that file is damaged or has
-/// other settings. Also throws Error(out_of_memory) and Error(cannot_write).
+/// Renders to the file `path`, and with `halves` also to half_paths. The files are bit-identical for any
+/// number of threads, and also if the render was interrupted and resumed. Throws Error(wrong_arguments) if a
+/// setting is out of range, Error(interrupted) after writing partial_path, Error(invalid_input) if the file
+/// to resume from is damaged or has other settings, Error(out_of_memory) and Error(cannot_write).
 RenderResult render_to_file(const Scene& scene, const RenderSettings& settings,
                             const std::filesystem::path& path);
 

@@ -77,8 +77,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the field position as Aperture defines it. This is the tangent of the direction from the pinhole,
-// divided by the tangent of the direction to the image's corner.
+// Returns the position at which a ray with the given tangent meets the image. It is measured from the image
+// centre, in units of half the image diagonal, as in Aperture.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }

@@ -36,25 +36,27 @@ class LensCamera {
     /// orthographic camera must be a pinhole.
     LensCamera(const Camera& camera, const CameraModel& model, const Settings& settings);
 
-    /// Sixteen samples with given lens points, in lens radii along the raster's axes. Not for use with a lens
-    /// prescription.
+    /// Sixteen samples with explicit lens points instead of random numbers. x and y are raster positions, px.
+    /// The lens points are in lens radii, along the raster's axes. Not for cameras with a lens prescription.
     struct PointSamples {
         alignas(64) std::array<float, 16> x, y;
         std::array<glm::dvec2, 16> lens;
         alignas(64) std::array<float, 16> time;
     };
-    /// Adds rays through given lens points. The rays equal those of the other add_rays, except for rounding.
+    /// Adds rays through explicit lens points to the batch. For the same lens points, the overload for
+    /// LensSamples adds the same rays, except for rounding.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
     /// Adds one group of 16 rays with unit directions to the batch. The rays get times only if the batch has
     /// times. If `loses_rays()` is true, the transmittance of the lens for each ray is appended to `weights`.
     /// Rays with a transmittance of 0 are set to hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
-    /// True if the transmittance of the lens may be below 1 for some rays. If false, `weights` stays empty.
+    /// True if the lens may block part of the light of some rays. add_rays then appends their transmittances
+    /// to `weights`. If false, add_rays leaves `weights` unchanged.
     [[nodiscard]] bool loses_rays() const { return view_ || (aperture_ && aperture_->varies_over_field()); }
 
-    /// A ray computed in double precision, as the reference for tests. `Ray::time` is a fraction of the time
-    /// span.
+    /// A ray in double precision, used as the reference in tests. `time` is a fraction of the shutter
+    /// interval, 0 to 1.
     struct Ray {
         glm::dvec3 origin{0}, direction{0, 0, -1};
         double time = 0;
@@ -62,15 +64,15 @@ class LensCamera {
     };
     [[nodiscard]] Ray ray(double x, double y, double lens_u, double lens_v, double time) const;
 
-    /// Returns the raster position, px, at which the pinhole sees a point of a ray. The ray starts at `unit`,
-    /// a lens point in lens radii. It passes through the point of the plane in focus that the pinhole sees at
-    /// (x, y). `t` is the distance from the lens to the point on the ray, m. Not for a lens prescription.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance `t`, m, on a ray. The
+    /// ray starts at the lens point `unit`, in lens radii. It is the ray that the lens focuses at the raster
+    /// position (x, y). Not for cameras with a lens prescription.
     [[nodiscard]] glm::dvec2 pinhole_px(double x, double y, const glm::dvec2& unit, double t) const;
 
-    /// Returns the inverse depth 1/z' of a world point, 1/m, and the two components of its gradient over the
-    /// raster, 1/m per px. The gradient is that of the plane through the point with the given normal. All
-    /// three values are 0 if this plane contains the middle of the lens, or if the camera is orthographic.
-    /// Not for a camera that moves.
+    /// Returns the inverse depth 1/z' of the point `world`, 1/m, and its two derivatives along the raster's
+    /// axes, 1/m per px. The derivatives are those of the plane through `world` with the given normal. All
+    /// three values are 0 if the pinhole sees this plane edge-on or if the camera is orthographic. The camera
+    /// must not move.
     [[nodiscard]] glm::dvec3 inverse_depth(const glm::dvec3& world, const glm::dvec3& normal) const;
 
     /// Returns the scale of the image at a world point, px per metre perpendicular to the optical axis. 0 for

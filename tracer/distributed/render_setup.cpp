@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Placeholder for the f-number of a lens prescription while its own f-number is not yet known. Any finite
-/// value would do.
+/// Temporary f-number of a lens prescription whose own f-number is computed later. It only matters that this
+/// value is finite.
 constexpr double wide_open = 1;
 
 void check(const RenderSettings& s) {

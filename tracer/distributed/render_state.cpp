@@ -27,13 +27,13 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes the layout of a part of a render. It contains the number of
-/// halves, the range of blocks, and whether a block is unfinished.
+/// Name of the file attribute that describes the channels of a file, as JSON: the number of halves of the
+/// samples, the number of blocks, whether there is a sum of an unfinished block, and the exposure in stops.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit words per pixel. Each word is a channel of the file. The colour takes three
-// words. For each half of the samples, there is a sample count and a sum of three doubles for every block.
-// With `with_open`, each half has one more sum, that of the unfinished block.
+// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each half of the samples has 1
+// channel for its sample count, and 6 channels (three doubles) for each sum of samples. There is one sum per
+// block, and one for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -43,8 +43,8 @@ std::size_t words_per_pixel(const RenderState& s) {
     return words_per_pixel(s.halves, s.blocks, !s.open[0].empty());
 }
 
-/// Returns the channels of the file. Each channel points to its first word in `words`. The pointers are null
-/// if `words` is null.
+/// Returns the channels of the file, one for each 32-bit word of a pixel. `words` holds the words of all
+/// pixels. Each channel points to its word of the first pixel. If `words` is null, the pointers are null.
 std::vector<FlatExr::Channel> channels(const RenderState& s, const std::uint32_t* words) {
     std::vector<FlatExr::Channel> out;
     const auto add = [&](std::string name, ExrChannel::Type type) {
@@ -145,8 +145,8 @@ RenderState::RenderState(int w, int h, int count, double stops, int blocks_apart
 }
 
 std::uint64_t RenderState::bytes(int width, int height, int halves, int blocks, bool with_open) {
-    // Memory holds the sums and counts of the samples, a copy of both as 32-bit words for the file, and two
-    // images.
+    // Memory holds, per pixel, the sums (24 bytes each) and counts (4 bytes) of the samples, a copy of the
+    // pixel in the layout of the file, and two float images (24 bytes).
     const auto pixels = static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
     const auto sums = static_cast<std::uint64_t>(blocks) + (with_open ? 1U : 0U);
     return pixels * ((24 * sums + 4) * static_cast<std::uint64_t>(halves) +

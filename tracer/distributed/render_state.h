@@ -12,23 +12,25 @@
 
 namespace postlens {
 
-/// Largest number of blocks into which the samples of a pixel are divided. A render whose samples are divided
-/// into parts has at most this number of parts.
+/// Largest number of blocks into which the samples of a pixel are divided. If a render is split into parts
+/// (--share), each part renders some of the blocks, so this is also the largest number of parts.
 inline constexpr int most_sample_blocks = 64;
 
-/// Sums of radiance and numbers of samples per pixel, for one or two halves of the samples. A sum consists of
-/// 3 doubles per pixel, row-major, and includes the exposure.
+/// Sums of radiance and sample counts per pixel. If the samples are divided into two halves, each half has
+/// its own sums and counts. A sum is 3 doubles (RGB) per pixel, row-major, of radiance multiplied by the
+/// exposure.
 ///
-/// The samples of a pixel are divided into blocks. The sum of a pixel is the sum of its block sums, added in
-/// order. The result is therefore bit-identical even if the blocks are rendered separately. A state contains
-/// either the sum over all blocks (`blocks` is 1) or a separate sum for each of several blocks.
+/// The samples of a pixel are divided into blocks. Each block is summed separately, and the sums of the
+/// blocks are added in order. The result is therefore bit-identical even if different runs render the blocks.
+/// A state contains either the total of all blocks (`blocks` is 1) or a separate sum for each of several
+/// blocks.
 struct RenderState {
     int width = 0, height = 0, halves = 1;
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
-    /// The sum of the unfinished block of samples, used only if `blocks` is 1. Empty if each block is
-    /// finished in a single round.
+    /// Sum of the block that is being rendered, kept apart until the block is complete. Used only if `blocks`
+    /// is 1. Empty if every block is traced in one step.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
