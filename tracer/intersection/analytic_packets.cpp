@@ -18,7 +18,8 @@ Crossings<float> item_crossings(const AnalyticSet::Item& item, const Rays& rays,
     return crossings<float>(item.shape, o, d);
 }
 
-// Removes the crossing nearest to t = 0. This crossing is the origin of a ray that starts on the shape.
+// Removes the crossing nearest to t = 0. If the ray starts on the shape, this crossing is the origin of the
+// ray and not a hit.
 template <typename T>
 void drop_start(Crossings<T>& c) {
     int nearest = 0;

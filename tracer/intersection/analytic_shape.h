@@ -36,8 +36,8 @@ struct PlacedShape {
 };
 [[nodiscard]] std::optional<PlacedShape> place_shape(const Shape& shape);
 
-/// All values of t at which a line o + t d crosses the shape, unsorted. `part` is the face or cap that the
-/// line crosses.
+/// The values of t at which a line o + t d crosses a shape, unsorted. `part` is the face or cap of each
+/// crossing.
 template <typename T>
 struct Crossings {
     int count = 0;

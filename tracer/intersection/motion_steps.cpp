@@ -27,8 +27,8 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest distance, px, between the images of a point of the box under two affine maps. This
-// distance is convex over the box, so it is greatest at a corner.
+// Returns the largest error, px, of the affine map `taken` for the points of a box. The error in metres is
+// convex over the box, so only corners are tested. It is multiplied by the largest image scale at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;
@@ -79,10 +79,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is the distance by which the true box exceeds the interpolated box. It is sampled at evenly
-    // spaced instants between each two keyframes. Between two samples, the excess may be larger than at both.
-    // An upper bound of this increase is computed from the second differences of the samples, which are
-    // doubled for safety.
+    // `excess` is the distance by which the true box extends beyond the interpolated box. It is sampled at
+    // evenly spaced instants between keyframes. Between two samples, the excess may be larger by about 1/8 of
+    // `bend`, the largest second difference of the samples. For safety, 1/4 of `bend` is added.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

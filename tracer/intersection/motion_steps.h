@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// Converts an error of a position to an error on the raster. Also contains the tolerance of this error.
+/// Tolerance for the error of a moving object's position in the image, and the scale that converts metres to
+/// px.
 struct MotionAccuracy {
     /// Returns the scale of the image at a world point and an instant, px per metre. 0 for points behind the
     /// camera.
@@ -22,8 +23,8 @@ struct MotionAccuracy {
 /// Greatest number of steps. Embree allows at most 129 time steps (instants) per geometry.
 inline constexpr int most_motion_steps = 128;
 
-/// Transforms from object to world space at two or more evenly spaced instants from begin to end. Between the
-/// instants, Embree interpolates each entry of the matrices linearly.
+/// Object-to-world matrices at two or more evenly spaced instants, from begin to end. Embree interpolates
+/// each entry of the matrices linearly between these instants.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
     /// Greatest distance, px, of a corner of the box from its true position. It may exceed the tolerance.

@@ -5,8 +5,8 @@
 
 namespace postlens {
 
-/// The first and last distance at which each ray crosses a shape. Infinite if there is no crossing. The
-/// operations have the same order as in the scalar code, so the results are bit-identical.
+/// For each ray, the distances of its first and its last crossing of a shape. A missing crossing is infinite.
+/// The operations have the same order as in the scalar code, so the results are bit-identical.
 struct Pairs {
     alignas(64) float near[16], far[16];
 };

@@ -48,8 +48,8 @@ void* RayScene::native_handle() const {
 }
 
 double RayScene::offset(const dvec3& p) {
-    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. This is enough for Embree's
-    // intersection test with a neighbouring triangle.
+    // 2^-18 of the largest coordinate is 64 times the rounding error of a float. With this offset, Embree
+    // does not report a hit on a neighbouring triangle at the origin of the ray.
     return 0x1p-18 *
            std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z), std::numeric_limits<double>::min()});
 }
@@ -87,10 +87,9 @@ void load(const RayBatch& rays, std::size_t first, Packet& p, int* valid) {
     }
 }
 
-// Rejects hits on instances that do not exist at the time of the ray. Such hits occur because Embree 3.13
-// divides its hierarchy in time and tests all rays of an occlusion packet in every interval of time that one
-// of them needs. For the same reason, a ray may hit a surface more than once. `one_by_one` avoids these
-// repeated hits where every crossing filters light.
+// Rejects hits on instances that do not exist at the time of the ray. Embree 3.13 reports such hits, because
+// it tests all rays of an occlusion packet in every time interval that one of the rays needs. It may also
+// report a hit twice, which occlude_singly avoids.
 void filter_absent(const RTCFilterFunctionNArguments* args) {
     const auto& context = *reinterpret_cast<const RayContext*>(args->context);
     for (unsigned i = 0; i < args->N; ++i) {
@@ -103,8 +102,8 @@ void filter_absent(const RTCFilterFunctionNArguments* args) {
     context.log_transmission == nullptr ? filter_source(args) : filter_shadow(args);
 }
 
-// Tests the rays one at a time. Embree then visits only the nodes of the hierarchy that exist at the time of
-// the ray, so the ray meets every surface only once.
+// Tests the rays one at a time. Embree then visits only the nodes of its hierarchy that exist at the time of
+// the ray, so it reports every crossing once.
 void occlude_singly(RTCRay16& p, const int* valid, RTCScene scene, RayContext& context) {
     for (unsigned i = 0; i < RayBatch::group; ++i) {
         if (valid[i] == 0) continue;

@@ -21,8 +21,8 @@ struct TimeSpan {
     [[nodiscard]] double at(double share) const { return open_s + share * (close_s - open_s); }
 };
 
-/// Identifies the primitive that a ray hit. A ray that starts on a surface carries the key of this surface,
-/// so that it does not hit the surface at its own origin.
+/// Identifies the primitive that a ray hits. It is also stored with a ray that starts on a surface, so that
+/// the ray does not hit this surface at its origin.
 struct HitKey {
     static constexpr std::uint32_t none = 0xFFFFFFFFU;
     std::uint32_t geometry = none, primitive = none, instance = none;
@@ -68,7 +68,7 @@ class RayBatch {
         const auto i = static_cast<std::size_t>(count);
         if (i == ox.size()) grow();
         // All seven numbers are converted before the first is stored. Otherwise the compiler would reload the
-        // pointers of the arrays after each store, because a stored float may have changed them.
+        // data pointers of the arrays after each store.
         const auto o0 = static_cast<float>(o.x), o1 = static_cast<float>(o.y), o2 = static_cast<float>(o.z);
         const auto d0 = static_cast<float>(d.x), d1 = static_cast<float>(d.y), d2 = static_cast<float>(d.z);
         float *to_ox = ox.data() + i, *to_oy = oy.data() + i, *to_oz = oz.data() + i;
@@ -132,12 +132,12 @@ class RayScene {
     /// Returns the derivative of the outward unit normal at the hit, 1/m: d(normal) = shape_operator *
     /// d(position). Only for objects that do not move.
     [[nodiscard]] glm::dmat3 shape_operator(const HitKey& key, const SurfacePoint& at) const;
-    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`. It is slightly
-    /// larger than the rounding error of single precision at `p`, and far smaller than any object.
+    /// Returns the distance, m, by which the origin of a ray is moved off a surface at `p`. It is 64 times
+    /// the rounding error of single precision at `p`, and far smaller than any object.
     [[nodiscard]] static double offset(const glm::dvec3& p);
 
     [[nodiscard]] const Scene& scene() const;
-    /// Returns the instant of this scene, or the beginning of its shutter interval, in seconds.
+    /// Returns the instant of the scene, in seconds. For a shutter interval, this is its beginning.
     [[nodiscard]] double time_s() const;
     [[nodiscard]] const TimeSpan& span() const;
     /// True if an object moves during the shutter interval.

@@ -190,8 +190,8 @@ void RayScene::Impl::add_moving(const MotionPath& path, std::uint32_t object,
 
 void RayScene::Impl::bound_moving() {
     moving.span = span;
-    // This many steps make the bounding boxes of the steps tight around the shape. More steps would only
-    // enlarge the hierarchy.
+    // With 32 time steps, the bounding boxes are tight around a moving shape. More steps would only enlarge
+    // Embree's hierarchy.
     constexpr int most_steps = 32;
     int steps = 1;
     for (const MovingSet::Item& item : moving.items) {

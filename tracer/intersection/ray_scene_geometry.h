@@ -15,8 +15,9 @@
 
 namespace postlens {
 
-/// The effect of an object on shadow rays. The transmittance is stored as -log2 in fixed point. Embree calls
-/// filters in any order, and a sum of integers does not depend on the order.
+/// How an object affects shadow rays. The transmittance is stored as -log2 in fixed point, so the
+/// transmittances of all surfaces on a ray are multiplied by adding integers. The sum does not depend on the
+/// order in which Embree reports the surfaces.
 struct ObjectShadow {
     bool casts = true;
     bool transmits = false;
@@ -78,8 +79,8 @@ struct AnalyticSet {
     std::vector<glm::vec3> lower, upper;  ///< world bounds
 };
 
-/// Moving analytic shapes. Each ray is transformed, in double precision, into the space in which the shape is
-/// at rest.
+/// Analytic shapes that move. To intersect one, the ray is transformed in double precision into the space in
+/// which the shape is at rest.
 struct MovingSet {
     struct Item {
         AnalyticShape shape;
@@ -106,7 +107,8 @@ struct MovingSet {
     }
 };
 
-/// These functions create user geometries with their callbacks. The sets must outlive the geometries.
+/// These functions create Embree user geometries with the callbacks that intersect the shapes of a set. Each
+/// set must outlive its geometry.
 [[nodiscard]] RTCGeometry sphere_geometry(RTCDevice device, SphereSet& set);
 [[nodiscard]] RTCGeometry analytic_geometry(RTCDevice device, AnalyticSet& set);
 [[nodiscard]] RTCGeometry moving_geometry(RTCDevice device, MovingSet& set);

@@ -23,7 +23,8 @@ struct MeshGeometry {
     RTCScene scene = nullptr;  // only for a shared mesh
 };
 
-// A triangle in world space, with the gradients of the barycentric coordinates b1 and b2 in its plane.
+// A triangle in world space. `gradient1` and `gradient2` are the gradients of the barycentric coordinates of
+// its second and third vertex.
 struct TriangleFrame {
     const MeshGeometry* mesh;
     std::uint32_t object;

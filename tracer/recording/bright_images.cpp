@@ -16,7 +16,8 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// The rays at the corners of a cell, seen along their mean direction.
+/// The rays at the four corners of a cell, after the same bounces, combined to a beam with a mean origin and
+/// a mean direction.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -36,7 +37,7 @@ struct Beam {
             spread = std::max(spread, glm::length(direction[k] - axis));
         }
     }
-    /// Returns whether the beam may touch a sphere in front of the surfaces that the beam hits.
+    /// Returns false only if no ray of the beam can touch a sphere before the ray ends at a surface.
     [[nodiscard]] bool may_touch(const dvec3& centre, double of_radius) const {
         const dvec3 there = centre - origin;
         const double along = glm::dot(there, axis);
@@ -44,8 +45,8 @@ struct Beam {
         const double reach = radius + spread * (std::abs(along) + of_radius) + of_radius;
         return glm::dot(there, there) - along * along <= reach * reach;
     }
-    /// Returns the offset, m, from `point` to the point where the k-th ray passes it, perpendicular to the
-    /// beam.
+    /// Returns the vector, m, from `point` to the nearest point of the k-th ray, in the plane perpendicular
+    /// to the beam.
     [[nodiscard]] dvec2 past(const dvec3& point, std::size_t k) const {
         const dvec3 there = from[k] - point;
         const dvec3 nearest = there - glm::dot(there, direction[k]) * direction[k];
@@ -80,7 +81,8 @@ BrightImages::BrightImages(const Scene& scene, double time_s, double most_cells)
         if (!(sizes[1] > 0 && sizes[2] <= 4 * sizes[1])) continue;  // long objects are not compact
         spheres_.push_back({(b.min + b.max) / 2.0, sizes[1], brightness});
     }
-    // Every mirror or glass object is assumed to show each bright object twice, as glass does.
+    // Every mirror or glass object is assumed to show two images of each bright object, because glass may
+    // both reflect and transmit its light.
     const double most = most_cells / (cells_of_image * 2 * std::max(mirrors, 1.0));
     if (static_cast<double>(spheres_.size()) > most) {
         std::stable_sort(spheres_.begin(), spheres_.end(), [](const Sphere& a, const Sphere& b) {
@@ -119,8 +121,9 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         if (s.brightness * beam.throughput <= dimmest || !beam.may_touch(s.centre, s.radius)) return;
         const std::array<dvec2, 4> past{beam.past(s.centre, 0), beam.past(s.centre, 1),
                                         beam.past(s.centre, 2), beam.past(s.centre, 3)};
-        // A linear map gives, for each position in the cell, by how much the ray there misses the centre of
-        // the object. Positions are measured in cells from the middle of the cell.
+        // The vector by which a ray misses the centre of the object is modelled as a linear function of the
+        // ray's position in the cell: middle + by_cell * position. Positions are in cell widths from the
+        // middle of the cell.
         const dvec2 middle = (past[0] + past[1] + past[2] + past[3]) / 4.0;
         const dmat2 by_cell((past[1] - past[0] + past[3] - past[2]) / 2.0,
                             (past[2] - past[0] + past[3] - past[1]) / 2.0);
@@ -130,12 +133,13 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // Curved mirrors make the map inexact. An image is therefore also accepted if it lies slightly
-        // outside the cell.
+        // The cell extends to 0.5. Curved mirrors make the linear model inexact, so an image slightly outside
+        // the cell is also accepted.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;
-        // The smaller singular value of radius * cell_by is half of the image's smaller width, in cells.
+        // The image of the sphere is an ellipse. `half` is its shorter semi-axis in cell widths, which is the
+        // smaller singular value of radius * cell_by.
         const double squares = s.radius * s.radius *
                                (glm::dot(cell_by[0], cell_by[0]) + glm::dot(cell_by[1], cell_by[1])) / 2,
                      area = s.radius * s.radius / std::abs(determinant);

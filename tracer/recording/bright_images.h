@@ -27,19 +27,20 @@ class BrightImages {
   public:
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 5;
-    /// Approximate number of cells that the image of one object needs, along its outline and inside it.
+    /// Approximate number of cells into which the image of one object is divided, along its outline and
+    /// inside it.
     static constexpr double cells_of_image = 200;
 
     /// Contains no objects.
     BrightImages() = default;
-    /// Takes the objects at their positions at an instant. If their images in all mirrors and glass objects
-    /// may need more than `most_cells` cells, only the brightest objects are kept.
+    /// Collects the bright objects of the scene at an instant. If their images in all mirrors and glass
+    /// objects may need more than `most_cells` cells, only the brightest objects are kept.
     BrightImages(const Scene& scene, double time_s, double most_cells);
 
     [[nodiscard]] bool empty() const { return spheres_.empty(); }
-    /// Returns the cell sizes that find the bright images in a cell of `size_px`. For each corner of the
-    /// cell, `at` holds the ray that arrives at the node with a given path. The order is upper left, upper
-    /// right, lower left, lower right.
+    /// Returns how small the parts of a cell of width `size_px` must be, so that a corner hits every bright
+    /// image in the cell. `at` holds the reflected or refracted rays at the corners of the cell (upper left,
+    /// upper right, lower left, lower right), all after the same bounces.
     [[nodiscard]] WantedCells wanted(const std::array<const Arrival*, 4>& at, double size_px) const;
 
   private:
@@ -47,7 +48,7 @@ class BrightImages {
         glm::dvec3 centre{0};
         double radius = 0, brightness = 0;
     };
-    /// A node of a binary tree over spheres_, in depth-first order. The node is a sphere that contains the
+    /// A node of a binary tree over spheres_, in depth-first order. Each node is a bounding sphere of the
     /// spheres [first, last).
     struct Group {
         glm::dvec3 centre{0};

@@ -18,7 +18,8 @@ namespace postlens {
 /// The criteria by which sample_corners divides cells.
 class CellSplit {
   public:
-    /// Keeps references to all arguments. The contents of `samples` and `chunks` may change between calls.
+    /// `samples` are the point samples at the corners of cells, and `chunks` hold their records. Keeps
+    /// references to all arguments. The contents of `samples` and `chunks` may change between calls.
     CellSplit(const WhittedTracer& tracer, const SmallThings& things, const SubdivisionSettings& settings,
               const CornerGrid& grid, const std::vector<CornerSample>& samples,
               const std::vector<TracedSamples>& chunks)
@@ -30,8 +31,9 @@ class CellSplit {
           chunks_(chunks) {}
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
-    /// Returns whether the cell is divided because the sample at its centre differs from its corners.
-    /// `centre` is the index of this sample. Only the visible layers are compared.
+    /// Returns whether the sample at the centre of the cell differs from the samples at its corners, so that
+    /// the cell is divided. `centre` is the index of the sample at the centre. Only visible layers are
+    /// compared.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// A record and its RecordMark. `record` is the index of the record in its chunk.
     struct Mark {
@@ -39,15 +41,16 @@ class CellSplit {
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for the nodes at the corners of an undivided cell. There are three reasons for a mark:
-    /// the texture of the node has contrast between the corners, the corners show several parts of one
-    /// object, or another part lies between the corners. A reason is ignored if the cell could still be
-    /// divided for it (SubdivisionSettings).
+    /// Appends marks for records at the corners of a cell that is not divided. `fine_texture` marks nodes
+    /// whose texture has contrast between the corners. `gap` marks corners that show several parts of one
+    /// object, or between which the outline of another part crosses the cell. Each criterion is tested only
+    /// if the cell is too small to be divided by it.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// One layer of a sample, reduced to the properties that determine subdivision. The nodes of the layer
-    /// are the records [first, first + count) of `chunk`, sorted by path.
+    /// Summary of one layer of a sample, by which cells are compared: the id and the part of the layer's
+    /// first node, and the radiance of all its nodes. These are the records [first, first + count) of
+    /// `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -58,36 +61,38 @@ class CellSplit {
     /// A node of each sample, as an index into its chunk.
     using NodeOfEach = std::array<std::uint32_t, most_samples>;
     [[nodiscard]] bool differ(const CornerCell& c, const Seen* s, int count) const;
-    /// True if the contrast between two values divides a cell [mitchell1987]. The term 0.05 in its formula
-    /// prevents small differences of dark colours from dividing the cell.
+    /// True if the contrast between two radiances is high enough to divide a cell [mitchell1987]. The term
+    /// 0.05 in its formula prevents small differences of dark colours from dividing the cell.
     [[nodiscard]] bool has_contrast(double lo, double hi) const;
     /// True if a cell contains an edge although its corners have similar colours. This is the case if the
     /// texture has contrast between the corners, or if the corners are shadowed from different lights.
     [[nodiscard]] bool pattern_between(const Seen* s, int count) const;
     void mark_textures(const std::array<Seen, 4>& s, Marks& marks) const;
     void mark_parts(const std::array<Seen, 4>& s, Marks& marks) const;
-    /// True if the cell is large enough to be divided by a criterion that is limited to `levels` levels.
+    /// True if the cell is wider than 2^-levels px, so that a criterion that is limited to `levels` levels
+    /// may divide it.
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns the n-th node of the first corner, together with the node of the same path and id at each
-    /// other corner. Empty if a corner has no such node.
+    /// Returns one node per sample: the n-th node of the first sample, and the node with the same path and id
+    /// in each other sample. Empty if a sample has no such node.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
-    /// Returns the node with the given path. The node with index `guess` is tested first, because most
-    /// corners of a cell have the same shading tree.
+    /// Returns the node with the given path in a layer. The node with index `guess` is tested first, because
+    /// most corners of a cell have the same shading tree.
     [[nodiscard]] static std::optional<std::uint32_t> node_of_path(NodePath path, const Seen& in,
                                                                    std::uint32_t guess);
     /// Like node_of_path, but also requires the id of `wanted`.
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// True if the lit texture has contrast between the texture positions of the corners.
+    /// True if the radiance of the node, estimated from its texture, has contrast within the range of the
+    /// samples' texture positions.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
     }
-    /// Returns the layer that begins at `at`, an index into the records of the sample. Sets `at` to the end
-    /// of the layer.
+    /// Returns the layer that begins at record `at` of the sample. Sets `at` to the index after the last
+    /// record of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
     /// True if the cell may contain a narrow object that all corners of the cell miss. Objects behind the
     /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
@@ -98,12 +103,12 @@ class CellSplit {
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden layers of the corners require that the cell is divided. The criteria are those for
-    /// visible layers. A layer is compared only between corners that have this layer. Two layers are compared
-    /// only if their first nodes have the same path, because a hidden layer may begin after a bounce.
+    /// True if the hidden layers of the corners divide the cell, by the same criteria as the visible layers.
+    /// A hidden layer may begin after a bounce. Layers are compared only if their first nodes have the same
+    /// path. Corners that have no such layer are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path of the first node of the layer that begins at index `at` of the sample's records.
-    /// Returns `none` after the last layer.
+    /// Returns the path, as bits, of the first node of the layer that begins at record `at` of the sample.
+    /// Returns `none` if there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

@@ -17,9 +17,8 @@
 namespace postlens {
 namespace {
 
-// `band_rows` is the greatest number of pixel rows whose records are in memory at once. `tile` is the width,
-// px, of the squares that a thread traces at once. A band is two squares high, which is enough work for all
-// threads.
+// `band_rows` is the greatest number of pixel rows whose records are in memory at once. A thread traces
+// squares of `tile` x `tile` px. A band is two squares high, which is enough work for all threads.
 constexpr int band_rows = 32;
 constexpr int tile = 16;
 constexpr std::size_t batch_size = 256;
@@ -58,9 +57,9 @@ class BandSampler {
         return corners_[corner_index(column, row)];
     }
 
-    // Traces batches of points and appends their samples in order. `fill(i, keys)` writes the `sizes[i]`
-    // points of batch i. `traced(index, sample)` is called for every sample. `around(key)` returns earlier
-    // samples near a point. All three functions may be called from any thread.
+    // Traces batches of points in parallel and appends their samples in order. `fill(i, keys)` writes the
+    // `sizes[i]` points of batch i. `traced(index, sample)` is called for every new sample. `around(key)`
+    // returns earlier samples near a point. All three functions may be called from any thread.
     template <typename Fill, typename Traced>
     void trace(const std::vector<std::uint32_t>& sizes, const Fill& fill, const Traced& traced,
                const std::function<SamplesAround(CornerKey)>& around = {}) {
@@ -134,8 +133,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces all pixel corners of the band. If there is a band above, the first row of corners has already
-    // been traced.
+    // Traces the pixel corners of the band. Unless this is the first band, its first row of corners has
+    // already been traced with the band above.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -174,8 +173,8 @@ class BandSampler {
         });
     }
 
-    // Makes a sample of the band above available in this band. Pixel corners are stored by row and column,
-    // and other samples by their position on the grid.
+    // Makes a sample of the band above available in this band: in corners_ if it is at a pixel corner,
+    // otherwise in carried_over_.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -215,9 +214,9 @@ class BandSampler {
                 {corner(x, row), corner(x + 1, row), corner(x, row + 1), corner(x + 1, row + 1)}};
     }
 
-    // Returns the pixels that are divided. All four corners of a pixel may miss an object, most often near an
-    // edge. The centre of a pixel is therefore also compared if a neighbouring pixel in the same row is
-    // divided.
+    // Returns the pixels that are divided. A small object may lie between all corners of a pixel, most often
+    // near an edge. If a pixel has a divided neighbour in its row, its centre is therefore compared with its
+    // corners too.
     [[nodiscard]] CellRows split_pixels(int y_begin, int y_end) {
         CellRows cells(static_cast<std::size_t>(y_end - y_begin)), beside(cells.size());
         parallel_for(cells.size(), [&](std::size_t r) {
@@ -272,8 +271,8 @@ class BandSampler {
     // share is traced once. A midpoint on the upper edge of the band may already have been traced with the
     // band above.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
-        // There is one list of points for each row of pixels, including the upper edge of the row. The last
-        // list is for the lower edge of the band.
+        // There is one list of points per row of pixels. A point on the edge between two rows belongs to the
+        // lower row. The last list is for the lower edge of the band.
         std::vector<std::vector<CornerKey>> inside(cells.size() + 1), below(cells.size() + 1);
         parallel_for(cells.size(), [&](std::size_t row) {
             const std::uint32_t end = grid_.row(y_begin + static_cast<int>(row) + 1);
@@ -314,9 +313,8 @@ class BandSampler {
         return carried_over_.at(k);
     }
 
-    // Returns the samples at the four corners of the pixel that contains the point, either inside or on its
-    // edge. For a point on the lower edge of the band, the pixel above is used. The corners of the pixel
-    // below are not traced yet.
+    // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
+    // of the band belongs to the pixel above it, because the corners of the pixel below are not traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -395,7 +393,7 @@ class BandSampler {
     std::vector<std::uint32_t> corners_;
     std::unordered_map<CornerKey, std::uint32_t>
         carried_over_;  ///< samples of the band above that are not pixel corners
-    // Points that the last call of trace_missing traced, sorted within each row of pixels.
+    // The points that the last call of trace_missing has traced, sorted within each row of pixels.
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]

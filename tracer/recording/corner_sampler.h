@@ -13,8 +13,8 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth to which edges subdivide, at most `levels`. Only narrow objects (SmallThings) are
-    /// subdivided further.
+    /// Greatest depth to which the edges of objects subdivide, at most `levels`. Beyond this depth, only
+    /// narrow objects (SmallThings) subdivide.
     int edge_levels = 8;
     /// Largest contrast of a colour channel that does not divide a cell. The contrast is (max - min) / (max +
     /// min + 0.05) over the corners of the cell.
@@ -22,8 +22,8 @@ struct SubdivisionSettings {
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };
 
-/// The pixels to sample, [x_begin, x_end) x [y_begin, y_end). The pixel corners at column x_end and row y_end
-/// are recorded too.
+/// The pixels to sample, [x_begin, x_end) x [y_begin, y_end). Samples lie at pixel corners, so those at
+/// column x_end and row y_end are recorded too.
 struct SampledWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
