@@ -30,20 +30,20 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
     int looked_at = 0, picture_rows = 0;
     for (int i = 0; i < count; ++i) {
         throw_if_interrupted();
-        // The window is divided into equal parts, with a stripe of rows in the middle of each.
+        // The window is divided into equal parts. In the middle of each part, a stripe of rows is traced.
         SampledWindow stripe = window;
         stripe.y_begin = window.y_begin + std::max(0, ((2 * i + 1) * rows / count - rows_of_stripe) / 2);
         stripe.y_end = std::min(stripe.y_begin + rows_of_stripe, window.y_end);
-        // The last row of the band contains only the lower corners of the stripe, without subdivision. Its
-        // bytes are not counted.
+        // The last row of a stripe's samples lies on the lower edge of the stripe and is not subdivided, so
+        // its bytes are not counted.
         sample_corners(
             tracer, stripe, subdivision,
             [&](const RecordBand& band) {
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // The last row of pixels of the stripe also needs the corners below it. If the stripe crosses
-                // two bands, these corners are in the next band.
+                // A row of the picture also needs the corners below it. For the last row of a band, these
+                // corners may be in the next band, so this row is left out.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Returns the number of rows that the preview pass traces in a window of `rows` rows. It is 2 of every 96
-/// rows, limited to the range 8 to 64 and to `rows`.
+/// Returns the number of rows that the preview pass traces in a window of `rows` rows: 2 of every 96 rows,
+/// but at least 8 and at most 64, and never more than `rows`.
 [[nodiscard]] int looked_at_rows(int rows);
 
 /// Returns the predicted size of a sample file, in bytes, without its header. Pairs of rows, evenly spaced in

@@ -25,8 +25,8 @@ using glm::dvec3;
 // further instants. From one step to the next, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
-// A key (recorded instant) records an object if it shows the object at this fraction of its largest size or
-// more. The size is that in the frame, which may change with time.
+// A key (recorded instant) records an object if the object then has at least this fraction of its largest
+// size. An object changes its size if its keyframes scale it.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -44,8 +44,8 @@ struct View {
     }
 };
 
-// Returns the camera poses `views`. Between the first and the last of them, the poses at the keyframes of the
-// camera's motion are added.
+// Returns `views` with the camera's views at the instants of `keys` added. Keyframes outside the time span of
+// `views` are ignored.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -174,8 +174,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         const Bounds box = shape_bounds(o.shape, o.keys.empty() ? o.world_from_object : o.motion_base);
         const double radius_m = 0.5 * glm::length(box.max - box.min);
         if (box.empty() || !std::isfinite(radius_m)) continue;
-        // The size of the object at each instant, along the axes of the object. It is 0 if the object is out
-        // of view.
+        // Scale factors of the object along its own axes at each instant, as its keyframes define them. They
+        // are 0 while the object is out of view.
         std::vector<dvec3> sizes;
         dvec3 largest(0);
         for (std::size_t i = 0; i < instants_s.size(); ++i) {
@@ -203,7 +203,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Visits that are too short for any number of keys are ignored.
+    // Visits that are too short to contain a key are ignored, if this is true for all numbers of keys up to
+    // `most`.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;
@@ -240,8 +241,8 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Tolerance for the rounding of the sum over the steps. It ensures that a sweep of exactly 60 degrees
-    // needs no additional key.
+    // Relative tolerance for the rounding error of the sweep, which is a sum over many steps. With it, a
+    // sweep of exactly 60 degrees needs no additional key.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

@@ -41,9 +41,10 @@ struct KeyCount {
 };
 
 /// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// all visits of moving objects. A visit is a span of time in which the frame shows an object at half of its
-/// largest size or more. A visit is recorded if a key or the instant `recorded_s` lies within it. An object
-/// counts as visible if its bounding sphere reaches into the frame, even if other objects hide it.
+/// all visits of moving objects. A visit is a span of time in which the object is in view and, if its
+/// keyframes scale it, has at least half of its largest size. A key or the instant `recorded_s` must lie
+/// within it. Visits that no number of keys records are ignored. An object is in view if its bounding sphere
+/// reaches into the frame, even if other objects hide it.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
@@ -58,8 +59,9 @@ struct KeyCount {
 /// `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
-/// Returns `count` instants in ascending order, evenly spaced over the shutter interval including both ends.
-/// Instants that equal `frame_s`, except for rounding, are omitted. Empty if `count` is 1.
+/// Returns `count` evenly spaced instants of the shutter interval, including both ends, in ascending order.
+/// An instant that equals `frame_s`, except for rounding, is omitted, because the frame's own instant is
+/// always recorded. Empty if `count` is 1.
 [[nodiscard]] std::vector<double> key_instants(int count, const TimeSpan& shutter, double frame_s);
 
 }  // namespace postlens

@@ -22,11 +22,11 @@ using glm::dvec3;
 // of the steps.
 constexpr int light_steps = 64;
 
-// Smallest number of steps from one key to the next. With one step, there would be 65 keys, but a file can
-// have at most SampleHeader::most_keys.
+// Smallest number of steps between two keys (recorded instants). With one step, there would be 65 keys, but a
+// file can have at most SampleHeader::most_keys (64).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// The grid has this many points along the longer side of the frame.
+// Number of points along the longer side of the frame, in the grid of rays that select the surface points.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.
@@ -115,8 +115,8 @@ class LightChange {
         batch.add(ray.origin, ray.direction, std::numeric_limits<float>::infinity(), {}, share_of(time_s));
     }
 
-    // Neighbouring points of the grid are taken at very different instants. The points then also cover
-    // surfaces that are in view for only part of the shutter interval.
+    // Returns the surface points that a grid of eye rays hits. Neighbouring rays have very different
+    // instants, so the points also cover surfaces that are in view for only part of the shutter interval.
     [[nodiscard]] std::vector<Point> visible_points() {
         const double px = std::max(model_.width, model_.height) / static_cast<double>(longer_side);
         const int across = std::max(1, static_cast<int>(model_.width / px)),
@@ -177,8 +177,8 @@ class LightChange {
             tracer_.trace(eye, counts);
             for (std::size_t k = 0; k < of.size(); ++k) {
                 const auto [p, i] = of[k];
-                // Rays have single precision, so the distances are compared with a tolerance. A hit at
-                // another distance is on another part of the object.
+                // If the ray hits the object at another distance, another part of the object hides the point.
+                // The relative tolerance allows for the rounding of single-precision rays.
                 constexpr double near = 1e-3;
                 if (!eye.rays.hit(k).valid() || rays_.object(eye.rays.hit(k)) != points[p].object ||
                     std::abs(static_cast<double>(eye.rays.t[k]) - distance_m[k]) > near * distance_m[k])

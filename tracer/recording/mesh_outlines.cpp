@@ -161,7 +161,8 @@ bool MeshOutlines::cross(double x, double y, double size, const Shown& shown) co
         const auto corner = [&](std::size_t k) { return nearness(static_cast<double>(shown.z_m[k])); };
         const double behind =
             glm::mix(glm::mix(corner(0), corner(1), at.x), glm::mix(corner(2), corner(3), at.x), at.y);
-        // An edge in the plane of the part that the corners show is not in front of this part.
+        // An edge in the plane of the visible part is not in front of it. This relative tolerance allows for
+        // rounding errors.
         constexpr double in_plane = 1e-4;
         if (!std::isfinite(behind) ||
             glm::mix(static_cast<double>(edge.from_nearness), static_cast<double>(edge.to_nearness), t) >

@@ -13,11 +13,12 @@
 
 namespace postlens {
 
-/// The edges of meshes on the film where a mesh ends or turns away from the camera.
+/// The outlines of meshes on the film. They consist of edges with a single triangle, and of edges between a
+/// triangle that faces the camera and one that faces away.
 class MeshOutlines {
   public:
-    /// Limit of the average number of edges per pixel of the raster. If there are more edges, the farthest
-    /// are omitted.
+    /// Limit of the average number of outline edges per pixel of the raster. If there are more, the farthest
+    /// edges are omitted.
     static constexpr double most_per_pixel = 4;
 
     MeshOutlines() = default;
@@ -52,7 +53,8 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns 1/z', or -z' if the camera is orthographic. Both are linear along an edge and on a plane.
+    /// Returns 1/z', or -z' if the camera is orthographic. Both increase towards the camera and are linear
+    /// functions of the raster position along an edge and on a plane.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

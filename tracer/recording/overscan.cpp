@@ -30,8 +30,9 @@ double outside_px(const CameraModel& camera, const glm::dvec2& p) {
     return std::max({-p.x, p.x - camera.width, -p.y, p.y - camera.height});
 }
 
-// Returns whether a surface that is seen outside the frame moves into the frame. A margin of one sample
-// spacing is added, because a surface between two samples may move in as well.
+// Returns whether a surface that is seen at `at`, outside the frame, moves into the frame. The result is also
+// true if it comes within one sample spacing of the frame, because unsampled points of the surface may then
+// move in.
 bool comes_to_frame(const FilmMotion& motion, const CameraModel& camera, const glm::dvec2& at,
                     std::span<const Record> records) {
     constexpr double stays_px = 0.25;  // a smaller displacement is not visible

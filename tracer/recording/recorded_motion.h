@@ -10,8 +10,7 @@
 namespace postlens {
 
 /// Returns the motion of the camera, the moving objects with their bounding spheres, and the lights that move
-/// or whose shadows may move. If shapes with the same id move differently, the motion of the first moving
-/// shape is used.
+/// or whose shadows may move. If several moving shapes have the same id, the motion of the first one is used.
 [[nodiscard]] SceneMotion recorded_motion(const Scene& scene, const Camera& camera);
 
 /// Returns, in ascending order, the ids that are shared by shapes with different keyframes. Such shapes move

@@ -18,20 +18,21 @@ using glm::dvec2;
 using glm::dvec3;
 
 constexpr int tile_px = 16;
-// Long objects are divided along their axis into this many pieces. The width and depth of a piece are assumed
-// to be constant.
+// Number of pieces into which a long object is divided along its axis. The width and depth of a piece are
+// assumed to be constant.
 constexpr int pieces = 16;
-// Number of times that the piece at a tip is halved. After this many halvings, the tip of even the widest
-// cone is narrow.
+// Largest number of times that the piece at a tip is halved. The remaining tip is then narrow, even that of
+// the widest cone.
 constexpr int most_halves = 16;
-// If an object is narrower than the smallest cells, all corners may miss the object.
+// Width of the smallest cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
 
 // The ellipsoid that approximates an object. It is given by its centre and three half axes.
 struct Axes {
     dvec3 centre{0};
     std::array<dvec3, 3> half{};
-    // Widths at the two ends of the first axis, as factors of half[1] and half[2].
+    // Relative widths at the two ends of the first axis. half[1] and half[2] are multiplied by them. They
+    // differ if the object is a cone.
     dvec2 ends{1};
 
     [[nodiscard]] Axes moved(const glm::dmat4& m) const {
@@ -47,7 +48,7 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the axes of a box. The box extends over the ranges `sides` along the columns of the rotation
+/// Returns the half axes of a box that extends over the ranges `sides` along the columns of the rotation
 /// `turn`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
@@ -108,7 +109,8 @@ std::vector<Axes> boxes_around(const Mesh& mesh, const std::vector<std::uint32_t
     return out;
 }
 
-/// Returns the axes of each part of a shape, in object space. The result is empty for a plane.
+/// Returns the ellipsoids that approximate the parts of a shape, in object space. The result is empty for a
+/// plane.
 struct AxesOf {
     const std::vector<std::uint32_t>& parts;
     std::map<const Mesh*, std::vector<Axes>>& of_meshes;  ///< known so far
@@ -163,10 +165,10 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate half axes that suit the line of sight. The image of the
-// first is as long as possible. The image of the second is perpendicular to that of the first. The third
-// points along the line of sight, so its image is a point. Returns the length of the first image divided by
-// that of the second, or 0 if the ellipsoid is not visible.
+// Replaces the half axes of an ellipsoid by conjugate half axes that fit its projection, an ellipse. The
+// first two are projected to the half axes of this ellipse, the longer one first. The third points along the
+// line of sight. Returns the longer axis of the ellipse divided by the shorter one, or 0 if the ellipsoid is
+// not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
     const Sight sight(camera, axes.centre);
     std::array<dvec2, 3> seen{};
@@ -181,7 +183,7 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     if (!(sight.depth_m > 0 && longest > 0)) return 0;
     const double angle = std::atan2(2 * xy, xx - yy) / 2;
     const dvec2 along(std::cos(angle), std::sin(angle)), across(-along.y, along.x);
-    // Computes vectors in the space in which the half axes are the unit vectors of the coordinate axes.
+    // Returns the components along `direction` of the three projected half axes.
     const auto weights = [&](const dvec2& direction) {
         return dvec3(glm::dot(seen[0], direction), glm::dot(seen[1], direction),
                      glm::dot(seen[2], direction));
@@ -201,8 +203,8 @@ double turn_to_sight(const CameraModel& camera, Axes& axes) {
     return std::sqrt(longest) / std::max(narrow, 1e-9 * std::sqrt(longest));
 }
 
-/// Divides the ellipsoid into straight pieces. For each piece, `take(from, to, half)` gets the ends of its
-/// axis and its half axes.
+/// Divides an object into pieces with straight axes. Calls take(from, to, half) for each piece, with the ends
+/// of its axis and its half axes.
 template <typename Take>
 void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     const bool tapers = axes.ends.x != axes.ends.y;
@@ -227,7 +229,8 @@ void each_piece(Axes axes, const CameraModel& camera, const Take& take) {
     };
     for (int i = 0; i < pieces; ++i) {
         double begin = static_cast<double>(i) / pieces, end = static_cast<double>(i + 1) / pieces;
-        // The width is far from constant in the last piece before a tip, so this piece is divided further.
+        // A piece is halved while one of its ends is more than twice as wide as the other, as happens before
+        // a tip.
         for (int k = 0; k < most_halves; ++k) {
             const double middle = (begin + end) / 2;
             if (width_at(begin) > 2 * width_at(end)) {
@@ -305,9 +308,8 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // Computes half the width of the piece's image, perpendicular to the longest of the three projected half
-    // axes. This is the exact width of the ellipsoid with these half axes. The width of its bounding box
-    // would be larger.
+    // `across` is half the width of the piece's image, perpendicular to the longest projected half axis. It
+    // is exact for the ellipsoid with these half axes. Half the width of their bounding box would be larger.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -333,18 +335,19 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     r.brightness = brightness;
     constexpr double finest = 1.0 / (1 << most_levels);
     r.find_px = std::max(r.width * find_share, finest);
-    // Only compact bright objects need small cells along their outline. Along an elongated object, the errors
-    // of neighbouring cells cancel.
+    // Only compact bright objects need small cells along their outline. For an elongated object, the errors
+    // of neighbouring cells along the outline cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Every piece needs at least three cells. If there are this many pieces, keep_affordable() therefore
-    // removes at least a third of them.
+    // Limits the memory for pieces. Every piece needs at least three cells, so these pieces need more cells
+    // than most_cells_per_pixel allows. keep_affordable() removes at least a third of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // The cells lie along the outline and on both sides of the axis, up to one cell beyond the object.
+    // Counts the cells of width find_px that lie within one cell of the object, and the smaller cells along
+    // its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

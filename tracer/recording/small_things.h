@@ -22,8 +22,7 @@ namespace postlens {
 /// Each part of a mesh counts as a separate object. Planes and wide parts are not included.
 class SmallThings {
   public:
-    /// Width, px, above which an object is not narrow. A wider object cannot lie between the corners of
-    /// pixels.
+    /// Width, px, up to which an object is narrow. A wider object cannot lie between the corners of a pixel.
     static constexpr double widest_px = 1.5;
     /// Largest size of a quadtree cell near a narrow object, as a fraction of the object's width. At this
     /// size, some corner of a cell always lies on the object.
@@ -34,8 +33,8 @@ class SmallThings {
     static constexpr double bright_share = 0.0625;
     /// Greatest depth of the subdivision.
     static constexpr int most_levels = 7;
-    /// Limit of the number of cells per pixel of the raster. If more cells are needed, some objects are
-    /// omitted. Bright objects have priority, then wide ones.
+    /// Limit of the average number of cells per pixel of the raster. If the narrow objects need more cells,
+    /// some are omitted. Bright objects have priority, then wide ones.
     static constexpr double most_cells_per_pixel = 4;
 
     /// Contains no narrow objects. Used to sample without a scene.
@@ -48,8 +47,8 @@ class SmallThings {
     [[nodiscard]] bool empty() const { return pieces_.empty(); }
     /// Bright objects seen in mirrors and glass.
     [[nodiscard]] const BrightImages& images() const { return images_; }
-    /// Finds the outlines of meshes, because parts of a mesh may lie between corners. The arguments must be
-    /// those of the constructor. The outlines need up to 160 bytes per pixel of the raster.
+    /// Finds the outlines of meshes. They show where a part of a mesh lies between all corners of a cell. The
+    /// arguments must be those of the constructor. The outlines need up to 160 bytes per pixel of the raster.
     void find_outlines(const Scene& scene, const ObjectParts& parts, const CameraModel& camera,
                        double time_s);
     /// Empty before find_outlines().
@@ -61,12 +60,13 @@ class SmallThings {
     [[nodiscard]] double cells() const;
     /// Number of narrow objects.
     [[nodiscard]] std::uint64_t objects() const;
-    /// Returns the number of narrow objects that are omitted because they are too narrow or because there are
-    /// too many.
+    /// Returns the number of narrow objects that are omitted, wholly or in part, because they are narrower
+    /// than the smallest cells or because there are too many.
     [[nodiscard]] std::uint64_t lost() const { return lost_.size(); }
 
-    /// Returns the cell sizes that find all narrow objects in a square. (x, y) is the upper left corner of
-    /// the square and `size` its width, px. Objects farther away than `farthest_m` are ignored.
+    /// Returns the largest sizes that quadtree cells may have in a square, so that cell corners hit all
+    /// narrow objects in it. (x, y) is the upper left corner of the square and `size` its width, px. Objects
+    /// farther away than `farthest_m` are ignored.
     [[nodiscard]] WantedCells wanted(double x, double y, double size, double farthest_m) const;
 
   private:

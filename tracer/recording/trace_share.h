@@ -19,8 +19,9 @@ struct RowRange {
 /// two shares differ by at most one row. Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces only the rows of `window` that belong to the share, as sample_corners does. All rows of the window
-/// are passed to `take`. In the rows of other shares, all rays hit nothing (records/lost_rows.h).
+/// Traces the rows of `window` that belong to the share, as sample_corners does. Passes all rows of the
+/// window to `take`. In place of the rows of other shares, it passes rows in which all rays hit nothing
+/// (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);
