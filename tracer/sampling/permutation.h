@@ -24,8 +24,9 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // A shift of 1 .. bits - 1, computed from the highest 4 bits of the offset. `step` uses only the
-            // lowest `bits` bits of the offset, so the two do not overlap unless bits > 28.
+            // A shift of 1 to bits - 1, computed from the highest 4 bits of the offset. These bits are
+            // independent of the shift's use in `step`, which reads only the lowest `bits` bits of the
+            // offset, unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }
@@ -38,7 +39,7 @@ class Permutation {
         return x;
     }
 
-    /// Replaces several x, all in [0, n), by their images. On average, the loop takes fewer than two steps,
+    /// Replaces several x, all in [0, n), by their images. On average, an element needs fewer than two steps,
     /// because n is more than half of 2^b.
     template <int lanes>
     [[gnu::always_inline]] void permute(std::uint32_t* x) const {

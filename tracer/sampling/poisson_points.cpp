@@ -11,14 +11,16 @@
 namespace postlens {
 namespace {
 
-/// Returns the squared distance on the torus, in units of 2^-64. The result is at most 2^63.
+/// Returns the squared distance of two points on the torus, at most 2^63. Coordinates are in units of 2^-32,
+/// so the unit of the result is 2^-64.
 std::uint64_t squared_distance(std::uint32_t au, std::uint32_t av, std::uint32_t bu, std::uint32_t bv) {
     const auto du = static_cast<std::int64_t>(static_cast<std::int32_t>(au - bu));
     const auto dv = static_cast<std::int64_t>(static_cast<std::int32_t>(av - bv));
     return static_cast<std::uint64_t>(du * du) + static_cast<std::uint64_t>(dv * dv);
 }
 
-/// A grid in which points are found by position. The cells are so small that each contains at most one point.
+/// A grid that stores points by position, so that nearby points are found quickly. Its cells are so small
+/// that each contains at most one point.
 class DartGrid {
   public:
     explicit DartGrid(double distance)
@@ -27,8 +29,8 @@ class DartGrid {
           point_(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_), -1) {}
 
     [[nodiscard]] bool has_room(const PoissonPattern& p, std::uint32_t u, std::uint32_t v) const {
-        // Points closer than `distance` are at most two cells apart, so only cells up to two away are
-        // searched. This holds if `distance` is at most 0.586, and therefore for two or more points.
+        // Points closer than `distance` are at most two cells apart, so only these cells are searched. This
+        // holds if `distance` is at most 0.586, which is true for patterns of two or more points.
         for (int dy = -2; dy <= 2; ++dy) {
             for (int dx = -2; dx <= 2; ++dx) {
                 const int k = point_[cell(column(u) + dx, column(v) + dy)];
@@ -55,8 +57,8 @@ class DartGrid {
 };
 
 std::optional<PoissonPattern> throw_darts(int n, std::uint64_t key) {
-    // Limit of the number of random points that are tried. It is ten times the average number that the last
-    // point needs.
+    // Limit of the number of random points that are tried before the pattern is started again. It is more
+    // than ten times the average number that the last point needs (100).
     const auto limit = static_cast<std::uint32_t>(1000 + 200 * n);
     PoissonPattern p;
     DartGrid grid(poisson_distance_share * densest_distance(n));
@@ -97,7 +99,7 @@ POSTLENS_MULTIVERSION void pattern_points_16(const PatternTask& t, float* u, flo
     pattern_points<sample_lanes>(t, u, v);
 }
 
-/// Writes `count` samples of one block. `u` and `v` must have space for `count` values.
+/// Writes `count` samples of one block to `u` and `v`, where count is 1 to 16.
 void fill_run(const PatternTask& t, int count, float* u, float* v) {
     if (count == 1) return pattern_points<1>(t, u, v);
     if (count == sample_lanes) return pattern_points_16(t, u, v);

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// A pattern of points in [0, 1)^2. Coordinates are in units of 2^-32, so adding a shift wraps around the
-/// torus.
+/// A set of points on the torus [0, 1)^2. Coordinates are integers in units of 2^-32, so adding a shift wraps
+/// around.
 struct PoissonPattern {
     std::vector<std::uint32_t> u, v;
 };
@@ -24,8 +24,8 @@ struct PoissonPattern {
 /// `poisson_distance_share` * densest_distance(n). Random points are tried until n of them keep this
 /// distance. If there is no space left for a further point, the pattern is started again.
 [[nodiscard]] PoissonPattern poisson_pattern(int n, std::uint64_t seed);
-/// Minimum distance of points, as a fraction of the distance in the densest arrangement. At 0.7, one in a
-/// hundred random points still fits as the last point. At 0.777, there is typically no space left for the
+/// Minimum distance of points, as a fraction of densest_distance. A larger fraction is slower. At 0.7, one in
+/// a hundred random points still fits as the last point. At 0.777, there is typically no space left for the
 /// last point.
 inline constexpr double poisson_distance_share = 0.7;
 
@@ -34,9 +34,9 @@ inline constexpr double poisson_distance_share = 0.7;
 /// placed on a shorter circle, and the minimum distance is inserted after each point.
 [[nodiscard]] std::vector<std::uint32_t> poisson_circle(int n, std::uint64_t seed);
 
-/// The points of a pixel. They form one of `patterns` patterns, shifted at random on the torus, in random
-/// order. If there are more than 1024 samples, they are divided into independent blocks of almost equal size
-/// with at most 1024 points.
+/// Poisson-disc points for the samples of a pixel. A pixel uses one of `patterns` precomputed patterns, with
+/// a random shift on the torus and in random order. If it has more than 1024 samples, they are divided into
+/// independent blocks of almost equal size with at most 1024 points.
 class PoissonPoints {
   public:
     static constexpr int patterns = 8;
@@ -44,8 +44,8 @@ class PoissonPoints {
 
     /// n: 1 .. 2^20.
     PoissonPoints(std::uint32_t n, std::uint64_t seed);
-    /// Writes the points of samples first .. first + count - 1, with count in 1 .. 16. The points are in
-    /// random order if `permuted` is set, otherwise in the order of the pattern.
+    /// Writes the points of samples [first, first + count), where count is 1 to 16. If `permuted` is true,
+    /// the points are in random order, otherwise in the order of the pattern.
     void fill_2d(SetKey key, bool permuted, int first, int count, float* u, float* v) const;
     void fill_1d(SetKey key, bool permuted, int first, int count, float* u) const;
 
@@ -62,7 +62,7 @@ class PoissonPoints {
     [[nodiscard]] const Patterns& patterns_of(const Block& b) const;
 
     std::uint32_t n_, blocks_;
-    /// Patterns for blocks of floor(n / blocks) points, and for blocks with one point more.
+    /// The patterns for the two sizes of blocks: floor(n / blocks) points, and one point more.
     std::array<Patterns, 2> sizes_;
 };
 

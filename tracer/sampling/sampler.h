@@ -13,9 +13,9 @@
 
 namespace postlens {
 
-/// Distribution of the points of a pixel. Points of different sets are paired at random. There are two
-/// exceptions. In `random`, all points are independent. In `sobol`, the sets for pixel, lens and time are
-/// well distributed jointly.
+/// Distribution of the points of a set (SampleSet) within a pixel. Points of different sets are paired at
+/// random, with two exceptions. In `random`, all points are independent. In `sobol`, the sets for pixel, lens
+/// and time are also well distributed jointly.
 enum class SamplerKind {
     grid,      ///< the centres of spp cells of equal area
     jittered,  ///< a random point in each of these cells [cook1984]
@@ -72,7 +72,7 @@ class Sampler {
     [[nodiscard]] float point_1d(std::uint32_t pixel, SampleSet set, int index) const;
 
   private:
-    /// Writes 16 values or 1 value per array, including those after the last sample.
+    /// Writes `lanes` values, 16 or 1, to each array. Values after the last sample of the pixel are not used.
     void lanes_2d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u, float* v) const;
     void lanes_1d(std::uint32_t pixel, SampleSet set, int first, int lanes, float* u) const;
 

@@ -16,16 +16,17 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// A divisor up to 2^20 with its reciprocal. Integer quotients of up to 2^24, rounded down or up, are exact.
-/// For this purpose, half a unit is added to the dividend, so that the rounding error cannot reach the next
-/// integer.
+/// An integer divisor, up to 2^20, and its reciprocal. With them, integer quotients of up to 2^24 are exact,
+/// although they are computed by a multiplication. 0.5 is added to the dividend, so that rounding errors
+/// cannot change the result.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;
     [[nodiscard, gnu::always_inline]] std::int32_t rounded_down(double a) const {
         return static_cast<std::int32_t>((a + 0.5) * inverse);
     }
-    /// Returns edge number `cell` of `value` equal intervals of [0, 1), rounded up to 24 bits.
+    /// Divides [0, 1) into `value` equal intervals and returns the lower edge of interval `cell`, in units of
+    /// 2^-24, rounded up.
     [[nodiscard, gnu::always_inline]] std::int32_t edge(double cell) const {
         return static_cast<std::int32_t>((cell * 0x1p24 + (value - 0.5)) * inverse);
     }
@@ -45,7 +46,7 @@ template <int lanes>
     if (t.permuted) Permutation(t.n, t.key.stream(0)).permute<lanes>(cell);
 }
 
-/// Computes the position of each point within its cell, in [0, 1), with 24 bits.
+/// Computes the position of each point within its cell, as fractions in [0, 1) with 24 bits.
 template <int lanes>
 [[gnu::always_inline]] inline void shares(const StrataTask& t, std::uint32_t purpose, double* share) {
     const std::uint64_t key = t.key.stream(purpose);
@@ -67,8 +68,8 @@ template <int lanes>
     const Divisor few_cells(few), more_cells(few + 1);
     for (int i = 0; i < lanes; ++i) {
         const double c = static_cast<std::int32_t>(cell[i]);
-        // Finds the last row that begins at or before cell c, that is, with floor(row * n / rows) <= c. An
-        // equivalent condition is row * n < (c + 1) * rows.
+        // `row` is the last row whose first cell, floor(row * n / rows), is at most c. An equivalent
+        // condition is row * n < (c + 1) * rows.
         const std::int32_t row = n.rounded_down((c + 1) * rows.value - 1);
         const std::int32_t begin = rows.rounded_down(row * n.value),
                            end = rows.rounded_down((row + 1) * n.value);

@@ -18,15 +18,15 @@ class Strata {
     explicit Strata(std::uint32_t n);
     [[nodiscard]] std::uint32_t count() const { return n_; }
     [[nodiscard]] std::uint32_t rows() const { return rows_; }
-    /// Returns the index of the first cell of a row, or n if row = rows().
+    /// Returns the index of the first cell of a row. row_begin(rows()) is n.
     [[nodiscard]] std::uint32_t row_begin(std::uint32_t row) const {
         return static_cast<std::uint32_t>(static_cast<std::uint64_t>(row) * n_ / rows_);
     }
 
-    /// Writes the points of samples first .. first + lanes - 1, where lanes is 16 or 1. Samples with an index
-    /// of n or more repeat the last one. Points are multiples of 2^-24. The edges of cells are rounded up to
-    /// such multiples, so a point never leaves its cell. If `permuted` is set, sample i is in cell p(i),
-    /// where p is the random permutation that `key` selects. Otherwise sample i is in cell i.
+    /// Writes the points of samples [first, first + lanes), where lanes is 16 or 1. Sample i is in cell i or,
+    /// if `permuted` is true, in cell p(i), where p is the random permutation that `key` selects. Samples
+    /// with an index of n or more are in the cell of sample n - 1. Points and the edges of cells are
+    /// multiples of 2^-24, so rounding never moves a point out of its cell.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
     /// Like fill_2d, but in one dimension: one point in each of n equal intervals of [0, 1).
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;

@@ -28,9 +28,9 @@ dvec2 cell_point(std::uint64_t seed, int k, int i, int j) {
            static_cast<double>(k);
 }
 
-// Returns point i of the test whether an area light is visible. Points 0 to 7 lie on its outline, and points
-// 8 to 11 lie in its four quarters. On a sphere, the points on the outline are rotated at random. At fixed
-// positions, they would always miss an occluder between them.
+// Returns point i of the twelve points by which the visibility of an area light is tested. Points 0 to 7 lie
+// on its outline, and points 8 to 11 lie in its four quarters. On a sphere, the points on the outline are
+// rotated by a random angle, because points at fixed positions would always miss an occluder between them.
 dvec2 first_point(const PlacedLight& light, std::uint64_t seed, int i) {
     if (i >= 8) return cell_point(seed, 2, i % 2, i / 2 % 2);
     constexpr double inside = 1 - 1e-6;
@@ -80,7 +80,8 @@ int cells_for(const ExtentLit& p, const dvec3& radiance) {
         std::clamp(k, static_cast<double>(fewest_cells), static_cast<double>(LightMeans::most_cells)));
 }
 
-// Adds the shadow ray from the surface point to a point of the light source.
+// Adds to `rays` the shadow ray from the surface point to the point of the light source for which `lit` was
+// computed.
 void send(const ExtentLit& p, const Lit& lit, RayBatch& rays) {
     rays.add(lit.origin, lit.segment, lit.reach, p.key);
 }

@@ -63,7 +63,8 @@ dvec3 light_point(const PlacedLight& placed, const dvec3& from, const dvec2& uv)
     const dvec3 to_centre = placed.position - from;
     const double distance2 = glm::dot(to_centre, to_centre), sine2 = l.radius * l.radius / distance2;
     if (!(sine2 < 1)) return placed.position;  // `from` is inside the sphere, from where there is no outline
-    // Computes 1 - cos of half the cone's angle without cancellation for small angles.
+    // `widest` is 1 - cos a, where a is half the opening angle of the cone that the sphere subtends. This
+    // form has no cancellation for small a.
     const double widest = sine2 / (1 + std::sqrt(1 - sine2));
     const double lowered = uv.x * widest, cosine = 1 - lowered;
     const double sine = std::sqrt(std::max(0.0, lowered * (2 - lowered))), turn = 2 * std::numbers::pi * uv.y;
@@ -134,7 +135,8 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     out.to_light = to_light;
     out.casts_shadow = l.casts_shadows;
     if (!l.casts_shadows || out.radiance == dvec3(0)) return out;
-    // The shadow ray starts on the side of the geometric surface that faces the light.
+    // The shadow ray starts slightly off the surface, on the side of the geometric surface that faces the
+    // light.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
     // The ray ends just before the light, so that a surface at the same position does not block it.
@@ -159,8 +161,9 @@ Continuation continuation(const Material& m, const Facing& f, const dvec3& direc
         c.root = std::sqrt(k);
     }
     if (m.fresnel && (k > 0 || m.transmission == dvec3(0))) {
-        // Schlick's approximation uses the angle on the side with the smaller index of refraction. A material
-        // that does not transmit is only seen from outside.
+        // Schlick's approximation uses the angle on the side with the smaller index of refraction. If the ray
+        // leaves a dense medium, this is the angle of the refracted ray. A material that does not transmit is
+        // only seen from outside.
         const bool from_dense = c.eta > 1 && m.transmission != dvec3(0);
         const double weight = schlick_weight(from_dense ? std::sqrt(k) : -c.d_n);
         c.reflected = glm::mix(m.reflection, m.reflection_grazing, weight);

@@ -21,7 +21,8 @@ struct Facing {
 };
 [[nodiscard]] Facing face(const SurfacePoint& s, const glm::dvec3& direction);
 
-/// Returns the radiance without any light source. It consists of the ambient term and the emission.
+/// Returns the radiance of a surface that does not depend on light sources: the ambient term and the
+/// emission.
 [[nodiscard]] glm::dvec3 own_radiance(const Scene& scene, const Material& m, const SurfacePoint& s,
                                       const glm::dvec3& colour);
 /// Returns the surface colour at the hit. It multiplies the ambient and diffuse terms.
@@ -34,7 +35,8 @@ struct PlacedLight {
     double cos_outer = 0, cos_inner = 0;
 };
 [[nodiscard]] PlacedLight place_light(const Light& light, double time_s);
-/// Moves a light by `motion`, the matrix that the light's keyframes define at an instant.
+/// Returns the light after its motion. `motion` is the transform that the light's keyframes define at an
+/// instant.
 [[nodiscard]] PlacedLight place_light(const Light& light, const glm::dmat4& motion);
 
 /// Returns a sample point on a light source for (u, v) in [0, 1)^2, as seen from the point `from`. Spheres
@@ -51,8 +53,8 @@ struct Lit {
     glm::dvec3 origin{0}, segment{0};
     float reach = 0;
 };
-/// Returns the contribution of the light at its sample point `at` (light_point). `direction` is the direction
-/// of the ray that sees the surface.
+/// Returns the contribution of a light to the radiance of a surface, without occlusion. `at` is the sample
+/// point on the light (light_point). `direction` is the direction of the ray that sees the surface.
 [[nodiscard]] Lit lit_by(const PlacedLight& placed, const glm::dvec3& at, const SurfacePoint& s,
                          const Facing& f, const Material& m, const glm::dvec3& colour,
                          const glm::dvec3& direction);
@@ -61,11 +63,11 @@ struct Lit {
 /// [schlick1994, eq. 24].
 [[nodiscard]] double schlick_weight(double cosine);
 
-/// Coefficients of the reflected and refracted rays at a hit, and the quantities that determine their
-/// directions.
+/// The reflected and the refracted ray at a hit: their weights, and the quantities from which their
+/// directions are computed.
 struct Continuation {
-    /// Factors for the radiance of the two rays. In total internal reflection, `reflected` includes the
-    /// transmitted part.
+    /// Factors by which the radiance of the two rays is multiplied. In total internal reflection,
+    /// `transmitted` is 0, and the material's transmission is added to `reflected`.
     glm::dvec3 reflected{0}, transmitted{0};
     double d_n = 0, eta = 1, root = 0;  ///< direction . normal; ratio of indices; cosine of the refracted ray
     bool refracts = false;
