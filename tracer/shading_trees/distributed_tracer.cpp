@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-// Purposes of the random decisions at a node. Each purpose has its own sample set (sample_set).
+// Kinds of random decisions at a node. Each kind uses a different sample set (sample_set).
 enum class Purpose : std::uint32_t { light = 1, reflection = 2, transmission = 3, roulette = 4 };
 
 SampleSet set_for(Purpose purpose, NodePath path, std::size_t which) {
@@ -23,21 +23,22 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the LimitedNode that receives the light, or `no_node` for the eye ray.
+    /// Index of the LimitedNode (a node with clamped radiance) that receives the light. If it is `no_node`,
+    /// the eye ray receives the light.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped (LightElsewhere). All light of the node is summed first, and the sum is
-/// clamped.
+/// A node whose radiance is clamped, because the image gets the rest of its light as highlights
+/// (LightElsewhere). The light of the node is summed first, and then the sum is clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
     dvec3 radiance{0};
     bool counts = false;  ///< see add_limited
 };
 
-/// Adds the radiance of a node to its ray, except for the radiance that EyeRays::less excludes. If `counts`
-/// is true, the excluded radiance is added to EyeRays::left_out.
+/// Clamps the radiance of a node to eye.less->above and adds it to the radiance of its ray. If `counts` is
+/// true, the radiance above the clamp is added to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;
@@ -65,8 +66,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // For the density (n + 1) / (2 pi) cos^n of directions, the cumulative distribution of the cosine c is
-    // c^(n + 1).
+    // The lobe has the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is c^(n +
+    // 1), which is inverted here.
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);

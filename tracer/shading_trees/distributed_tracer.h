@@ -30,12 +30,12 @@ struct EyeRays {
     std::vector<std::uint32_t> pixel;  ///< the sampler's pixel
     std::vector<int> index;            ///< the sampler's index
     std::vector<float> weight;         ///< transmittance of the lens for each ray; 1 if empty
-    /// Weight of each ray in the result. If empty, all weights are 1. A ray is not traced if its contribution
-    /// times this weight is below `min_contribution`.
+    /// Factor by which the caller multiplies the radiance of each ray. If empty, all factors are 1. Reflected
+    /// and refracted rays are not traced if their contribution times this factor is below `min_contribution`.
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
-    /// Used only with `less`. Returns the raster position, px, at which the pinhole sees the point at
-    /// distance t on a ray.
+    /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed
+    /// only with `less`, which depends on this position.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
@@ -61,7 +61,7 @@ class DistributedTracer {
   private:
     struct PathRay;
     struct Workspace;
-    // The work that is needed to shade a hit on an object, from the cheapest to the most expensive kind.
+    // How much work is needed to shade a hit on an object, in ascending order.
     enum class Answer : std::uint8_t {
         constant,  // the radiance is constant
         texture,   // the radiance depends only on the texture
@@ -77,7 +77,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance that `less` excludes at a node is added to EyeRays::left_out.
+    /// Returns whether the radiance above the clamp at a node is added to EyeRays::left_out, that is, whether
+    /// EyeRays::left_out_of identifies this node.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

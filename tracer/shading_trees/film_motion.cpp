@@ -17,8 +17,8 @@ namespace {
 // than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// Limit below which the camera is assumed only to rotate. It is the translation of the pinhole divided by the
-// camera's distance from the origin. Smaller translations are rounding errors.
+// Largest translation of the pinhole that counts as a rounding error, relative to its distance from the
+// origin plus 1 m. Up to it, the camera is assumed only to rotate.
 constexpr double still = 1e-9;
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Predicts where a recorded point is on the raster at other instants. The point moves with the object that
-// has its id. The camera may move as well.
+// Predicts where a recorded surface point is on the raster at other instants. The prediction uses the motion
+// of the object that has the point's id, and the motion of the camera.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +26,8 @@ class FilmMotion {
     /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of the point at infinity in `direction`. Used for rays
-    /// that hit nothing. For an orthographic camera, the result is `at`, the raster position of the ray.
+    /// Like `place`, but for a point at infinite distance in `direction`, which represents a ray that hits
+    /// nothing. For an orthographic camera, the result is `at`, the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 
@@ -37,8 +37,7 @@ class FilmMotion {
     /// True if the motion of the camera causes parallax between near and far points. A camera that only
     /// rotates about the pinhole causes none.
     [[nodiscard]] bool parallax() const { return parallax_; }
-    /// Returns whether the ray may hit a moving object beyond the distance t, m. If false, it does not hit
-    /// any.
+    /// Returns false only if the ray certainly hits no moving object beyond the distance t, m.
     [[nodiscard]] bool may_meet_moving(const glm::dvec3& origin, const glm::dvec3& direction, double t) const;
 
   private:

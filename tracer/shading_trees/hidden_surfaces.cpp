@@ -13,11 +13,11 @@ using glm::dvec2;
 using glm::dvec3;
 using Places = std::vector<std::optional<dvec2>>;
 
-// Smallest displacement on the film, px, that is assumed to reveal a surface. A smaller displacement does not
-// show, because a pixel is the mean of at least four samples at its corners.
+// Displacement on the film, px, up to which motion is assumed to reveal nothing. Such a small displacement is
+// not visible, because a pixel is the mean of at least four samples at its corners.
 constexpr double same_place_px = 0.25;
 
-// Largest number of surfaces that one ray enters or leaves. It bounds the cost of rays through foliage.
+// Largest number of surfaces that one ray enters or leaves. It limits the time for rays through foliage.
 constexpr int most_crossings = 256;
 
 bool is_flat(const Shape& shape) {
@@ -62,16 +62,17 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance along the ray, m, at which it continues. The ray starts again just before the last
-    // hit, so that it also finds a surface at the same place (such as a floor under a box). The primitive
-    // that was hit last is excluded.
+    // Returns the distance, m, at which the ray is traced further. It lies just before the last hit, so that
+    // a surface at the same position is found too (such as a floor under a box). The primitive that was hit
+    // last is excluded. If all surfaces at this position have been found (`beyond`), the distance lies just
+    // behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
     }
 
-    // Adds the next hit of a ray to its chain. The chain consists of the surfaces that the ray has passed so
-    // far. Returns false if the chain ends.
+    // Adds the next hit of a ray to its chain, that is, to the surfaces that the ray has passed. Returns
+    // false if the ray needs no further hits.
     bool advance(Chain& c, const HitKey& key, double t) {
         if (++c.crossings == most_crossings) return false;
         const FirstHit& e = eye_[c.ray];
@@ -84,8 +85,8 @@ class Follower {
     }
 
   private:
-    // Adds a hit to the chain. The hit may be a new surface, the exit from an object, or a hit that coincides
-    // with an earlier one.
+    // Processes a hit of a ray. The hit is either a new surface, which is added to the chain, or the exit
+    // from an object, or a repeated hit at the same position.
     void meet(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const FirstHit& e = eye_[c.ray];
         const bool leaving = glm::dot(e.direction, s.geometric_normal) >= 0;
@@ -117,8 +118,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next layer to the chain, which is a surface or the background. The layer is stored in the
-    // result if the caller needs it.
+    // Adds the next layer to the chain, which is a surface or the background. If the layer is hidden and the
+    // caller needs it, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -163,8 +164,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object seen in a mirror or through glass is usually deeper than the mirror or glass. The lens
-        // therefore sees more of the object behind an edge.
+        // An object seen in a mirror or through glass is usually deeper than the mirror or glass, and the
+        // lens sees more of it behind an edge. For mirrors and glass, it is therefore sufficient that the
+        // lens sees a surface at any depth behind the edge.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -180,8 +182,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if, at some instant, motion uncovers surface `s`. All surfaces that the ray has passed must have
-    // moved away from it on the film. Adds the raster positions of `s` to the chain.
+    // True if motion may uncover surface `s`. For each surface that the ray has passed, there must be an
+    // instant at which it has moved away from `s` on the film. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -18,16 +18,17 @@ namespace postlens {
 /// Which hidden surfaces find_hidden_surfaces returns.
 struct HiddenLayers {
     static constexpr int most = 16;
-    /// Largest number of hidden surfaces per ray if `motion` is set. Shading a hidden surface costs as much
-    /// as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
+    /// Largest number of hidden surfaces per eye ray if `motion` is set. Shading a hidden surface costs as
+    /// much as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray if `lens` is set and `motion` is null. It is smaller than
-    /// `most_uncovered`, because motion reveals more behind an edge than a lens does.
+    /// Largest number of hidden surfaces per ray that only a lens reveals, that is, if `motion` is null or
+    /// after a bounce. It is smaller than `most_uncovered`, because motion reveals more behind an edge than a
+    /// lens does.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
-    /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion
-    /// reveals a surface if, at some instant, every surface in front of it is displaced on the film by more
+    /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
+    /// reveal a surface if each surface in front of it is displaced on the film, at some instant, by more
     /// than a quarter of a pixel relative to it.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
@@ -50,11 +51,12 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the inverse depth, 1/m, of a point at infinite distance on the ray (see LensReach).
+    /// Returns the limit of the inverse depth, 1/m, of points on the ray at increasing distance (see
+    /// LensReach). It is 0 for an eye ray, but not after a curved mirror.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 
-/// A hidden surface, or the end of the ray behind the last surface.
+/// A hidden surface, or the background behind the last surface of a ray.
 struct HiddenHit {
     std::uint32_t ray = 0;    ///< index into the first hits
     std::uint32_t layer = 0;  ///< number of surfaces in front of it
@@ -62,10 +64,10 @@ struct HiddenHit {
     SurfacePoint surface;     ///< t is measured from the ray's origin
 };
 
-/// Writes the hidden surfaces of every ray to `out`, sorted by layer within a ray. Every hit counts as a
-/// surface, except where the ray leaves a solid part that it has entered. If the ray finally leaves the scene
-/// and this background may be visible too, an entry with the key `none` is added. Adds the number of traced
-/// rays to `rays_spent`. Thread-safe and deterministic.
+/// Writes the hidden surfaces of all rays to `out`, sorted by ray and then by layer. Every hit counts as a
+/// surface, except where the ray leaves a solid part that it has entered. If the background behind the last
+/// surface may be visible too, an entry with the key `none` is added. Adds the number of traced rays to
+/// `rays_spent`. Thread-safe and deterministic.
 void find_hidden_surfaces(const RayScene& scene, const HiddenLayers& wanted, std::span<const FirstHit> eye,
                           std::vector<HiddenHit>& out, std::uint64_t& rays_spent);
 

@@ -14,8 +14,8 @@ namespace {
 
 constexpr int tile = 16;
 
-/// The position at which the last search of this thread ended. Samples are sorted by position, so the next
-/// search often succeeds at the same position.
+/// Returns the position in the pyramid at which the last search of this thread ended. Successive samples are
+/// close together, so the next search often succeeds at the same position.
 MinMaxPyramid::Hint& hint_of(const MinMaxPyramid& pyramid) {
     thread_local std::array<MinMaxPyramid::Hint, 64> hints;
     return hints[std::hash<const void*>()(&pyramid) / alignof(std::max_align_t) % hints.size()];
@@ -118,11 +118,10 @@ bool LensReach::looks_behind(const Covers& covers, double behind, Search search)
         const double radius = k * (nearest - behind) + margin_px;
         return (seen.*search)({covers.at, radius, covers.farthest, least, edge_slope / k}, hint_of(seen));
     };
-    // The covers are the surfaces in front of the hidden surface. Between the centre and the edge of the
-    // lens, the image of the covers shifts relative to the hidden surface. The lens sees past an edge of the
-    // covers if the edge is nearer to the ray than this shift. A surface in front of the covers may hide the
-    // edge, and its larger shift then counts instead. The first test uses an upper bound of all shifts and
-    // rejects most rays.
+    // The covers are the surfaces in front of the hidden surface. From the centre to the outline of the lens,
+    // their image shifts relative to the hidden surface. The lens sees past an edge of the covers if the edge
+    // is nearer to the ray than this shift. The first test uses an upper bound of the shift and rejects most
+    // rays. The last test is for a surface in front of the covers that hides the edge and has a larger shift.
     const double radius = k * (covers.nearest - behind) + margin_px;
     if (!edge_for(seen.at_most(covers.at, radius, covers.nearest))) return false;
     if (edge_for(covers.nearest)) return true;

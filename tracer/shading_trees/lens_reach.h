@@ -28,16 +28,17 @@ namespace postlens {
 /// with the lens point. For a surface that is seen directly, this is 1/z', where z' is the depth.
 class LensReach {
   public:
-    /// Two surfaces are treated as one if their images shift relative to each other by less than this value,
-    /// px. The lens then sees less than a quarter of a pixel of the farther surface beside an edge.
+    /// Two surfaces are treated as one if their images shift by less than this value, px, relative to each
+    /// other over the lens. Beside an edge, the lens then sees less than a quarter of a pixel of the farther
+    /// surface.
     static constexpr double same_place_px = 0.25;
-    /// Margin, px, that is added to the width of the visible strip of a hidden surface. It is needed because
-    /// the position of an edge is known only up to the diagonal of a pixel, and because the recorded strip
-    /// must include the corners of all pixels that show it.
+    /// Margin, px, that is added to the width of the strip of a hidden surface that the lens sees. There are
+    /// two reasons: the position of an edge is known only up to the diagonal of a pixel, and the recorded
+    /// strip must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the largest shift of its image over the lens changes by at least this
-    /// value from pixel to pixel, px/px. Within a plane, the shift changes this much only if the plane is
-    /// very steep, and then no lens point sees behind the plane.
+    /// Smallest change, from one pixel to the next, of the image's shift over the lens that is treated as an
+    /// edge of the surface, px/px. In a plane, the shift changes this much only if the plane is very steep,
+    /// and then no lens point sees behind the plane.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -50,7 +51,7 @@ class LensReach {
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces ("covers") that one ray has passed so far and that may hide the next surface. All of them
+    /// The surfaces that one ray has passed so far ("covers"). They may hide the next surface. All of them
     /// have the same path, and the last bounce of this path is at the same object.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
@@ -58,7 +59,8 @@ class LensReach {
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth at infinite distance on the ray, 1/m. It is not 0 after curved mirrors.
+        /// Inverse depth of a point at infinite distance on the ray, 1/m. It is 0 for an eye ray, but not
+        /// after a curved mirror.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray. `behind` is
@@ -70,7 +72,7 @@ class LensReach {
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
-    /// Returns the mean inverse depth of a node's image along the two raster axes, 1/m. It is half the trace
+    /// Returns the inverse depth of a node, 1/m, as the mean over the two raster axes. It is half the trace
     /// of the node's matrix W.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
@@ -89,9 +91,9 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Largest relative shift of the images of two surfaces over the lens, per difference of their inverse
-    /// depths, px m. It is the lens radius, m, divided by the tangent of the angle between neighbouring
-    /// pixels.
+    /// Shift, px, of the images of two surfaces relative to each other, from the centre to the outline of the
+    /// lens, per difference of their inverse depths, 1/m. It is the lens radius, m, divided by the tangent of
+    /// one pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -19,7 +19,7 @@ using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
 // Limit of the weight that a hit gives to a ray of another hit. Without this limit, rays at the edge of the
-// other hit's lobe would cause high variance.
+// other hit's lobe, where its density is small, would have high weights and cause high variance.
 constexpr double most_weight = 8;
 
 // True if two hits may share rays. The axes of their lobes must differ by less than the width of the wider
@@ -29,17 +29,17 @@ bool overlap(const LobeHit& a, const LobeHit& b) {
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
 }
 
-// Returns the weight at hit a of the rays of hit b. It decreases from 1 at distance 0 to 0 at distance
-// `reach_px`, so that the mean is continuous over the image.
+// Returns the weight of the rays of hit b in the mean of hit a. It decreases from 1 at distance 0 to 0 at
+// distance `reach_px`, so that the mean is continuous over the image.
 double window(const LobeHit& a, const LobeHit& b) {
     const glm::dvec2 d = a.at - b.at;
     const double share = 1 - glm::dot(d, d) / (LobeMeans::reach_px * LobeMeans::reach_px);
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along the Morton curve, in steps of 1/4 px. Positions that are close
-// on the curve are close on the raster, so the rays of neighbouring hits are stratified. The low 16 bits of
-// each coordinate distinguish all hits of one batch.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Positions that are close
+// on the curve are close on the raster, so hits sorted by this index have stratified rays. 16 bits per
+// coordinate are enough to distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -198,8 +198,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // The order of the arguments of std::min matters. If `weight` is NaN (0 times an infinite bound),
-        // std::min must return `count`.
+        // `weight` is NaN if it is 0 times an infinite bound. The result must then be `count`, which std::min
+        // returns because `count` is its first argument.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);

@@ -26,9 +26,8 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of this node times throughput, without the means over lobes, which are not yet known. It
-    /// determines how many rays the mean needs. Other nodes of the sample are not included, which can only
-    /// lead to more rays than needed.
+    /// Radiance of this node times throughput, without its means over lobes. The brighter it is, the fewer
+    /// rays the mean needs. Other nodes of the sample are left out, so more rays than needed may be traced.
     glm::dvec3 beside{0};
 };
 
@@ -53,7 +52,7 @@ struct LobeHit {
 class LobeMeans {
   public:
     static constexpr double reach_px = 16;
-    /// Largest number of rays per hit. It limits the cost of rough metals. Their noise is then about 4/255.
+    /// Largest number of rays per hit. It limits the time for rough metals, whose noise is then about 4/255.
     static constexpr int most_rays = 4;
 
     /// Keeps a reference to the scene.
@@ -75,8 +74,8 @@ class LobeMeans {
 };
 
 /// Returns the density of the lobe in a unit direction, relative to the density of cos^exponent on its axis.
-/// The part of the lobe on the wrong side of the surface is mirrored to the right side. Returns 0 for
-/// directions on the wrong side.
+/// The part of the lobe behind the surface is mirrored to the front. For directions behind the surface, the
+/// density is 0.
 [[nodiscard]] double folded_lobe(const LobeHit& hit, const glm::dvec3& direction);
 
 }  // namespace postlens

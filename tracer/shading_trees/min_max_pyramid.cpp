@@ -77,12 +77,12 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
             square_of(y - radius, of.height), square_of(y + radius, of.height)};
 }
 
-// Searches depth-first within `radius` of `at`. `visit(range, square, distance2)` decides whether to descend
-// into a square, to skip it or to end the search. `distance2()` is the squared distance from `at` to the
-// nearest integer position in the square. A square of level 0 is a single value.
+// Searches the values within `radius` of `at`, depth-first. `visit(range, square, distance2)` decides whether
+// to descend into a square, to skip it or to end the search. `distance2()` is the squared distance from `at`
+// to the nearest integer position in the square. A square of level 0 is a single value.
 //
-// Of the four parts of a square, the part with the greatest `promise(range)` is searched first. A part is
-// skipped if `keeps(promise)` is false when the search reaches it.
+// `promise(range)` determines the order: of the four parts of a square, the part with the greatest promise is
+// searched first. When it is a part's turn, it is skipped if `keeps(promise)` is false.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {
@@ -91,12 +91,13 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         float promise;
     };
     if (!(radius >= 0)) return;  // not a number
-    // At most three parts of a square wait on each of at most 31 levels, so 128 entries suffice.
+    // The stack holds at most three parts of a square for each of at most 31 levels, so 128 entries suffice.
     // NOLINTNEXTLINE(cppcoreguidelines-pro-type-member-init): clearing it costs as much as a search
     std::array<Square, 128> open;
     std::size_t count = 0;
     const double x = at.x - x_begin_, y = at.y - y_begin_;
-    // Visits some squares of one level. Returns false if the search ends.
+    // Visits the squares [x_first, x_last] x [y_first, y_last] of one level. Returns false if the search has
+    // ended.
     const auto meet = [&](int at_level, int x_first, int x_last, int y_first, int y_last) {
         const Level& level = levels_[static_cast<std::size_t>(at_level)];
         const auto size = static_cast<double>(1 << at_level);
@@ -117,8 +118,7 @@ void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& vi
         return true;
     };
     // The search starts at the level whose squares are as wide as the circle, so the circle overlaps at most
-    // 2 x 2 squares. Most circles are small, and a search from the top would spend most of its time on the
-    // way down.
+    // 2 x 2 squares. Most circles are small, so a search from the top of the pyramid would take longer.
     const int top = level_of_width(2 * radius + 1);
     const Squares around = squares_around(at, radius, top);
     bool going = meet(top, around.x_first, around.x_last, around.y_first, around.y_last);

@@ -1,5 +1,5 @@
-// A raster of values with a fast search for values below a limit. The limit decreases with the distance from
-// the centre of the search, so the searched region is a cone.
+// A raster of values, with a fast search for a value below a limit near a position. The limit decreases with
+// the distance from this position, so the searched region is a cone.
 #pragma once
 
 #include <cstdint>
@@ -15,14 +15,14 @@ class MinMaxPyramid {
     /// The value at (x, y) is values[(y - y_begin) * width + x - x_begin]. NaN means that there is no value.
     MinMaxPyramid(int x_begin, int y_begin, int width, int height, const std::vector<float>& values);
 
-    /// A cone around the position `at`. It contains a value v at a distance d from `at` under three
-    /// conditions: d <= radius, top - v >= least, and top - v >= slope * d.
+    /// A cone around the position `at`. A value v at a distance d from `at` is in the cone if d <= radius,
+    /// top - v >= least, and top - v >= slope * d.
     struct Cone {
         glm::dvec2 at{0};
         double radius = 0, top = 0, least = 0, slope = 0;  ///< all but `top` >= 0
     };
-    /// The square or value that an earlier search found. It is tested first, because a nearby cone probably
-    /// contains the same value. The hint may come from another pyramid.
+    /// The square or value at which an earlier search ended. It is tested first, because a nearby cone
+    /// probably contains the same value. A hint from another pyramid is allowed.
     struct Hint {
         int level = 0, x = 0, y = 0;
     };

@@ -1,6 +1,6 @@
-// Ray differentials through mirrors and glass [igehy1999]. They are the derivatives of a ray with respect to
-// two quantities: p, the tangent of its direction at the pinhole, and q, its lens point. From them, the
-// matrix W of a node is computed. W describes how the image of the node moves when the lens point moves.
+// Ray differentials through mirrors and glass [igehy1999]: the derivatives of a ray with respect to p, the
+// tangent of its direction at the pinhole, and q, its lens point. From them, the matrix W of a node is
+// computed. W describes how the image of the node moves when the lens point moves.
 #pragma once
 
 #include <array>
@@ -37,13 +37,13 @@ void transfer(RayDifferentials& differentials, const glm::dvec3& direction, doub
                                        const glm::dvec3& normal, const glm::dmat3& shape_operator,
                                        double eta);
 
-/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes. X is a point of the ray, p the
-/// tangent of the eye ray, and q the lens point. At a fold of the image, dX/dp has no inverse, and the
+/// Returns the matrix W = (dX/dp)^-1 dX/dq, 1/m, along the raster's axes. X is the point that the ray hits, p
+/// the tangent of the eye ray, and q the lens point. Where the image folds, dX/dp has no inverse, and the
 /// entries of W are huge but finite.
 [[nodiscard]] Mat2 refocus_matrix(const RayDifferentials& differentials);
 
-/// Returns the matrix W of a ray that leaves the scene. Such a ray has no end point, so W is computed from
-/// its direction.
+/// Returns the matrix W of a ray that hits nothing. Such a ray has no end point X, so W is computed from the
+/// derivatives of its direction.
 [[nodiscard]] Mat2 refocus_matrix_at_infinity(const RayDifferentials& differentials);
 
 }  // namespace postlens

@@ -15,21 +15,22 @@ using glm::dvec3;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// Limit of the Newton steps in the search for the ray from a lens point to a node. The derivatives are always
-// those at the pinhole, so each step gains about one digit. If the last step is not enough, the estimated
-// distance to the solution (the residual) is added to the error. If the steps grow, the error is infinite.
+// Largest number of Newton steps in the search for the ray from a lens point to a node. All steps use the
+// derivatives at the pinhole, so each step gains about one digit. If the last step is not enough, the
+// estimated distance to the solution is added to the error of W. If the steps grow, this error is infinite.
 constexpr int most_steps = 5;
-// A ray has converged ("is settled") if its last step was at most `settled_px`. It has also converged if the
-// estimated residual is at most `settled_share` of its difference from the prediction by the matrix W.
+// The search for a ray has converged if its last step is at most `settled_px`. It has also converged if the
+// estimated distance to the solution is at most `settled_share` of the difference between the ray and its
+// prediction by W.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed residual after the first Newton step, as a fraction of that step. After later steps, the residual
-// is estimated from the ratio of the last two steps.
+// Assumed distance to the solution after the first Newton step, as a fraction of that step. After later
+// steps, it is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// If the rays on one side of the lens differ from their prediction by less than this fraction of settled_px,
-// the rays on the other side are not traced. The matrix W makes the prediction.
+// Four lens points are used, in two opposite pairs. If the rays from one lens point of each pair differ from
+// their prediction by W by at most this fraction of settled_px, the opposite lens points are skipped.
 constexpr double straight_share = 0.5;
 
-// Largest number of surfaces outside the node's path that a ray may pass through.
+// Largest number of surfaces that a ray passes through on the way to a node that lies behind them.
 constexpr int most_passed = 16;
 
 // A ray from a lens point. Its direction is adjusted until the ray reaches a given node (hit of a shading
@@ -42,12 +43,13 @@ struct Probe {
     bool converges = false;
     // The current part of the ray.
     dvec3 origin{0}, direction{0}, off{0};
-    // Distance from the origin at which the ray starts. It lies behind the surfaces that the ray has passed.
+    // Distance from the origin, m, at which the ray is traced further, behind the surfaces that it has passed
+    // through.
     double start = 0;
     HitKey from;
     int bounces = 0, passed = 0;
-    // The ray ended before its last bounce. `hidden` means that it hit another object or nothing. `lost`
-    // means that it was totally reflected or that the search diverged.
+    // The ray ended before its last bounce. It is `hidden` if it hit another object or nothing. It is `lost`
+    // if it was totally reflected or if the search diverged.
     bool hidden = false, lost = false;
     [[nodiscard]] bool ended() const { return hidden || lost; }
 };
@@ -69,8 +71,8 @@ class Prober {
     [[nodiscard]] bool on_its_way(const Probe& p) const {
         return !p.ended() && p.bounces < nodes_[p.node].path.depth();
     }
-    // Processes a hit of the current ray. If the node's path reflects or refracts at this hit, the ray does
-    // so too.
+    // Processes a hit of the current ray. If the hit is on the object of the next bounce in the node's path,
+    // the ray is reflected or refracted there.
     void meet(Probe& p, const HitKey& key, double t) const {
         const BentNode& n = nodes_[p.node];
         p.hidden = true;
@@ -153,8 +155,8 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 
 namespace {
 
-/// Greatest accepted tangent of a ray from a lens point. A ray has a larger tangent only if the Newton steps
-/// diverge or if the node lies at a fold of the image, where W is unbounded.
+/// Greatest accepted tangent of a ray from a lens point. Larger tangents occur only if the Newton steps
+/// diverge or if the node lies where the image folds, so that W is unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
@@ -168,9 +170,10 @@ struct Search {
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;  ///< one of its rays is lost
-    /// Per node, the greatest difference from the prediction among the rays that have converged.
+    /// Per node, the greatest difference between the tangent of a ray and its prediction by W, over the rays
+    /// that have converged.
     std::vector<double> greatest;
-    /// Per node, a lower bound of the greatest difference from the prediction among all rays.
+    /// Per node, a lower bound of this difference over all its rays, including those that have not converged.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -192,8 +195,8 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the difference between two tangents: that of the ray that a probe has found, and the tangent
-    /// that W predicts. Infinite if no ray was found. Must not be called if `hidden` is set.
+    /// Returns the difference between the tangent of the ray that a probe has found and its prediction by W.
+    /// Infinite if no ray was found. Must not be called if `hidden` is set.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
     }
@@ -231,7 +234,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // A ray is dropped if another ray to the same node already differs more from its prediction.
+            // Only the greatest difference from the prediction counts. A ray is therefore dropped if another
+            // ray to the same node is known to have a greater difference.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -276,8 +280,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens reached the node. The error of its matrix W is then
-    // unknown, which is recorded as infinity.
+    // A negative value means that no ray from the lens has reached the node. The error of its matrix W is
+    // then unknown and is recorded as infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }
