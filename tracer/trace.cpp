@@ -24,8 +24,8 @@ namespace {
 
 constexpr int largest_levels = 8;
 
-// Margin, in px, around the recorded pixels that is also searched for depth edges. Edges farther out affect
-// only the border of the recorded area.
+// Depth edges are searched for up to this distance, px, outside the recorded pixels. Edges farther out would
+// affect only the border of the recorded area.
 constexpr int beyond_records_px = 32;
 
 void check_whole(const char* option, int value, int low, int high) {
@@ -74,8 +74,8 @@ void check(const TraceSettings& s) {
     }
 }
 
-// One instant of a trace. It contains the scene and the camera at this instant, and the hidden surfaces that
-// are recorded.
+// One recorded instant of a trace: the scene and the camera at this instant, and which hidden surfaces are
+// recorded.
 class Instant {
   public:
     Instant(const Scene& scene, const TraceSettings& settings, const Camera& of, const SceneMotion& motion,
@@ -181,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants from the previous key (recorded instant) to the next one. Reprojection uses the records of
-// the key `at_s` for instants in this range.
+// Returns instants from the previous key (recorded instant) to the next one. At these instants, reprojection
+// uses the records of the key `at_s`.
 std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
@@ -196,7 +196,8 @@ std::vector<double> instants_near(double at_s, const std::vector<double>& record
 std::uint64_t least_memory_bytes(const CameraModel& camera, int overscan_px, const TraceSettings& s) {
     constexpr std::uint64_t picture_bytes_per_px = 3 * sizeof(float);
     constexpr std::uint64_t rows_of_records = 32;
-    // LensReach stores one inverse depth per pixel, and a pyramid with the ranges of these inverse depths.
+    // LensReach stores one inverse depth (a float) per pixel, and a pyramid with the minima and maxima of
+    // these inverse depths (two floats per square, 4/3 squares per pixel).
     constexpr std::uint64_t reach_bytes_per_px = sizeof(float) + 2 * sizeof(float) * 4 / 3;
     const auto width = static_cast<std::uint64_t>(camera.width),
                height = static_cast<std::uint64_t>(camera.height);
@@ -305,8 +306,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     check(asked);
     TraceSettings settings = asked;
     const double time_s = settings.time_s.value_or(placed.time_s);
-    // This is the camera that the header describes. The scene is then translated so that this camera is at
-    // the origin, as in `render`.
+    // The camera that the header describes. The scene below is translated so that this camera is at the
+    // origin, as in `render`.
     const Camera& placed_camera = find_camera(placed, settings.camera_name);
     const CameraModel camera(placed_camera, time_s, settings.camera);
     const Scene scene = recentred(placed, camera.position);

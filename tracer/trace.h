@@ -21,16 +21,17 @@ struct TraceSettings {
     std::string camera_name;       ///< if empty, the first camera of the scene
     std::optional<double> time_s;  ///< if absent, the scene's default instant
     SubdivisionSettings subdivision{.levels = 2};
-    /// Used with `for_f_number`. If true, cells at the edges of objects are subdivided to at least
-    /// `lens_levels` levels. `subdivision.levels` then only limits the subdivision caused by contrast.
+    /// If true and `for_f_number` is set, cells at the edges of objects are subdivided to at least
+    /// `lens_levels` levels. `subdivision.levels` then limits only the subdivision caused by contrast.
     bool subdivide_for_lens = false;
     static constexpr int lens_levels = 3;
     /// Number of levels that is enough for methods that also trace rays into the scene where the records are
     /// too coarse. docs/planner.md compares the times of other levels.
     static constexpr int ray_levels = 1;
-    /// Angle, in degrees, by which an object may turn relative to the camera from one recorded instant to the
-    /// next. Used if `keys` is absent. A turning ball shows parts of its surface that no recorded instant
-    /// shows. At this angle, they are at most 0.9 % of its radius wide in the image (1 - cos 7.5 degrees).
+    /// Angle, degrees, by which an object may turn relative to the camera from one recorded instant to the
+    /// next. Used if `keys` is absent. Between two recorded instants, a turning ball shows a strip of its
+    /// surface that neither of them shows. At 15 degrees, this strip is at most 0.9 % of the ball's radius
+    /// wide in the image (1 - cos 7.5 degrees).
     double degrees_per_key = 15;
     /// Value of `degrees_per_key` for methods that also trace rays into the scene.
     static constexpr double ray_degrees_per_key = 30;
@@ -41,9 +42,10 @@ struct TraceSettings {
     /// loss if half as many instants are recorded and the light changes smoothly.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file overwrites two radii in these settings. With `for_f_number`, it sets both to the radius
-    /// of that lens. Without it, `bend_radius_m` is kept, and `lens_radius_m` becomes the radius of the
-    /// camera's lens. If the camera has no f-number, an f/1.4 lens is assumed.
+    /// trace_to_file changes two lens radii in these settings. With `for_f_number`, `lens_radius_m` and
+    /// `bend_radius_m` become the radius of that lens. Otherwise, `bend_radius_m` is kept, and
+    /// `lens_radius_m` becomes the radius of the camera's lens, or of an f/1.4 lens if the camera has no
+    /// f-number.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -51,23 +53,23 @@ struct TraceSettings {
     std::optional<double> for_f_number;
     std::optional<double> for_focus_m;
     std::optional<TimeSpan> for_shutter;
-    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, the trace records
-    /// hidden surfaces that motion during `for_shutter` may reveal, and those that a lens of `for_f_number`
-    /// sees past edges. If these two settings are absent too, no hidden surfaces are recorded.
+    /// Number of hidden surfaces recorded behind every visible one, 0 to 16. If absent, hidden surfaces are
+    /// recorded if motion during `for_shutter` may reveal them or if a lens of `for_f_number` sees them past
+    /// edges. If these two settings are absent too, no hidden surfaces are recorded.
     std::optional<int> hidden_layers;
     bool hidden_auto =
         false;  ///< `hidden_layers` is absent on purpose; requires `for_shutter` or `for_f_number`
     /// Number of evenly spaced instants of `for_shutter` that are recorded, 1 to 64. The frame's own instant
     /// is recorded too if it is not one of them. With 1, only the frame's instant is recorded. If absent, the
-    /// number is chosen from the motion, which requires `for_shutter`.
+    /// number is chosen from the motion and the changing light of the scene, which requires `for_shutter`.
     std::optional<int> keys = 1;
     /// Automatic exposure, in stops, that is written to the file (tracer/exposure.h). If absent, no automatic
     /// exposure is written.
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
-    /// If set, only some rows are traced. In the file, the rays of all other rows hit nothing
-    /// (trace_share.h).
+    /// If set, only the rows of this share are traced. The other rows of the file contain rays that hit
+    /// nothing (trace_share.h).
     std::optional<Share> share;
     /// Called before the records are traced, with the predicted size of the file in bytes
     /// (tracer/recording/expected_size.h). An exception from this function ends the trace. If the function is

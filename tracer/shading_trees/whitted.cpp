@@ -237,8 +237,8 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // In units of radiance. If a light contributes less than this to a node, its shadow at the node
-            // is not visible.
+            // Radiance that a shadow must remove from a node to be visible. Weaker shadows do not subdivide
+            // cells.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);

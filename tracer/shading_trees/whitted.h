@@ -25,9 +25,9 @@ struct WhittedSettings {
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
     double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; not if 0
-    /// Lens radius, m. If the lobe of a surface is wider than this lens (lobe_is_wide), the mean radiance
-    /// over the lobe is recorded. Otherwise the radiance of the exact direction is recorded. If 0, all lobes
-    /// are averaged.
+    /// Lens radius, m. If the lobe of a surface is wider than this lens, as seen from the surface
+    /// (lobe_is_wide), the mean radiance over the lobe is recorded. Otherwise only the radiance from the
+    /// exact direction of reflection or refraction is recorded. If 0, all lobes are averaged.
     double lens_radius_m = 0;
     bool lit = true;                     ///< false to ignore lights, for callers that need only positions
     const ObjectParts* parts = nullptr;  ///< parts to record in ColourSource::part; may be null
@@ -59,8 +59,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture and the shadows that determine the colour of a record, and the part of the mesh that it shows.
-/// If these differ between the corners of a cell, the cell is subdivided even if the colours are equal.
+/// The texture, the shadows and the part of the object that a record shows. If these differ between the
+/// corners of a cell, the cell is subdivided even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -73,14 +73,15 @@ struct ColourSource {
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
-    /// For each record, the part of r, g, b that has sampling noise. It contains the radiance from lobes. In
-    /// penumbrae, it also contains the radiance from area lights minus half of its unshadowed value. Empty if
-    /// no record has noise.
+    /// For each record, the part of its radiance (r, g, b) that has sampling noise. It contains the means
+    /// over lobes. In the penumbra of an area light, it also contains the difference between the light's
+    /// contribution and half of its unshadowed contribution. Empty if no record has noise.
     std::vector<glm::vec3> noisy;
-    /// One per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor lights.
+    /// One entry per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor
+    /// lights.
     std::vector<ColourSource> sources;
-    /// One per record, set only for nodes after a bounce. Empty if the scene has no mirror and no glass, or
-    /// nothing brighter than white.
+    /// One entry per record, set only for nodes after a bounce. Empty if the scene has no mirror and no
+    /// glass, or nothing brighter than white.
     std::vector<Arrival> arrivals;
 };
 
@@ -99,8 +100,9 @@ class WhittedTracer {
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
     /// close together. Thread-safe.
     ///
-    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. `bend_around` then
-    /// estimates the nonlinear W of nodes from these samples. It is measured only where there is no estimate.
+    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. The nonlinear W of a
+    /// node (the second-order error of its matrix W) is then estimated from these samples by bend_around. It
+    /// is measured only where there is no estimate.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
     /// The nonlinear part of W counts as small if it displaces the image of the node by less than this value,

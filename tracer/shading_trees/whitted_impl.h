@@ -50,7 +50,8 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The node to which the mean over a lobe is added, and the factor of the mean.
+    // The node to which the mean over a lobe is added, the factor `share` of this mean, and the node's
+    // throughput.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
@@ -88,13 +89,14 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if nonlinear W is measured. `bounces` holds the bounces of each ray, at the index of the
-        // ray's differentials. `bent` holds the nodes whose nonlinear W is to be measured.
+        // Used only if nonlinear W (the second-order error of W) is measured. `bounces` contains the objects
+        // at which each ray has bounced, at the index of the ray's differentials. `bent` contains the nodes
+        // to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
-        // Hits at which several rays must be averaged, at any depth of the shading tree. The average is over
-        // a glossy lobe or over the area of a light.
+        // Hits for which several rays are averaged, over a glossy lobe (`lobes`) or over an area light
+        // (`extents`). They may be at any depth of the shading tree.
         std::vector<LobeHit> lobes;
         std::vector<LobeTarget> lobe_targets;
         std::vector<glm::dvec3> lobe_means;
@@ -122,9 +124,8 @@ struct WhittedTracer::Impl {
     void generation(Workspace& w, RayCounts& counts) const;
     void begin_generation(Workspace& w) const;
     void end_generation(Workspace& w) const;
-    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Hits at
-    // which a ray leaves a glass object are not stored, because the transmitted ray finds the surfaces behind
-    // them.
+    // Stores the hit of a reflected or refracted ray if a lens may see hidden surfaces behind it. Exits from
+    // a glass object are not stored, because the transmitted ray finds the surfaces behind them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
     // Traces hidden surfaces that are seen by reflection or refraction. Each becomes a separate layer of its
@@ -157,8 +158,8 @@ struct WhittedTracer::Impl {
     // the ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Takes the nonlinear W (`w_bend`, its second-order error) of nodes from earlier samples nearby, where
-    // possible. Nodes that must be measured remain in w.bent.
+    // Estimates the nonlinear W (`w_bend`, the second-order error of W) of nodes from earlier samples nearby,
+    // where possible. The nodes that must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the nodes to records. Nodes are ordered by their number of bounces, but records are ordered by
     // sample, layer and path.
