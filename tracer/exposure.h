@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Sets the colours of all light in the scene to those of its file, multiplied by 2^stops. At 0 stops, they
-/// equal the colours of the file exactly.
+/// Sets the colours of all light in the scene to those of its file, multiplied by 2^stops, except for
+/// rounding.
 void expose(Scene& scene, double stops);
 
 /// Returns the exposure, in stops, that `--exposure auto` uses. A small preview of the scene is traced at the

@@ -163,8 +163,8 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
     return camera.film_distance_mm / f_number / 2 * 1e-3;
 }
 
-// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` leads from
-// this instant to all instants at which its records are used. It may be null.
+// Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` predicts
+// positions at all instants at which the records of this instant are used. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;

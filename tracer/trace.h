@@ -116,7 +116,8 @@ void check_tracing(int max_depth, double min_contribution, const std::optional<d
 void check_shutter(const char* option, const TimeSpan& shutter);
 
 /// Returns the camera with this name, or the first camera if the name is empty. If there is no such camera,
-/// throws Error(wrong_arguments) with a list of the existing names.
+/// throws Error(wrong_arguments) with a list of the existing names. Throws Error(invalid_input) if the scene
+/// has no camera.
 [[nodiscard]] const Camera& find_camera(const Scene& scene, const std::string& name);
 
 }  // namespace postlens

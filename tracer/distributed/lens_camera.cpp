@@ -77,8 +77,8 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the position at which a ray with the given tangent meets the image. It is measured from the image
-// centre, in units of half the image diagonal, as in Aperture.
+// Returns the image position that the pinhole assigns to a direction with the given tangent. It is measured
+// from the image centre, in units of half the image diagonal, as in Aperture.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));
 }

@@ -27,8 +27,9 @@ dmat4 mixed(const dmat4& a, const dmat4& b, double share) {
     return a * (1 - share) + b * share;
 }
 
-// Returns the largest error, px, of the affine map `taken` for the points of a box. The error in metres is
-// convex over the box, so only corners are tested. It is multiplied by the largest image scale at a corner.
+// Estimates the largest error, px, of the affine map `taken` with respect to `truth` in a box: the largest
+// error of a corner in metres, times the largest image scale at a corner. The error in metres is convex over
+// the box, so it is greatest at a corner.
 double error_px(const std::array<dvec3, 8>& box, const dmat4& truth, const dmat4& taken, double time_s,
                 const MotionAccuracy& accuracy) {
     double farthest_m = 0, scale = 0;

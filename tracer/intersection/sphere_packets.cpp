@@ -106,7 +106,8 @@ template <int N>
     }
 }
 
-// The functions above are inlined into the following ones. They are thus compiled for each instruction set.
+// The templates above are inlined into the following functions, so they are compiled for each instruction
+// set.
 POSTLENS_MULTIVERSION void intersect_spheres_8(const RTCIntersectFunctionNArguments* a) {
     intersect_spheres<8>(a);
 }

@@ -301,7 +301,8 @@ class BandSampler {
         trace(wanted_, [&](CornerKey k) { return corners_around(k, y_begin, y_end); });
     }
 
-    // Returns the sample at the centre or a midpoint of a cell in this row of pixels.
+    // Returns the sample at the centre of a cell in this row of pixels, or at the midpoint of one of its
+    // sides.
     [[nodiscard]] std::uint32_t sample_at(CornerKey k, std::size_t row) const {
         for (const std::size_t r : {row, row + 1}) {
             const auto first = wanted_.begin() + static_cast<std::ptrdiff_t>(wanted_rows_[r]),
@@ -350,8 +351,8 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of the band, because the next band also needs them. They are pixel
-    // corners and midpoints of cells.
+    // Keeps the samples on the lower edge of the band, because the next band also needs them. They lie at
+    // pixel corners and at midpoints of the sides of cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();

@@ -25,8 +25,8 @@ using glm::dvec3;
 // further instants. From one step to the next, directions are assumed to turn by less than 180 degrees.
 constexpr int steps = 512;
 
-// A key (recorded instant) records an object if the object then has at least this fraction of its largest
-// size. An object changes its size if its keyframes scale it.
+// An object needs a key (recorded instant) at which it has at least this fraction of its largest size. Its
+// size changes if its keyframes scale it.
 constexpr double least_size = 0.5;
 
 double angle(const dvec3& a, const dvec3& b) {
@@ -203,8 +203,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Visits that are too short to contain a key are ignored, if this is true for all numbers of keys up to
-    // `most`.
+    // Visits that are so short that no key lies within them, for any number of keys up to `most`, are
+    // ignored.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;

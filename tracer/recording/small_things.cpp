@@ -48,8 +48,8 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the half axes of a box that extends over the ranges `sides` along the columns of the rotation
-/// `turn`.
+/// Returns the centre and half axes of a box that extends over the ranges `sides` along the columns of the
+/// rotation `turn`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
@@ -339,15 +339,15 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // of neighbouring cells along the outline cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. Every piece needs at least three cells, so these pieces need more cells
-    // than most_cells_per_pixel allows. keep_affordable() removes at least a third of them.
+    // Limits the memory for pieces. Every piece needs at least three cells, so the pieces need more cells
+    // than most_cells_per_pixel allows, and keep_affordable() removes at least a third of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Counts the cells of width find_px that lie within one cell of the object, and the smaller cells along
-    // its outline.
+    // Estimates the number of cells of width find_px within one cell of the object, and of the smaller cells
+    // along its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

@@ -24,9 +24,8 @@ class Permutation {
             const std::uint64_t word = mix64(key + r);
             multiplier_[r] = low_word(word) | 1;
             offset_[r] = high_word(word);
-            // A shift of 1 to bits - 1, computed from the highest 4 bits of the offset. These bits are
-            // independent of the shift's use in `step`, which reads only the lowest `bits` bits of the
-            // offset, unless bits > 28.
+            // A shift of 1 to bits - 1, computed from the highest 4 bits of the offset. `step` uses only the
+            // lowest `bits` bits of the offset, so the shift is independent of them unless bits > 28.
             shift_[r] =
                 1 + static_cast<int>((offset_[r] >> 28) * static_cast<unsigned>(std::max(bits - 1, 1)) >> 4);
         }

@@ -32,7 +32,7 @@ struct Divisor {
     }
 };
 
-/// Returns a multiple of 2^-24 in [begin, end), as an integer of 24 bits.
+/// Returns the integer at the fraction `share` of [begin, end), rounded down. `share` is in [0, 1).
 [[gnu::always_inline]] inline std::int32_t between(std::int32_t begin, std::int32_t end, double share) {
     return begin + static_cast<std::int32_t>(share * (end - begin));
 }

@@ -28,7 +28,8 @@ class Strata {
     /// with an index of n or more are in the cell of sample n - 1. Points and the edges of cells are
     /// multiples of 2^-24, so rounding never moves a point out of its cell.
     void fill_2d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u, float* v) const;
-    /// Like fill_2d, but in one dimension: one point in each of n equal intervals of [0, 1).
+    /// Writes one-dimensional points, with one point in each of n equal intervals of [0, 1). The arguments
+    /// are those of fill_2d.
     void fill_1d(SetKey key, CellPoint where, bool permuted, int first, int lanes, float* u) const;
 
   private:

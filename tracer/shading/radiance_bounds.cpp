@@ -58,7 +58,7 @@ double distance_to(const Object& o, const dvec3& p) {
     return least;
 }
 
-// Returns an upper bound of the intensity of a light on any surface, with attenuation.
+// Returns an upper bound of the intensity of a light at any surface, after attenuation by distance.
 dvec3 greatest_irradiance(const Scene& scene, const Light& l) {
     if (l.kind == Light::Kind::directional) return l.intensity;
     double distance = 0;

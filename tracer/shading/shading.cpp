@@ -135,8 +135,7 @@ Lit lit_by(const PlacedLight& placed, const dvec3& at, const SurfacePoint& s, co
     out.to_light = to_light;
     out.casts_shadow = l.casts_shadows;
     if (!l.casts_shadows || out.radiance == dvec3(0)) return out;
-    // The shadow ray starts slightly off the surface, on the side of the geometric surface that faces the
-    // light.
+    // The shadow ray starts slightly off the geometric surface, on the side that faces the light.
     const double side = glm::dot(f.geometric_normal, to_light) >= 0 ? 1 : -1;
     out.origin = s.position + (side * RayScene::offset(s.position)) * f.geometric_normal;
     // The ray ends just before the light, so that a surface at the same position does not block it.

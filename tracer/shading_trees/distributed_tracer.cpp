@@ -66,8 +66,8 @@ struct DistributedTracer::Workspace {
 
 dvec3 spread_direction(const dvec3& axis, double exponent, const glm::dvec2& uv) {
     if (exponent == std::numeric_limits<double>::infinity()) return axis;
-    // The lobe has the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is c^(n +
-    // 1), which is inverted here.
+    // The lobe has the density (n + 1) / (2 pi) cos^n. The cumulative distribution of the cosine c is
+    // c^(n + 1), which is inverted here.
     const double cosine = std::pow(1 - uv.x, 1 / (exponent + 1));
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), turn = 2 * std::numbers::pi * uv.y;
     const dvec3 hint = std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0);

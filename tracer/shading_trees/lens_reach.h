@@ -36,9 +36,9 @@ class LensReach {
     /// two reasons: the position of an edge is known only up to the diagonal of a pixel, and the recorded
     /// strip must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// Smallest change, from one pixel to the next, of the image's shift over the lens that is treated as an
-    /// edge of the surface, px/px. In a plane, the shift changes this much only if the plane is very steep,
-    /// and then no lens point sees behind the plane.
+    /// A surface has an edge where the shift of its image over the lens changes by at least this value from
+    /// one pixel to the next, px/px. Within a plane, the shift changes this much only if the plane is very
+    /// steep, and then no lens point sees behind the plane.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -67,7 +67,8 @@ class LensReach {
     /// the inverse depth of the surface, 1/m. If the result is false, no lens point sees the surface. If it
     /// is true, the surface may nevertheless be invisible from the lens.
     [[nodiscard]] bool may_see(const Covers& covers, double behind) const;
-    /// Like may_see, but for a surface at any distance behind all `covers`.
+    /// Returns whether some lens point may see a surface at any distance behind all `covers`, on the same
+    /// ray.
     [[nodiscard]] bool may_see_past(const Covers& covers) const;
 
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
@@ -92,8 +93,8 @@ class LensReach {
 
     double aperture_radius_m_;
     /// Shift, px, of the images of two surfaces relative to each other, from the centre to the outline of the
-    /// lens, per difference of their inverse depths, 1/m. It is the lens radius, m, divided by the tangent of
-    /// one pixel.
+    /// lens, per difference of their inverse depths, 1/m. It is the lens radius, m, divided by the camera's
+    /// tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

@@ -26,8 +26,9 @@ struct LobeHit {
     double exponent = 1;   ///< exponent of the lobe cos^exponent
     glm::dvec3 weight{0};  ///< factor of the mean: throughput times coefficient
     HitKey key;            ///< the surface that the rays leave
-    /// Radiance of this node times throughput, without its means over lobes. The brighter it is, the fewer
-    /// rays the mean needs. Other nodes of the sample are left out, so more rays than needed may be traced.
+    /// Radiance of this node times throughput, without its means over lobes. The brighter the node, the fewer
+    /// rays the mean needs, because noise is then less visible. Other nodes of the sample are left out, so
+    /// more rays than needed may be traced.
     glm::dvec3 beside{0};
 };
 

@@ -29,8 +29,9 @@ class MinMaxPyramid {
     /// Returns whether the cone contains any value.
     [[nodiscard]] bool any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool any_in(const Cone& cone) const;
-    /// Like any_in, but several times faster for wide cones. The result may also be true for a value slightly
-    /// outside the cone, up to an eighth of the radius. The result does not depend on the hint.
+    /// Returns whether the cone contains any value, several times faster than any_in if the cone is wide. The
+    /// result may also be true for a value slightly outside the cone, up to an eighth of the radius. The
+    /// result does not depend on the hint.
     [[nodiscard]] bool maybe_any_in(const Cone& cone, Hint& hint) const;
     [[nodiscard]] bool maybe_any_in(const Cone& cone) const;
     /// Returns the least of all values, or infinity if there are no values.

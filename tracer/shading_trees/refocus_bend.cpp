@@ -24,7 +24,7 @@ constexpr int most_steps = 5;
 // prediction by W.
 constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed distance to the solution after the first Newton step, as a fraction of that step. After later
-// steps, it is estimated from the ratio of the last two steps.
+// steps, the distance is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
 // Four lens points are used, in two opposite pairs. If the rays from one lens point of each pair differ from
 // their prediction by W by at most this fraction of settled_px, the opposite lens points are skipped.
@@ -173,7 +173,8 @@ struct Search {
     /// Per node, the greatest difference between the tangent of a ray and its prediction by W, over the rays
     /// that have converged.
     std::vector<double> greatest;
-    /// Per node, a lower bound of this difference over all its rays, including those that have not converged.
+    /// Per node, a lower bound of the greatest difference between the tangent of a ray and its prediction by
+    /// W, over all rays.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {

@@ -237,8 +237,7 @@ void WhittedTracer::Impl::resolve_shadows(Workspace& w) const {
             const Shadow& shadow = w.shadows[i][k];
             Node& node = w.nodes[shadow.node];
             node.radiance += shadow.radiance * batch.transmittance[k];
-            // Radiance that a shadow must remove from a node to be visible. Weaker shadows do not subdivide
-            // cells.
+            // Radiance that a shadow must remove from a node to be visible. Weaker shadows are not recorded.
             constexpr double little = 0.005;
             if (largest(shadow.radiance * (1.0 - dvec3(batch.transmittance[k])) * node.throughput) > little)
                 node.source.shadows |= 1U << (i % 32U);

@@ -87,8 +87,9 @@ struct TracedSamples {
 
 class WhittedTracer {
   public:
-    /// Keeps references to the scene, the camera and the motion in `hidden`. A hidden surface is shaded as if
-    /// nothing were in front of it. Recording hidden surfaces does not change the bits of visible ones.
+    /// Keeps references to the scene, the camera and all objects to which `settings` and `hidden` point. A
+    /// hidden surface is shaded as if nothing were in front of it. Recording hidden surfaces does not change
+    /// the bits of visible ones.
     WhittedTracer(const RayScene& scene, const CameraModel& camera, const WhittedSettings& settings,
                   const HiddenLayers& hidden = {});
     ~WhittedTracer();

@@ -20,8 +20,8 @@
 namespace postlens {
 
 struct WhittedTracer::Impl {
-    // A ray of the current number of bounces. `origin` lies exactly on the surface. In Embree's packet, the
-    // origin is moved slightly off the surface.
+    // A ray of the generation that is traced now (all rays with the same number of bounces). `origin` lies
+    // exactly on the surface. In Embree's packet, the origin is moved slightly off the surface.
     struct PathRay {
         glm::dvec3 origin{0}, direction{0}, throughput{0};
         double length = 0;    // of the path so far, m
