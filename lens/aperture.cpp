@@ -13,15 +13,15 @@ namespace {
 
 using glm::dvec2;
 
-/// If rim_scale (see Aperture) is below this value, the second rim is treated as if it blocked nothing. The
-/// rim, projected from the scene point onto the lens, then has a radius of more than 20 lens radii.
+/// If rim_scale (see Aperture) is below this value, the rim that causes cat's-eye vignetting is ignored.
+/// Projected onto the lens from such a near scene point, this rim has a radius of more than 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
-/// sample() draws points from a polygon that approximates the aperture. This is the largest distance between
-/// the polygon and the true shape, in lens radii.
+/// Largest distance, in lens radii, between the true shape of the aperture and the polygon from which
+/// sample() draws points.
 constexpr double fine = 1e-5;
 
-/// The list from `begin` to `end` contains running sums, and the last sum is 1. Returns the index of the
-/// interval that contains u, and the position of u within this interval (0 to 1).
+/// Finds u in the cumulative distribution from `begin` to `end`, whose last value is 1. Returns the index of
+/// the interval that contains u, and the position of u within this interval (0 to 1).
 std::pair<std::size_t, double> step_of(const double* begin, const double* end, double u) {
     const double* at = std::min(std::upper_bound(begin, end, u), end - 1);
     const double before = at == begin ? 0 : at[-1];
@@ -80,8 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // A polygon that approximates a circle has the same area as the circle. Its corners therefore lie
-        // outside the circle, by up to 1.5 % of the radius.
+        // Outlines replace a circle by a polygon of equal area, so the corners lie outside the circle. At the
+        // largest tolerance in use, 0.02, their distance from the circle is less than 1.5 % of the radius.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -129,8 +129,9 @@ bool Aperture::passes(const dvec2& q, const dvec2& field, double rim_scale) cons
     return p.x * p.x * impulse_.squeeze * impulse_.squeeze + p.y * p.y <= 1;
 }
 
-// Returns the fraction of the unit disc that lies inside a circle of radius r = 1 / rim_scale. The centres of
-// the disc and of the circle are at distance d.
+// Returns the fraction of the unit disc that is not blocked by the rim that causes cat's-eye vignetting.
+// Projected onto the lens, this rim is a circle of radius r = 1 / rim_scale, with its centre at distance d
+// from the centre of the disc.
 double Aperture::share_of_disc(const dvec2& field, double rim_scale) const {
     if (rim_scale < smallest_rim_scale) return 1;
     const double r = 1 / rim_scale;

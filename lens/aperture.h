@@ -1,4 +1,4 @@
-// Aperture shapes. A shape determines which points of the lens transmit light, and how much.
+// Aperture shapes: which points of the lens transmit light, and how much of it.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct AperturePicture {
     std::vector<double> light;  ///< >= 0, not all 0
 };
 
-/// Maps (u, v) in [0, 1)^2 to the unit disc [shirley1997]. The map is continuous. Regions of equal area have
-/// images of equal area.
+/// Maps (u, v) in [0, 1)^2 to the unit disc [shirley1997]. The map is continuous and preserves ratios of
+/// area.
 [[nodiscard]] glm::dvec2 disc_point(double u, double v);
 
 /// An aperture. Lens points are in units of the lens radius F / 2n, in raster axes (x right, y down). Field
@@ -44,8 +44,8 @@ class Aperture {
 
     /// Returns true for the unit disc without any modifier.
     [[nodiscard]] bool is_round() const;
-    /// Returns true if the aperture is symmetric about its centre. The impulse responses in front of and
-    /// behind the focus are then equal.
+    /// Returns true if the aperture is symmetric about its centre. A point in front of the focus then has the
+    /// same impulse response as a point behind it whose circle of confusion is equally large.
     [[nodiscard]] bool is_point_symmetric() const;
     [[nodiscard]] bool varies_over_field() const { return impulse_.cats_eye != 0; }
     [[nodiscard]] double cats_eye() const { return impulse_.cats_eye; }
@@ -55,26 +55,28 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline of the part of the aperture that transmits light at a field position. The outline
-    /// is a polygon whose sides are within `tolerance` of the true curve. It is empty if no light passes. Not
-    /// available for apertures given as images.
+    /// Returns the outline of the part of the aperture that transmits light at a field position. `rim_scale`
+    /// scales the second rim, which causes cat's-eye vignetting (see Aperture). The outline is a polygon
+    /// whose sides are within `tolerance`, in lens radii, of the true curve. It is empty if no light passes.
+    /// Not available for apertures given as images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the second rim alone. If that rim blocks nothing, the result is a square around
-    /// the whole aperture.
+    /// Returns the outline of the second rim, which causes cat's-eye vignetting, in lens coordinates. If
+    /// rim_scale is so small that the rim is ignored, the result is a square around the whole aperture.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if light through point q of the aperture also passes the second rim.
+    /// Returns true if light through point q of the aperture is not blocked by the second rim, which causes
+    /// cat's-eye vignetting.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that passes the second rim, or 1 if there is no second
-    /// rim. The result is exact for the disc. For other shapes, it is interpolated in a table. Its error is
-    /// about 1e-3 at rim_scale 1.
+    /// Returns the fraction of the aperture's light that the second rim, which causes cat's-eye vignetting,
+    /// transmits. It is 1 without such a rim. The result is exact for the disc. For other shapes, it is
+    /// interpolated in a table, with an error of about 1e-3 at rim_scale 1.
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture. The density of the points is proportional to the
-    /// transmitted light. The second rim is ignored. The map is continuous almost everywhere.
+    /// transmitted light. The map is continuous almost everywhere. Cat's-eye vignetting is ignored.
     [[nodiscard]] glm::dvec2 sample(double u, double v) const;
-    /// Returns the transmittance at a point, relative to the point with the highest transmittance. It is 0
-    /// outside the aperture. The second rim is ignored.
+    /// Returns the transmittance at a point, relative to the highest transmittance of the aperture. It is 0
+    /// outside the aperture. Cat's-eye vignetting is ignored.
     [[nodiscard]] double transmittance(const glm::dvec2& q) const;
 
     /// Hash of shape and modifiers.
@@ -87,7 +89,8 @@ class Aperture {
     [[nodiscard]] bool is_plain_disc() const { return impulse_.kind == ImpulseKind::disc; }
     void lay_transmission_table();
 
-    /// Number of intervals of the transmission table along each axis of the field. Each axis covers [-1, 1].
+    /// Number of intervals of the table from which `transmission` interpolates, along each axis of the field
+    /// position. Each axis covers [-1, 1].
     [[nodiscard]] int table_steps() const { return picture_ ? 32 : 64; }
     static constexpr int table_slices = 9;  ///< for rim_scale 1, 0.9375, ... 0.5
     Impulse impulse_;

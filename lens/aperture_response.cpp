@@ -42,9 +42,10 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
     return {x_begin, y_begin, x_end - x_begin, y_end - y_begin};
 }
 
-/// Returns the number of parts into which a straight line of `length` on the aperture is divided. The image
-/// of each part then deviates from a straight line by less than 0.02 px. The number follows from the largest
-/// second derivative of the aberration, spherical_px q |q|^2.
+/// Returns the number of parts into which a straight line of `length` on the lens is divided. Spherical
+/// aberration bends the image of the line, and the image of each part deviates from a straight line by less
+/// than 0.02 px. The number follows from the largest second derivative of the aberration, spherical_px q
+/// |q|^2, where q is a point of the lens.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -123,9 +124,9 @@ double deposit_picture(const Aperture& aperture, const ApertureImage& image, con
     return sum;
 }
 
-/// Deposits the light of an aperture that is divided into rings around the centre of its rim. Each cell of a
-/// ring is added as two triangles, because the image of a quadrilateral can be folded, but the image of a
-/// triangle cannot.
+/// Deposits the light of an aperture that is given by its outline. The aperture is divided into rings around
+/// the centre of the outline, and each ring into cells. Each cell is added as two triangles, because
+/// spherical aberration can fold the image of a quadrilateral, but not that of a triangle.
 void deposit_rings(const Aperture& aperture, const ApertureImage& image, const dmat2& map, double scale,
                    CellDeposit& deposit) {
     constexpr double within_px = 0.02, ring_px = 1.5;
@@ -185,14 +186,15 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Light through the lens zone of radius rho lands at the distance |R rho + S rho^3| from the point's
-    // image, where R is `radius_px` and S is `spherical_px`. The radius of the rim is taken from half_extent,
-    // because Aperture::farthest is slightly too large.
+    // Let R be `radius_px`, and S be `spherical_px`. Light through the lens at distance rho from its centre
+    // lands at the distance |R rho + S rho^3| from the image of the point. The radius of the rim is taken
+    // from half_extent, because Aperture::farthest is slightly too large.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // Inside the rim, this distance has a local maximum where its derivative R + 3 S rho^2 is 0.
+    // The light at the rim is the farthest, unless the distance |R rho + S rho^3| has a local maximum inside
+    // the rim, where its derivative R + 3 S rho^2 is 0.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -201,8 +203,9 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye, the outline varies over the field, but one response is used for a whole region of the
-    // image. A tolerance below 0.02 px would therefore not make the image more accurate.
+    // With cats_eye (mechanical vignetting), the outline varies over the field, but one response is used for
+    // a whole region of the image. A tolerance below 0.02 px would therefore not make the image more
+    // accurate.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

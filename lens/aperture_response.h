@@ -17,7 +17,8 @@ struct ApertureImage {
     glm::dvec2 centre_px{0};  ///< relative to the anchor
 };
 
-/// The pixels [x_begin, x_end) x [y_begin, y_end), relative to the anchor (an integer raster position).
+/// A rectangle of pixels, [x_begin, x_end) x [y_begin, y_end). Coordinates are relative to the anchor, an
+/// integer raster position that the caller chooses.
 struct PixelWindow {
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
 };
@@ -27,19 +28,20 @@ struct PixelWindow {
 inline constexpr double smallest_response_px = 1e-4;
 [[nodiscard]] glm::dmat2 with_area(const glm::dmat2& map_px);
 
-/// Returns true if the response is a uniformly lit outline, which image_outline() describes completely.
+/// Returns true if the response is uniform inside its outline, so that image_outline() describes it
+/// completely.
 [[nodiscard]] bool is_even(const Aperture& aperture, const ApertureImage& image);
 /// Returns the outline of the aperture's image, in px. The outline is a polygon within 1e-3 px of the true
-/// curve, or within 0.02 px if cats_eye is set. It is empty if no light passes.
+/// curve, or within 0.02 px if cats_eye (mechanical vignetting) is set. It is empty if no light passes.
 [[nodiscard]] Outline image_outline(const Aperture& aperture, const ApertureImage& image);
 
 /// Returns an upper bound of the distance between the response's centre and its farthest light, in px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
 /// Returns the largest distance, in px, between the image of a point and light that comes from the point.
-/// `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is as in ApertureImage.
-/// The result is exact even where the aberration counteracts the defocus. largest_reach_px is too large
-/// there.
+/// `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is the spherical
+/// aberration as in ApertureImage. Where the aberration counteracts the defocus, this result is exact,
+/// whereas largest_reach_px is too large.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to

@@ -1,4 +1,4 @@
-// Adds many small polygons to the pixel grid. Each polygon has a uniform energy density.
+// Adds many small polygons of uniform energy density to a pixel grid.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -14,9 +14,9 @@ class CellDeposit {
   public:
     /// finish() will add energy to `grid`, which must outlive this object.
     explicit CellDeposit(ResponseGrid& grid);
-    /// Adds a convex polygon. Its corners are in px relative to the grid's anchor (the origin of its
-    /// coordinates). If the area is below 1e-5 px^2, the energy is divided among the pixels that contain the
-    /// polygon's centre and the midpoints of its sides.
+    /// Spreads the energy uniformly over a convex polygon. Corners are in px relative to the grid's anchor
+    /// (the origin of its coordinates). If the area is below 1e-5 px^2, the energy is instead divided equally
+    /// among the pixels that contain the polygon's centre and the midpoints of its sides.
     void add(std::span<const glm::dvec2> corners, double energy);
     /// Writes all sums to the grid.
     void finish();

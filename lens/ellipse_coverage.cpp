@@ -46,7 +46,7 @@ double Ellipse::half_width() const {
     return std::sqrt(half_chord * half_chord + sheared * sheared);
 }
 
-/// The part of the ellipse in one pixel row, between the heights t0 and t1 from the centre. The other members
+/// The part of the ellipse in one pixel row, between the heights t0 and t1 from the centre, and values that
 /// are precomputed for the whole row.
 struct EllipseRows::Strip {
     double t0, t1;
@@ -77,8 +77,7 @@ EllipseRows::EllipseRows(const Ellipse& ellipse, double cx, double cy)
       y_begin_(static_cast<int>(std::floor(cy - ellipse.half_height))),
       y_end_(static_cast<int>(std::ceil(cy + ellipse.half_height))) {
     assert(ellipse.half_height > 0 && ellipse.half_chord > 0);
-    // A very flat ellipse touches one row, even if its half height is lost by rounding when it is added to
-    // cy.
+    // A very flat ellipse occupies one row, even if rounding makes cy + half_height equal to cy.
     if (y_end_ == y_begin_) ++y_end_;
 }
 
@@ -93,14 +92,14 @@ double EllipseRows::right_edge(double t) const {
 /// Returns the area of the part of the strip that lies to the left of x. The strip is the part of the ellipse
 /// within one pixel row, and x is relative to the centre.
 ///
-/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t, where left and right are
-/// the ends of the chord at t. The integral is split at the heights where an edge of the ellipse crosses x.
+/// Let left(t) and right(t) be the ends of the chord at height t. The area is the integral of min(right(t),
+/// x) - min(left(t), x) over t. It is split at the heights where the outline of the ellipse crosses x.
 /// Between these heights, it has a closed form.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
-    // An edge of the ellipse crosses x where (x - k t)^2 = s^2 (1 - (t / H)^2), with half height H. This is
-    // the quadratic equation a t^2 - 2 k x t + x^2 - s^2 = 0.
+    // The outline of the ellipse crosses x at heights t where (x - k t)^2 = s^2 (1 - (t / H)^2), with shear
+    // k, half chord s and half height H. This is the quadratic equation a t^2 - 2 k x t + x^2 - s^2 = 0.
     const double a = k * k + s * s / (e_.half_height * e_.half_height);
     const double quarter_discriminant = s * s * (a - x * x / (e_.half_height * e_.half_height));
     std::array<double, 4> t{strip.t0, strip.t0, strip.t1, strip.t1};

@@ -23,9 +23,10 @@ struct Film {
 /// Throws Error(wrong_arguments) unless both lengths are positive and finite.
 void check_film(const Film& film);
 
-/// A lens focused at distance s, for records that were traced through a pinhole. q is a lens point in m, in
-/// raster axes and relative to the pinhole. Seen from q, a point at inverse depth 1/z' is displaced by
-/// `gain_px * (1/s - 1/z') * q` px on the raster.
+/// A lens focused at distance s, for records that were traced through a pinhole. Seen from lens point q
+/// instead of the pinhole, a point at inverse depth 1/z' is displaced by `gain_px * (1/s - 1/z') * q` px on
+/// the raster, where gain_px is the film distance in px. q is in m, relative to the pinhole and in raster
+/// axes.
 struct FocusGeometry {
     double aperture_radius_m = 0;    ///< F / (2 n); 0 is a pinhole
     double inverse_focus_per_m = 0;  ///< 1/s; 0 when focused at infinity
@@ -41,8 +42,8 @@ struct FocusGeometry {
 
 /// Makes the geometry of a focused lens. The focal length F must be positive and finite. The f-number n must
 /// be positive, where infinity means a pinhole. The focus distance s must be positive and may be infinite.
-/// Unless framing is `keep`, s must also exceed F. Throws Error(wrong_arguments), with the reason, if a value
-/// is out of range.
+/// Unless the framing is that of the trace (`keep`), s must exceed F, because otherwise the lens forms no
+/// real image. Throws Error(wrong_arguments), with the reason, if a value is out of range.
 [[nodiscard]] FocusGeometry focus_geometry(const ThinLens& lens, double focus_distance_m, Framing framing,
                                            const Film& film);
 

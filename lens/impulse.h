@@ -34,17 +34,17 @@ struct Impulse {
     double spherical = 0;  ///< 1/m, see Aperture
 };
 
-/// Parses one of these forms: disc | polygon:BLADES[:DEG[:ROUNDNESS]] | diffraction[:NM[,NM...]] | image:FILE
-/// | lens:PRESCRIPTION. Throws Error(wrong_arguments) with a message that begins with `option`, the name of
-/// the option.
+/// Parses an impulse response that is written in one of these forms: disc | polygon:BLADES[:DEG[:ROUNDNESS]]
+/// | diffraction[:NM[,NM...]] | image:FILE | lens:PRESCRIPTION. Throws Error(wrong_arguments) with a message
+/// that begins with `option`, the name of the option.
 [[nodiscard]] Impulse parse_impulse(const std::string& option, const std::string& text);
 
-/// Returns the file that an impulse response reads. `text` is the argument of `--impulse`. The result is
-/// empty if the impulse response reads no file.
+/// Returns the name of the file that an impulse response reads, or an empty string if it reads none. `text`
+/// is the argument of `--impulse`.
 [[nodiscard]] std::string file_of_impulse(const std::string& text);
 
-/// Throws Error(wrong_arguments) if a modifier is out of range, or if it does not apply to this kind of
-/// aperture.
+/// Throws Error(wrong_arguments) if squeeze, cats_eye or spherical is out of range, or if one of them is set
+/// for a kind of aperture to which it does not apply.
 void check_impulse(const Impulse& impulse);
 
 /// Formats the settings as the argument of `--impulse`.

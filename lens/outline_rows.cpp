@@ -46,8 +46,8 @@ OutlineRows::OutlineRows(Outline outline) {
         const glm::dvec2 a = outline[i], b = outline[(i + 1) % outline.size()];
         low = std::min(low, a.y);
         high = std::max(high, a.y);
-        // The corners are in the order of a rotation from x to y (down). The polygon therefore lies to the
-        // right of a side that runs upwards.
+        // The corners are in the order of a rotation from x to y (down). A side that runs upwards is
+        // therefore on the left of the polygon, and gets the sign +1.
         if (a.y == b.y) continue;
         sides_.push_back(a.y < b.y ? Side{a, b, -1} : Side{b, a, 1});
     }
@@ -111,9 +111,9 @@ void OutlineRows::row(int y, CoverageSpan& out) const {
             out.inner_end = end;
         }
     }
-    // The array contains only the edge pixels, not the completely covered pixels between them. Each side adds
-    // the area to its right. In the pixels that the side crosses, this area is a part of the pixel. In all
-    // pixels further right, it has the full height of the side.
+    // `edge_share` contains only the edge pixels, not the completely covered pixels between them. Each side
+    // adds the area to its right: a part of each pixel that the side crosses, and the full height of the side
+    // in all pixels further right.
     const int gap = out.inner_end - out.inner_begin;
     const auto count = static_cast<std::size_t>(out.x_end - out.x_begin - gap);
     const auto place = [&](int x) {

@@ -12,7 +12,7 @@ namespace postlens {
 /// length of the outline. Values are fractions of the polygon's area, so they add up to 1 over all pixels.
 class OutlineRows {
   public:
-    /// `outline` is in px and may have either orientation. Its area must be at least 1e-12 px^2.
+    /// `outline` is in px. Its corners may have either orientation, and its area must be at least 1e-12 px^2.
     explicit OutlineRows(Outline outline);
 
     /// The polygon touches the rows y_begin() <= y < y_end().
@@ -24,7 +24,8 @@ class OutlineRows {
     void row(int y, CoverageSpan& out) const;
 
   private:
-    /// A side of the polygon, stored from top to bottom. `sign` is +1 for sides on the left of the polygon.
+    /// A side of the polygon. `sign` is +1 for a side on the left of the polygon, which adds the area to its
+    /// right, and -1 for a side on the right, which subtracts that area.
     struct Side {
         glm::dvec2 top{0}, bottom{0};
         double sign = 1;

@@ -7,9 +7,9 @@
 namespace postlens {
 
 /// The energy in each pixel of a rectangle. Coordinates are in px relative to the anchor, an integer raster
-/// position. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin + j, y_begin + j + 1), with x to
-/// the right and y down. The geometric image of the light source may lie anywhere in a pixel. The function
-/// that makes the grid chooses this position. Values are not negative. They add up to 1 unless that function
+/// position, with x to the right and y down. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin +
+/// j, y_begin + j + 1). The function that makes the grid chooses the position of the point's geometric image,
+/// which may lie anywhere in a pixel. Values are not negative. They add up to 1 unless that function
 /// documents a loss of light.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
