@@ -20,8 +20,9 @@ double example_focal_length_mm(double inverse_focus_per_m) {
     return inverse_focus_per_m > 0 ? std::min(usual_mm, 0.5 / inverse_focus_per_m / metres_per_mm) : usual_mm;
 }
 
-/// Residual c - K |q - 1/z| of one measured pair (depth z, CoC diameter c), where K = F^2 / (n (1 - F q)) and
-/// q = 1/s. The fitted parameters are ln F, ln n and q.
+/// Residual c - K |q - 1/z| of one measurement: the diameter c of the circle of confusion of a point at depth
+/// z. K = F^2 / (n (1 - F q)) for focal length F, f-number n and inverse focus distance q. The fitted
+/// parameters are ln F, ln n and q.
 struct Difference {
     double inverse_depth, coc_mm;
     template <typename T>
@@ -36,9 +37,10 @@ struct Difference {
     }
 };
 
-/// A fit of the CoC diameter c = K |q - x|, where x = 1/z and q = 1/s. The focus is unknown, so the fit tries
-/// every division of the pairs into those behind and those in front of the focus. Each division gives a
-/// straight line, and the line with the smallest error is used.
+/// A fit of the diameter c = K |q - x| of circles of confusion, where x is the inverse depth, and q is the
+/// inverse focus distance. Because q is unknown, the fit tries every division of the measurements into points
+/// behind and points in front of the focus. Each division gives a straight line, and the line with the
+/// smallest error is used.
 struct LineFit {
     double K = 0, q = 0, error = std::numeric_limits<double>::infinity();
 };
@@ -48,8 +50,8 @@ LineFit fit_line(std::vector<CocPair> pairs) {
               [](const CocPair& a, const CocPair& b) { return a.distance_m > b.distance_m; });
     LineFit best;
     for (std::size_t behind = 0; behind <= pairs.size(); ++behind) {
-        // With a positive sign behind the focus and a negative sign in front, the CoC diameter is a straight
-        // line in x: c = K (q - x).
+        // If the diameter c of the circle of confusion is positive behind the focus and negative in front of
+        // it, it is linear in the inverse depth x: c = K (q - x).
         double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
         for (std::size_t i = 0; i < pairs.size(); ++i) {
             const double x = 1 / pairs[i].distance_m, y = i < behind ? pairs[i].coc_mm : -pairs[i].coc_mm;
@@ -123,8 +125,8 @@ ThinLensFit fit_thin_lens(std::span<const CocPair> pairs, const ThinLensFitReque
         fail(ExitCode::invalid_input,
              "pairs are those of no lens (got circles of confusion that do not grow away from any focus)");
     }
-    // F and n are linked by K = F^2 / (n (1 - F q)). A known F therefore determines n, and a known n
-    // determines F.
+    // The data determine only K = F^2 / (n (1 - F q)) and the inverse focus distance q. A known focal length
+    // F therefore determines the f-number n, and a known n determines F.
     ThinLensFit out;
     const bool both_free = !request.focal_length_mm && !request.f_number;
     double F_mm = request.focal_length_mm.value_or(example_focal_length_mm(line.q)), n = 1;

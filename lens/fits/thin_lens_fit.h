@@ -22,8 +22,8 @@ struct CocPair {
 
 struct FittedNumber {
     double value = 0;
-    /// Estimated from the residuals of the fit. Absent if the number was given, if the data do not determine
-    /// it, or if there are no more pairs than fitted parameters.
+    /// Standard error, estimated from the residuals of the fit. Absent if the number was given, if the data
+    /// do not determine it, or if there are no more measurements than fitted parameters.
     std::optional<double> standard_error;
 };
 

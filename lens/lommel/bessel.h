@@ -12,11 +12,12 @@ namespace postlens {
 /// O(v^(1/3)) steps.
 [[nodiscard]] std::vector<double> bessel_orders(double v);
 
-/// Returns an order above v at which J is below 1e-18. The downward recurrence starts there.
+/// Returns an order n above v at which the Bessel function J_n(v) is below 1e-18. The downward recurrence of
+/// bessel_orders starts there.
 [[nodiscard]] int bessel_last_order(double v);
 
-/// Tables of J_0(v) and J_1(v) at v = 0, step, 2 step, ... The upward recurrences for all depths and
-/// wavelengths start from these values.
+/// Tables of the Bessel functions J_0(v) and J_1(v) at v = 0, step, 2 step, ... Upward recurrences compute
+/// higher orders from these values, for all depths and wavelengths.
 struct BesselGrid {
     double step = 0.5;
     std::vector<double> j0, j1;

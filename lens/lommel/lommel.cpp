@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this |u|, the series for v < |u| loses precision. Its terms, of order u^2, nearly cancel and are
-/// then divided by u^2.
+/// Below this |u|, the series for v < |u| loses precision, because the terms of a sum nearly cancel and the
+/// sum is then divided by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
@@ -39,7 +39,8 @@ double q_function(const std::vector<double>& j, std::size_t two_s) {
     return sum;
 }
 
-/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, ..
+/// Sums (-1)^s / (2 s + 1) ratio^(2 s) Q_2s(v) over s = 0, 1, .., where Q is the function of [born1999, 8.8,
+/// eq. 27].
 double q_sum(const std::vector<double>& j, double ratio) {
     double sum = 0, power = 1;
     for (std::size_t s = 0; 2 * s + 2 < j.size() && power > 1e-18; ++s) {
@@ -55,8 +56,9 @@ double q_sum(const std::vector<double>& j, double ratio) {
 double intensity_by_quadrature(double u, double v) {
     u = std::abs(u);
     v = std::abs(v);
-    // Over the pupil radius p, the phase changes by at most u/2 + v. Each panel of the quadrature therefore
-    // spans at most half a fringe, and 16 nodes integrate half a fringe up to rounding error.
+    // The phase changes by at most u + v per unit of the pupil radius p, which ranges from 0 to 1. Each panel
+    // of the quadrature therefore spans at most half a fringe, and 16 nodes integrate half a fringe up to
+    // rounding error.
     const auto panels = static_cast<int>((u + v) / pi) + 1;
     double re = 0, im = 0;
     for (int i = 0; i < panels; ++i) {
@@ -78,8 +80,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // Evaluates (2/u)^2 (U1^2 + U2^2). One power of u/v is factored out of U1 and U2, so that u may be 0.
-        // For u = 0, the result is the Airy pattern.
+        // Evaluates (2/u)^2 (U1^2 + U2^2) with Lommel's functions U1 and U2. The factor u/v is taken out of
+        // both functions, so that u may be 0. The result for u = 0 is the Airy pattern.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -100,7 +102,8 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Energy by [born1999, 8.8, eq. 29], where Y_n = sum of (-1)^s (n + 2 s) (v/u)^(n + 2 s) J_(n + 2 s).
+    // Computes the encircled energy by [born1999, 8.8, eq. 29], where Y_n is the sum of (-1)^s (n + 2 s)
+    // (v/u)^(n + 2 s) J_(n + 2 s) over s = 0, 1, ..
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

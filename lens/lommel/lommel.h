@@ -14,8 +14,8 @@ namespace postlens {
 /// response is below 1e-9.
 [[nodiscard]] double lommel_intensity(double u, double v);
 
-/// Returns I(u, v) by Gauss-Legendre quadrature over panels of at most one fringe. Needs O(u + v) evaluations
-/// of a Bessel function. `lommel_intensity` calls this function for small u, and the tests of
+/// Returns I(u, v) by Gauss-Legendre quadrature over panels of at most half a fringe. Needs O(u + v)
+/// evaluations of a Bessel function. `lommel_intensity` calls this function for small u, and the tests of
 /// `lommel_intensity` use it as a reference.
 [[nodiscard]] double intensity_by_quadrature(double u, double v);
 

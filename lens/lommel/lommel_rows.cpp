@@ -15,8 +15,9 @@ constexpr std::size_t lanes = 8;
 using Lanes = std::array<double, lanes>;
 
 /// Two power series in x, which is the smaller of v/u and u/v. J_n is the Bessel function of order n at v.
-/// `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, .. `even` is the sum of (-1)^s x^(2s) J_(2s)
-/// over s = 1, 2, .. The term J_0 is left out, so that `even` stays precise for small x.
+/// - `odd` is the sum of (-1)^s x^(1+2s) J_(1+2s) over s = 0, 1, ..
+/// - `even` is the sum of (-1)^s x^(2s) J_(2s) over s = 1, 2, .. The term for s = 0, which is J_0, is left
+///   out, so that `even` stays precise for small x.
 struct SeriesLanes {
     Lanes odd{}, even{};
 };
@@ -64,7 +65,6 @@ void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
         x2[l] = x[l] * x[l];
         here[l] = 1e-250;
     }
-    // The loop starts at an even order and computes two orders per step.
     for (int n = last / 2 * 2; n >= 2; n -= 2) {
         const double even_order = n, odd_order = n - 1;
         for (std::size_t l = 0; l < lanes; ++l) {
@@ -104,8 +104,8 @@ void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity) {
     assert(grid.j0.size() >= intensity.size());
     u = std::abs(u);
     const std::size_t count = intensity.size();
-    // The first few dozen points use the slow function, because the series loses precision or divides by zero
-    // there.
+    // These first points, at most a few dozen, use the slow function. The series would divide by zero at v =
+    // 0, and loses precision if u is small and v <= u.
     constexpr double tiny_u = 1e-9, small_u = 8;
     std::size_t i = 0;
     while (i < count && (i == 0 || (u < small_u && static_cast<double>(i) * grid.step <= u))) {

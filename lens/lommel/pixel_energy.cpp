@@ -21,15 +21,14 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// pi r^2) over y. The substitution y = x sinh t, r = x cosh t turns it into the integral of L / (2 pi cosh
 /// t) over t. Equal steps of t are short steps of r where the border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // So close to the centre, the energy flow is negligible, because the encircled energy is proportional to
-    // the square of the radius.
+    // The energy flow is negligible at distances below this value, because the encircled energy is
+    // proportional to the square of the radius near the centre.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // A panel spans 6 units of the radius v. Over such a panel, 16 quadrature nodes resolve the diffraction
-    // fringes of L, the energy within a radius. The limit of 64 panels matters only where a pixel contains
-    // hundreds of fringes.
+    // A panel spans at most 6 units of the radius v, so that its 16 quadrature nodes resolve the diffraction
+    // fringes. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -44,15 +43,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width over which fringes are averaged. It is slightly smaller than the distance between two
-/// nodes, which gives the smallest error for fringes of medium width.
+/// Returns the width, in px, over which fringes are averaged. It is slightly smaller than the distance
+/// between two quadrature nodes, which gives the smallest error for fringes of intermediate width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, smoothed over fringes. L is the encircled energy, the energy
-/// within radius r. The table value times x is the energy that flows through a unit length of a pixel border
-/// at distance x from the centre.
+/// Table of L / (2 pi r^2) over the radius r, where L is the encircled energy (the energy within radius r).
+/// Fine fringes are averaged. A value of the table, multiplied by x, is the energy that flows through a unit
+/// length of a pixel border at distance x from the centre.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -89,7 +88,8 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // The flow along a border depends only on r. It is integrated by two-point Gauss quadrature.
+        // Along a border, the energy flow per unit length depends only on the distance r from the centre. It
+        // is integrated by two-point Gauss quadrature.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -121,7 +121,7 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // Farther out, the grid has no pixel borders, and the table of the flow ends.
+                // The grid has no pixel borders beyond this distance, and the table of the flow ends there.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
@@ -152,8 +152,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // Borders computes the flow for one quadrant of a square around the grid. The table of the flow must
-    // extend to the corners of this square.
+    // The flow is computed for one quadrant of a square around the grid (see Borders). The profile must
+    // extend to the corners of this square, with a margin for the averaging of fringes.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

@@ -6,7 +6,8 @@
 
 namespace postlens {
 
-/// Sampling density along pixel borders. With the defaults, the results are converged (docs/diffraction.md).
+/// Sampling density along pixel borders. The defaults are so fine that the results have converged
+/// (docs/diffraction.md).
 struct PixelEnergySettings {
     int nodes = 16;      ///< quadrature nodes along a pixel border, per px of radius
     double near_px = 4;  ///< distance from the centre up to which every fringe is resolved
@@ -24,7 +25,8 @@ struct PixelEnergySettings {
 void fill_pixel_energy(const RadialProfile& profile, double centre_x, double centre_y,
                        const PixelEnergySettings& settings, ResponseGrid& grid);
 
-/// Returns the radius, in px, to which the profile must extend for `fill_pixel_energy`.
+/// Returns the radius, in px, up to which `fill_pixel_energy` reads the radial profile. The profile must
+/// extend at least this far.
 [[nodiscard]] double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                               const PixelEnergySettings& settings);
 

@@ -10,8 +10,9 @@
 namespace postlens {
 namespace {
 
-/// Weights of eight equidistant values. The weighted sum is the integral of the polynomial through these
-/// values, over the middle one of the seven steps between them.
+/// Quadrature weights for eight equidistant values. The weighted sum is the integral of the polynomial
+/// through these values over the middle one of the seven intervals between them. The weights are symmetric,
+/// so only four are stored.
 constexpr std::array<double, 4> middle_weights = {68323.0 / 120960, -9531.0 / 120960, 1879.0 / 120960,
                                                   -191.0 / 120960};
 constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a step
@@ -19,8 +20,8 @@ constexpr std::size_t values_beyond = 3;  ///< values used beyond each end of a 
 }  // namespace
 
 double RadialEnergy::step_for(double u) {
-    // At small |u|, all of the energy lies in a few fringes, which need fine steps. At large |u|, each fringe
-    // contains at most 1/u of the energy.
+    // Fine steps are needed at small |u|, where all of the energy lies in a few fringes. At large |u|, each
+    // fringe contains at most 1/u of the energy.
     return std::abs(u) < 256 ? 0.125 : 0.5;
 }
 

@@ -1,4 +1,4 @@
-// A table of how the response's energy is distributed over the radius, for one wavelength.
+// A table of the energy of an impulse response within each radius, for one wavelength.
 #pragma once
 
 #include <span>
@@ -8,19 +8,19 @@
 
 namespace postlens {
 
-/// The response of a circular aperture with defocus u, tabulated over the radius v in [0, v_end]. The steps
-/// resolve every fringe, because the intensity I(u, v) contains no frequency above 2. The energy in a ring of
-/// width dv is dE = I v dv / 2. The intensity is 1 at (u, v) = (0, 0), and the total energy through the
-/// aperture is 1.
+/// The impulse response of a circular aperture with defocus u, tabulated over the radius v in [0, v_end]. The
+/// steps resolve every fringe, because the intensity I(u, v) contains no angular frequency above 2 along v.
+/// The energy in a ring of width dv is dE = I v dv / 2. The intensity is 1 at (u, v) = (0, 0), and the total
+/// energy through the aperture is 1.
 class RadialEnergy {
   public:
     /// Returns the step of v that the table for u uses: 1/8 or 1/2.
     [[nodiscard]] static double step_for(double u);
-    /// Returns the number of grid entries that a table up to v_end needs.
+    /// Returns the number of entries that a BesselGrid needs for a table up to v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);
 
-    /// `grid` must have the step `step_for(u)`, and at least as many entries as `grid_count` returns for this
-    /// v_end.
+    /// Computes the table up to v_end. `grid` must have the step `step_for(u)`, and at least
+    /// `grid_count(step_for(u), v_end)` entries.
     RadialEnergy(double u, double v_end, const BesselGrid& grid);
 
     /// Makes its own tables of Bessel functions.

@@ -35,9 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // The means of `within` over three neighbouring intervals of width w are known. Where the function is
-        // smooth, its value at the centre is 26/24 of the middle mean, minus 1/24 of each of the other two
-        // means. The error is 3/640 of the fourth difference.
+        // Where `within` is smooth, its value at v is 26/24 of its mean over the interval of width w around
+        // v, minus 1/24 of its mean over each of the two neighbouring intervals of width w. The error is
+        // 3/640 of the fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -46,7 +46,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // `half` and `three` are 1/2 and 3/2 of the width over which fringes are averaged, in steps of the row.
+    // 1/2 and 3/2 of the width over which fringes are averaged, in steps of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Tables of the Bessel functions J_0 and J_1, with one table per step size. Each table is long enough for
-/// the longest table of radial energy that uses it.
+/// Tables of the Bessel functions J_0 and J_1 for RadialEnergy, which uses two step sizes. There is one table
+/// per step size, long enough for the largest radius that is needed at this step.
 class BesselGrids {
   public:
     void want(double u, double v_end) {
@@ -118,7 +118,7 @@ std::vector<ChannelResponses> diffraction_responses(const FocusGeometry& geometr
         check_wavelength(line.wavelength_nm);
         scales.push_back(wave_scale(geometry, geometry.inverse_focus_per_m, line.wavelength_nm));
     }
-    // All sizes are computed first, so that a lack of memory is reported before anything is allocated.
+    // All sizes are computed before anything is allocated, so that insufficient memory is reported early.
     std::vector<Plan> plans;
     BesselGrids bessel;
     double result_bytes = 0, widest_window = 0;

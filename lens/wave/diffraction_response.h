@@ -28,8 +28,8 @@ struct DiffractionSettings {
     PixelEnergySettings pixels;
 };
 
-/// The responses of the three colour channels at one depth. All three grids cover the same pixels. Pixels
-/// that lie completely outside the circle of radius `radius_px` around the centre are 0.
+/// The impulse responses of the three colour channels at one depth. All three grids cover the same pixels.
+/// Pixels completely outside the circle of radius `radius_px` around the response's centre are 0.
 struct ChannelResponses {
     std::array<ResponseGrid, 3> channel;
     std::array<double, 3> loss{};  ///< fraction of the energy beyond the grid, even with fold_tail
@@ -48,9 +48,9 @@ struct ChannelResponses {
                                                                   std::span<const double> coc_diameters_px,
                                                                   const DiffractionSettings& settings);
 
-/// Returns a radius v beyond which at most the fraction `tail` of the energy lies. The radius is the solution
-/// of (2/pi) v/(v^2 - u^2) = tail. Near the edge of the disc, this formula overestimates the energy beyond v.
-/// The result is too small by at most one fringe.
+/// Returns a radius v beyond which about the fraction `tail` of the energy lies. The radius is the solution
+/// of (2/pi) v/(v^2 - u^2) = tail, which is an average over fringes. The result can therefore be too small by
+/// up to one fringe. Near the edge of the disc, the formula overestimates the energy beyond v.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

@@ -71,7 +71,8 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // A smaller radius would give the same result, because the disc would still cover the same pixels.
+    // Radii below this value are replaced by it. The result is the same, because the disc still covers the
+    // same pixels.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -91,7 +92,7 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // At radius v, a sample of the radial profile takes about v computing steps. The total number of steps is
+    // Computing a sample of the radial profile at radius v takes about v steps. The total number of steps is
     // limited, so that the profile takes at most a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
@@ -132,9 +133,8 @@ std::optional<double> half_energy_diameter(const std::vector<RadialSample>& prof
     return std::nullopt;
 }
 
-/// Returns an upper bound of the required memory, in bytes, for a grid and two arrays of at most the same
-/// size. One array holds the energy flow through the pixel borders, and the other holds one quadrant of that
-/// flow.
+/// Returns an upper bound of the memory, in bytes, for the response and two temporary arrays: the energy flow
+/// through the pixel borders, and one quadrant of that flow.
 double frame_bytes(int size_px) {
     return 3 * static_cast<double>(size_px) * size_px * sizeof(double);
 }
@@ -146,16 +146,16 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity inside the disc, relative to the peak in focus. The intensity is 1 / (area of the disc),
-        // and the peak in focus is v_per_px^2 / (4 pi).
+        // Intensity inside the disc, relative to the peak in focus. The disc has the uniform intensity 1 /
+        // (area of the disc), and the peak in focus is v_per_px^2 / (4 pi).
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
     if (radius_px <= size_px / 2.0) out.fwhm_px = 2 * radius_px;
 }
 
-/// Computes the response of an aperture of any shape. The radial profile stays empty, because the response is
-/// not round.
+/// Computes the response of an aperture of any shape. No radial profile is made, because the response is not
+/// round.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
     // Light through the rim of the lens is displaced by the radius of the CoC (circle of confusion).
@@ -209,8 +209,9 @@ void make_diffraction(LensResponse& out, int size_px, const std::vector<WaveScal
     out.fwhm_px = full_width(out.profile);
 }
 
-/// Returns the default width of the grid, which is odd. The grid contains all light of a geometric response,
-/// which reaches `farthest_px`. With diffraction, the grid contains 99 % of the light.
+/// Returns the default width of the grid in px, which is odd. The grid contains all light of a geometric
+/// response, which reaches `farthest_px`, or 99 % of the light with diffraction. The width is at most
+/// largest_own_size_px.
 int own_size_px(const std::vector<WaveScale>& scales, double farthest_px, bool diffracts) {
     double radius = farthest_px + 1;
     for (const WaveScale& scale : scales) {
@@ -248,7 +249,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // At lens radius rho, spherical aberration X adds X rho^2 to the defocus 1/s - 1/z.
+    // Displacement, in px, of light through the rim by spherical aberration X. At distance rho from the lens
+    // centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

@@ -1,4 +1,4 @@
-// The impulse response of a lens with its film at distance V, and numbers that describe the response.
+// Computes the impulse response of a lens, with its width, its peak and its radial profile.
 #pragma once
 
 #include <optional>
@@ -16,8 +16,8 @@ struct LensResponseRequest {
     double focus_distance_m = 1, depth_m = 1;
     double pixel_pitch_mm = 0.01875;
     Impulse impulse;  ///< disc, polygon, picture or diffraction
-    /// The aperture for the geometric kinds of impulse response. If absent, the aperture is made from
-    /// `impulse`. It must be given if the kind is an aperture picture.
+    /// The aperture, for impulse responses without diffraction. If absent, the aperture is made from
+    /// `impulse`. It must be given if `impulse` is an aperture image.
     std::optional<Aperture> aperture;
     double wavelength_nm = 550;  ///< used if the impulse states none
     int size_px = 0;             ///< width and height; 0: wide enough for 99 % of the energy, up to 1025
@@ -48,9 +48,9 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. It always describes the blur, while `fwhm_px`
     /// may describe only a bright fringe. Absent if the circle exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Samples from the centre to half the width of the grid. There are four samples per unit of v, but at
-    /// most 8192. There are fewer if v is so large that computing the samples would take more than a few
-    /// seconds.
+    /// Samples of the radial profile, from the centre to half the width of the grid. There are four samples
+    /// per unit of v (the optical radius), but at least 512 and at most 8192. There are fewer if computing
+    /// them would take more than a few seconds.
     std::vector<RadialSample> profile;
 };
 

@@ -26,8 +26,9 @@ using Spectrum = std::vector<SpectralLine>;
 /// four lines, because a single line would cause fringes that no camera shows.
 [[nodiscard]] Spectrum channel_bands();
 
-/// Gives each wavelength the same weight in every channel. Throws Error(wrong_arguments) if the list is
-/// empty, if it has more than 64 wavelengths, or if `check_wavelength` rejects a wavelength.
+/// Returns a spectrum in which all wavelengths have the same weight in every channel. Throws
+/// Error(wrong_arguments) if the list is empty, if it has more than 64 wavelengths, or if `check_wavelength`
+/// rejects a wavelength.
 [[nodiscard]] Spectrum equal_lines(std::span<const double> wavelengths_nm);
 
 }  // namespace postlens

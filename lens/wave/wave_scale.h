@@ -24,16 +24,17 @@ inline constexpr double largest_u = 1e6;
 /// Throws Error(wrong_arguments) if |u| exceeds largest_u or is not a number.
 void check_defocus(double u);
 
-/// Returns the scale for a lens with its film at distance V and pixels of `pixel_pitch_mm`. The edge of the
-/// geometric disc is at v = |u|, because u = v_per_px CoC / 2 for a CoC diameter in px. Requires s > F and a
-/// finite n.
+/// Returns u and v_per_px for a thin lens that is focused at distance s, with its film at the distance V
+/// where s is sharp. The edge of the geometric disc is at v = |u|, because u is v_per_px times half the CoC
+/// diameter in px. The focus distance must exceed the focal length, and the f-number must be finite.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
-/// Returns the scale for the film of a traced image. The aperture radius is a, and gain is the film distance
-/// d divided by the pixel pitch. Then v_per_px is 2 pi a / (lambda gain), and u is v_per_px coc_diameter_px /
-/// 2. With framing `breathing`, d is V as in the function above. With framing `keep`, d is the film distance
-/// of the trace and does not depend on the focus.
+/// Returns u and v_per_px for a lens in front of the film of a traced image. v_per_px is 2 pi a / (lambda g),
+/// where a is the aperture radius, and g (`gain_px`) is the film distance in px. u is v_per_px times half of
+/// `coc_diameter_px`. With framing `keep`, the film distance is that of the trace and does not depend on the
+/// focus. With framing `breathing`, it is the distance at which the focus distance is sharp, as in the
+/// function above.
 [[nodiscard]] WaveScale wave_scale(const FocusGeometry& geometry, double inverse_depth_per_m,
                                    double wavelength_nm);
 
