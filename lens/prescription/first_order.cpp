@@ -9,9 +9,9 @@
 namespace postlens {
 namespace {
 
-// Ray transfer matrix of several surfaces. It maps a ray in front of the surfaces to the ray behind them: (y,
-// nu) -> (a y + b nu, c y + d nu). y is the height of the ray, and nu is its slope times the refractive
-// index.
+// Ray transfer matrix of several surfaces. A ray has the height y and the value nu, its slope times the
+// refractive index. The matrix maps the ray in front of the surfaces to the ray behind them: (y, nu) -> (a y
+// + b nu, c y + d nu).
 struct Matrix {
     double a = 1, b = 0, c = 0, d = 1;
     void refract(double power) {
@@ -77,16 +77,17 @@ FirstOrder first_order(const Prescription& lens, double wavelength_nm) {
     out.front_principal_z_mm = out.ffl_mm + out.efl_mm;
     out.rear_principal_z_mm = out.bfl_mm - behind * out.efl_mm;
     out.film_distance_mm = lens.film_distance_mm.value_or(out.bfl_mm);
-    // Transfer from the first surface to the plane of the stop. If the stop's own surface refracts, its
-    // refraction belongs to the part behind the stop.
+    // Transfer matrix from the first surface to the plane of the stop. If the stop itself is a refracting
+    // surface, its refraction is in `back`.
     Matrix front = between(lens, wavelength_nm, 0, stop);
     if (stop > 0) {
         front.move(lens.surfaces[stop - 1].thickness_mm / checked_index(lens, stop - 1, wavelength_nm));
     }
     const Matrix back = between(lens, wavelength_nm, stop, count);
     // Let y be the height of a ray at the first surface, and nu its slope times the refractive index. The ray
-    // meets the stop at the height a y + b nu = a (y + b/a nu). The lens therefore images the plane z = b/a
-    // in object space onto the stop. The entrance pupil is 1/a times as large as the stop.
+    // meets the stop at the height a y + b nu = a (y + b/a nu). The lens therefore images the plane at
+    // distance b/a behind the first vertex, in object space, onto the stop. The entrance pupil is 1/a times
+    // as large as the stop.
     out.entrance_pupil_z_mm = front.b / front.a;
     out.exit_pupil_z_mm = 0 - behind * back.b / back.d;  // 0, not -0, if the stop is the last surface
     double radius = lens.surfaces[stop].clear_radius_mm;

@@ -11,8 +11,8 @@ namespace postlens {
 /// the lens.
 struct FirstOrder {
     /// Equivalent focal length, which is 1 / power and negative for a diverging lens. An object at infinity,
-    /// at the small angle t from the axis, has an image of height efl t for every n'. The rear focal length
-    /// is n' efl.
+    /// at the small angle t (rad) from the axis, has an image of height efl t. This holds for every
+    /// refractive index n' behind the lens, although the rear focal length is n' efl.
     double efl_mm = 0;
     double bfl_mm = 0;               ///< z of the rear focal point
     double ffl_mm = 0;               ///< z of the front focal point; negative in front of the lens

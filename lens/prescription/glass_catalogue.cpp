@@ -117,8 +117,8 @@ constexpr Entry catalogue[] = {
     // clang-format on
 };
 
-// Reduces a name to capital letters and digits. Hyphens and blanks are removed, and so is the maker's name
-// after an underscore.
+// Simplifies the name of a glass for comparison. Letters become capital. Hyphens, blanks and everything after
+// an underscore (the maker's name) are removed.
 std::string bare(std::string_view name) {
     std::string out;
     for (const char c : name.substr(0, name.find('_'))) {

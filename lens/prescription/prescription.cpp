@@ -10,8 +10,8 @@
 namespace postlens {
 namespace {
 
-// Neighbouring surfaces may overlap by up to this fraction of the clear radius. Patents often round clear
-// radii up, so surfaces can overlap slightly near their rims, where no light passes.
+// Overlap of neighbouring surfaces that is allowed, as a fraction of the clear radius. Patents often round
+// clear radii up, so surfaces can overlap slightly near their rims, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 
 bool all_finite(const Surface& s) {

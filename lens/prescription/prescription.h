@@ -21,7 +21,8 @@ inline constexpr std::size_t asphere_terms = 10;
 
 /// A surface of revolution about the z axis, which points from the scene to the film. The sag is the distance
 /// of the surface from its vertex plane, positive towards the film. At distance r from the axis, the sag is c
-/// r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i).
+/// r^2 / (1 + sqrt(1 - (1 + k) c^2 r^2)) + sum a_i r^(2i), with curvature c, conic constant k and aspheric
+/// coefficients a_i.
 struct Surface {
     double curvature_per_mm = 0;                  ///< c = 1 / radius; > 0 if the centre is on the film side
     double conic = 0;                             ///< k; 0 for a sphere, -1 for a paraboloid
@@ -69,14 +70,14 @@ struct Prescription {
 /// Returns "FILE:LINE" of a surface, for error messages.
 [[nodiscard]] std::string place_of(const Prescription& lens, std::size_t surface);
 
-/// Returns a hash of the prescription. Two prescriptions have equal hashes if every ray takes the same path
-/// through both lenses.
+/// Returns a hash of the numbers that determine the paths of rays at the prescription's wavelength. Names and
+/// notes are not included.
 [[nodiscard]] std::uint64_t fingerprint(const Prescription& lens);
 
-/// Repairs neighbouring surfaces that cross within their clear radii, as in some patents and files of fisheye
-/// lenses. If the surfaces overlap by more than 1 % of the smaller clear radius, both clear radii are reduced
-/// to the radius where the surfaces meet, and a note is added. Surfaces that meet closer to the axis than 1 %
-/// of the smaller clear radius stay unchanged.
+/// Repairs neighbouring surfaces that overlap within their clear radii, as in some patents and files of
+/// fisheye lenses. If the overlap exceeds 1 % of the smaller clear radius, both clear radii are reduced to
+/// the radius where the surfaces meet, and a note is added. Surfaces that meet closer to the axis than 1 % of
+/// the smaller clear radius stay unchanged.
 void clip_crossings(Prescription& lens);
 
 /// Throws Error(invalid_input) "FILE:LINE: ..." unless all of these conditions hold:

@@ -28,8 +28,8 @@ std::string decoded(std::string bytes) {
     if (bytes.size() < 2) return bytes;
     const bool marked_little = byte(0) == 0xFF && byte(1) == 0xFE;
     const bool marked_big = byte(0) == 0xFE && byte(1) == 0xFF;
-    // UTF-16 without a byte order mark is recognised by its first two characters, which are ASCII in these
-    // formats.
+    // UTF-16 without a byte order mark is recognised by zero bytes in its first two characters, which are
+    // ASCII in these formats.
     const bool bare_little =
         bytes.size() >= 4 && byte(0) != 0 && byte(1) == 0 && byte(2) != 0 && byte(3) == 0;
     const bool bare_big = bytes.size() >= 4 && byte(0) == 0 && byte(1) != 0 && byte(2) == 0 && byte(3) != 0;
@@ -44,8 +44,8 @@ std::string decoded(std::string bytes) {
     return out;
 }
 
-// Replaces characters that are not ASCII. The encoding of names is unknown, and names are written to
-// terminals, JSON and drawings.
+// Replaces all characters other than printable ASCII. The encoding of names in these files is unknown, and
+// names are written to terminals, JSON and drawings.
 void make_printable(std::string& text) {
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

@@ -13,8 +13,8 @@ namespace postlens {
 /// Error(invalid_input) "FILE:LINE: what (got X; expected Y)".
 [[nodiscard]] Prescription read_prescription(const std::filesystem::path& path);
 
-/// Returns true if `read_prescription` reads files with this extension. A .toml file must also contain
-/// [[surface]] tables. Returns false if the file cannot be read.
+/// Returns true if the file is a lens prescription: its extension is .dat, .zmx or .seq, or it is a readable
+/// .toml file with [[surface]] tables.
 [[nodiscard]] bool is_prescription(const std::filesystem::path& path);
 
 }  // namespace postlens

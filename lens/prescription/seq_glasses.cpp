@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-// Returns true if a Sellmeier formula could describe a real glass. Its index must be between 1.2 and 4, and
-// its poles must be below 0.32 um or above 2 um.
+// Returns true if the terms of a Sellmeier formula can describe a real glass. The index must be between 1.2
+// and 4. The poles must lie below 0.32 um or above 2 um, outside the visible spectrum.
 bool is_plausible(const std::array<double, 6>& terms) {
     const double n = Glass::sellmeier(terms).index(d_line_nm);
     return n > 1.2 && n < 4 &&
@@ -55,9 +55,9 @@ Glass SeqGlasses::find(int line, std::string_view word) const {
     return glass_by_name(file_, line, word);
 }
 
-// Reads a private glass that is given by a formula. Missing coefficients are 0. Some files list Sellmeier
-// coefficients as B1 C1 B2 C2 B3 C3, others as B1 B2 B3 C1 C2 C3. The order that gives a plausible glass is
-// used. If both orders or neither of them give one, the formula is rejected.
+// Defines a private glass (one that the file itself describes) by a formula. Missing coefficients are 0. Some
+// files list Sellmeier coefficients as B1 C1 B2 C2 B3 C3, others as B1 B2 B3 C1 C2 C3. The order that gives a
+// plausible glass is used. If both orders or neither of them give one, the glass counts as unreadable.
 void SeqGlasses::define_by_formula(int line, const std::string& key, const std::string& formula,
                                    std::vector<double> terms) {
     const bool laurent = formula == "LAU" || formula == "GML",
@@ -91,8 +91,8 @@ void SeqGlasses::define(int line, const std::string& key, const SeqWords& words)
         for (std::size_t i = 1; i < words.size(); ++i)
             wavelengths_nm_.push_back(seq_number(file_, line, words, i, "wavelength"));
     } else {
-        // A private glass that cannot be read causes an error only if a surface uses it. The reason is kept
-        // for `find`.
+        // If a private glass cannot be read, the reason is stored. `find` reports it as an error only if a
+        // surface uses the glass.
         std::vector<double> n;
         const bool named = words.size() > 1 && !parse_number(words[1]);
         const std::string formula = named ? upper_case(words[1]) : "";

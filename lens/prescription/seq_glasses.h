@@ -18,8 +18,9 @@ class SeqGlasses {
   public:
     /// `file`: the file name for error messages.
     explicit SeqGlasses(std::string file) : file_(std::move(file)) {}
-    /// Reads a command between PRV and END. Such a command defines a private glass, or the wavelengths of the
-    /// indices that follow. If a glass cannot be read, `find` throws when a surface uses the glass.
+    /// Reads a command from the block of private glasses, between PRV and END. The command defines a glass,
+    /// or the wavelengths for the indices in later commands. If a glass cannot be read, `find` throws when a
+    /// surface uses the glass.
     void define(int line, const std::string& key, const SeqWords& words);
     /// Finds a glass by its catalogue name, by the name of a private glass, or by a code of its index nd and
     /// Abbe number Vd. Examples of codes are "517642", "517.642", "516800.641700" and "1.5168:64.17". Throws

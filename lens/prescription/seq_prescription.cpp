@@ -18,8 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads a command. If `glasses` is true, reads it only if it defines a private glass. Otherwise reads
-    /// only the other commands.
+    /// Reads a command in one of two passes. If `glasses` is true, only definitions of private glasses are
+    /// read. Otherwise only all other commands are read.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -138,8 +138,9 @@ bool SeqReader::surface_command(const std::string& key, const SeqWords& words) {
     return true;
 }
 
-// Reads the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius may be in any order.
-// Light must pass inside the glass (EDG) and inside the clear aperture (CLR), so the smallest radius is used.
+// Reads the clear radius from the command CIR [Sk] [Zi] [CLR|EDG|OBS|HOL] radius. The words before the radius
+// may be in any order. Light must pass inside the edge of the glass (EDG) and inside the clear aperture
+// (CLR), so the smallest radius is used. Obscurations (OBS) and holes (HOL) are not supported.
 void SeqReader::clear_radius(const SeqWords& words) {
     std::size_t next = 1;
     Surface* s = &addressed(words, next);

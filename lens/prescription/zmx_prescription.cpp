@@ -199,8 +199,8 @@ void ZmxReader::finish_surface(ZmxSurface& from) {
     s.clear_radius_mm *= mm_per_unit_;
     if (!from.aperture_radius && !s.is_stop && s.glass.is_air() && s.curvature_per_mm == 0 &&
         (lens_.surfaces.empty() || lens_.surfaces.back().glass.is_air())) {
-        // A plane with air on both sides is only a reference plane. Zemax states a diameter for it, which is
-        // ignored.
+        // A plane with air on both sides is only a reference plane, which blocks no light. The diameter that
+        // Zemax states for it is therefore ignored.
         s.clear_radius_mm = HUGE_VAL;
     }
     if (from.type == "EVENASPH") {
@@ -235,7 +235,7 @@ Prescription ZmxReader::finish() {
         *lens_.entrance_pupil_diameter_mm *= mm_per_unit_;
         lens_.f_number.reset();
     }
-    // In the file, the type of the fields comes before the fields themselves.
+    // Fields were read as angles. If the file gives heights instead, the fields are discarded.
     if (!fields_are_angles_) lens_.field_angles_deg.clear();
     const auto wavelength = wavelengths_nm_.find(primary_);
     if (wavelength != wavelengths_nm_.end()) lens_.wavelength_nm = wavelength->second;
