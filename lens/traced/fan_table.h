@@ -7,28 +7,29 @@
 
 namespace postlens {
 
-/// A table of fans. A fan is a bundle of rays from one object point through the lens. The object points lie
-/// on a grid of inverse depths and field tangents (tangents of the angle from the axis). The constructor
-/// traces the fans in parallel. Between grid points, fans are interpolated linearly; docs/lens.md gives the
-/// errors. Results are bit-identical for any number of threads.
+/// A table of fans, which are bundles of rays from one object point through the lens. The object points lie
+/// on a grid of inverse depths and field tangents (tangents of the angle from the axis). Between grid points,
+/// fans are interpolated linearly; docs/lens.md gives the errors. The constructor traces the fans in
+/// parallel. Results are bit-identical for any number of threads.
 class FanTable {
   public:
-    /// Covers inverse depths from 0 to `largest_inverse_depth_per_m` and tangents from 0 to `widest_tangent`.
-    /// Beyond the largest inverse depth, responses grow linearly. Beyond the widest tangent, they stay
-    /// constant. `view` must outlive the table.
+    /// Makes a table for inverse depths from 0 to `largest_inverse_depth_per_m`, or to that of the focus if
+    /// it is larger, and for tangents from 0 to `widest_tangent`. Beyond the largest inverse depth, responses
+    /// grow linearly. Beyond the widest tangent, they stay constant.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
-    /// Returns the light that the pixel in the direction of `tangent` receives from a uniform scene, relative
-    /// to the light of the centre pixel. The distance of the scene has no effect. The value is
-    /// LensView::light, interpolated in the table.
+    /// Returns the light that a pixel receives from a uniform scene at any distance, relative to the light of
+    /// the centre pixel. `tangent` is the tangent of the angle between the pixel's direction and the axis.
+    /// The value is LensView::light, interpolated in the table.
     [[nodiscard]] double light(double tangent) const;
-    /// Returns an upper bound of the radius of an impulse response. The radius is the distance on the film
-    /// from the object point's image to the farthest light of that point, divided by the film distance.
+    /// Returns an upper bound of the radius of all impulse responses at an inverse depth. The radius is the
+    /// distance on the film from the object point's image to the farthest light of that point, divided by the
+    /// film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes when the object point moves over the field.
-    /// The change is the movement of a ray's landing point relative to the image of the object point. It is
-    /// divided by the movement of the object point. Both movements are measured as tangents.
+    /// Returns an upper bound of how fast the response changes over the field. If the object point moves,
+    /// this is the movement of a ray's landing point relative to the image of the object point, divided by
+    /// the movement of the object point. Both movements are measured as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -14,7 +14,7 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Residual of the fit for one coordinate of one ray's landing point on the film. It is linear in the
+// Residual of the polynomial for one coordinate of one ray's landing point on the film. It is linear in the
 // coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
@@ -36,7 +36,8 @@ class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(poly
     double mm_;
 };
 
-// Signed distance from a point on the edge of the pupil to the edge of the intersection of the three circles.
+// Signed distance from a point on the traced edge of the pupil to the modelled edge, which bounds the
+// intersection of three circles (see PupilCircle).
 struct EdgeResidual {
     dvec2 at;
     double T = 0, K = 0;
@@ -75,9 +76,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds one residual for each pair of neighbouring mesh nodes (rays) of which only one passes the lens. The
-// edge of the pupil is assumed to lie halfway between the two nodes. Points are in radii of the paraxial
-// pupil.
+// Adds residuals that fit the three circles to the traced edge of the pupil. If only one of two neighbouring
+// rays of the mesh passes the lens, the edge is assumed to lie halfway between them. Points are in radii of
+// the paraxial pupil.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);
@@ -97,8 +98,8 @@ void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres
     }
 }
 
-// Returns initial values for the fit. The three circles are the paraxial images of the stop, of the first rim
-// and of the last rim in the plane of the pupil.
+// Returns initial values for the three circles whose intersection is the pupil. They are the paraxial images,
+// in the plane of the pupil, of the stop and of the rims of the first and last surface.
 std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const TracedLens& traced,
                                             double radius_mm, double largest_tangent) {
     const FirstOrder& f = traced.first_order();
@@ -109,7 +110,8 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A ray through pupil point q with field tangent t meets the surface at the height a q - b t.
+        // A paraxial ray through point q of the pupil, with field tangent t, meets the surface at the height
+        // a q - b t.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

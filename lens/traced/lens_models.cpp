@@ -100,9 +100,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // Returns the paraxial height at which a ray lands on the film. The ray comes from an axial point at the
-    // given inverse depth and passes through the pupil at the height 1 mm. The point is in focus if the
-    // returned height is 0. Depths are measured from the pinhole.
+    // `landing` returns the height at which a paraxial ray lands on the film. The ray comes from a point on
+    // the axis at the given inverse depth, measured from the pinhole, and passes through the pupil at the
+    // height 1 mm. The returned height is 0 if the point is in focus.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {
@@ -113,7 +113,7 @@ LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : tra
     };
     thick_at_infinity_ = landing(0);
     thick_per_depth_m_ = 1e-3 * (landing(1) - landing(0));
-    // `own` is the inverse depth at which the thick lens is in focus.
+    // Inverse depth, in 1/m, at which the thick lens is in focus.
     const double own = -thick_at_infinity_ / thick_per_depth_m_;
     const auto set = traced.settings().focus_distance_m;
     inverse_focus_per_m_ = set ? 1 / *set : std::abs(own) < 1e-9 ? 0 : own;

@@ -43,9 +43,9 @@ struct ModelRay {
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. The circle
-/// depends on the field T and on the defocus K, which are defined above at pupil_terms. Its centre is (0,
-/// (shift + shift_by_depth K) T + bend T^3). Its radius is radius + radius_by_depth K + growth T^2.
+/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. Let T be the
+/// field tangent and K the defocus, each divided by its largest value. The centre of the circle is (0, (shift
+/// + shift_by_depth K) T + bend T^3). Its radius is radius + radius_by_depth K + growth T^2.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
@@ -95,15 +95,15 @@ class LensModels {
     /// error is computed over a uniform grid of the pupil. In both the model and the traced lens, landing
     /// points are relative to the chief ray.
     ///
-    /// If only the model or only the traced lens transmits a ray, the nearest pupil point that both transmit
-    /// is found. The error of the ray is then the distance on the film between the landing points of these
-    /// two pupil points.
+    /// A ray may pass in the model but not in the traced lens, or vice versa. Its error is then the distance
+    /// on the film between its landing point and that of the nearest ray that passes in both.
     [[nodiscard]] double error_mm(LensModelKind kind, double depth_m, double tangent) const;
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// If a ray moves on the pupil of the thick lens, its landing point on the film moves in proportion. The
-    /// ratio, in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the depth.
+    /// In the thick lens, the landing point on the film is proportional to the point where the ray passes the
+    /// pupil. The ratio, in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the
+    /// depth in m.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 
@@ -117,8 +117,8 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
-/// The landing points depend linearly on the coefficients. The edge of the pupil is fitted by three circles.
-/// Their initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
+/// Landing points are polynomials with linear coefficients. The pupil is the intersection of three circles,
+/// whose initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
 /// bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);

@@ -79,7 +79,8 @@ LensSection lens_section(const Prescription& lens, const TracedLens& traced, dou
             out.height_mm = std::max(out.height_mm, outer);
         }
         if (i + 1 < stack.size() && !s.glass.is_air()) {
-            // Both sides of an element are drawn up to the larger of their two radii, as on real lenses.
+            // Both surfaces of a lens element are drawn up to the larger of their two radii, as on real
+            // lenses.
             auto shape = outline(s, z, radius_of(i));
             auto back = outline(lens.surfaces[i + 1], stack.vertex_z_mm(i + 1), radius_of(i + 1));
             const double rim = std::max(radius_of(i), radius_of(i + 1));

@@ -50,15 +50,16 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
     // If the origin is more than 100 radii of curvature away, its squared coordinates are too imprecise for
-    // the intersection. The origin then moves to the point of the ray that is nearest to the vertex. A second
-    // pass removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
+    // the intersection. The origin then moves along the ray to the point nearest to the vertex. A second pass
+    // removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;
     const double q = 1 + e.k;
-    // Solves c (x^2 + y^2 + q z^2) - 2 z = 0 at p + t d for t. The root that stays finite as c approaches 0
-    // is used [welford1986, 4.3]. It equals both f / (b + root) and (b - root) / a. The first form is
-    // inaccurate if the two terms of its divisor nearly cancel, and the second form is used then.
+    // Intersects the ray p + t d with the conic c (x^2 + y^2 + q z^2) - 2 z = 0 of curvature c, where q is 1
+    // plus the conic constant. The root t that stays finite as c approaches 0 is used [welford1986, 4.3]. It
+    // equals both f / (b + root) and (b - root) / a. The second form is used where the two terms of the first
+    // divisor nearly cancel.
     const double a = e.c * (1 + e.k * d.z * d.z);
     const double b = d.z - e.c * (p.x * d.x + p.y * d.y + q * p.z * d.z);
     const double f = e.c * (p.x * p.x + p.y * p.y + q * p.z * p.z) - 2 * p.z;
@@ -69,8 +70,8 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
         const double divisor = b * sign >= 0 ? b + root : a;
         if (divisor != 0) p += (b * sign >= 0 ? f : b - root) / divisor * d;
         met = divisor != 0 || f == 0;
-        // Beyond its widest circle, a conic turns back. Lens surfaces do not include this part of the conic,
-        // so intersections there are rejected.
+        // A conic such as an ellipsoid curves back beyond its widest circle. Lens surfaces do not include
+        // this part, so intersections there are rejected.
         met = met && 1 - e.c * q * p.z > 0;
     }
     if (e.is_asphere) {

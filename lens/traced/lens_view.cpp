@@ -12,10 +12,10 @@ using glm::dvec2;
 
 namespace {
 
-/// Number of points of the distortion curve. With this number of points, cubic interpolation has a relative
-/// error below 1e-7.
+/// Number of points of the distortion curve, which maps field tangents to distances from the film centre.
+/// With this number, cubic interpolation of the curve has a relative error below 1e-7.
 constexpr std::size_t chief_rays = 257;
-/// A small field tangent, at which the paraxial scale of the film is measured.
+/// A field tangent close to 0, at which the paraxial scale of the film (mm per tangent) is measured.
 constexpr double small_tangent = 1e-4;
 
 // Returns the distance from the film centre at which the ray through the centre of the stop lands. It is
@@ -52,7 +52,7 @@ LensView::LensView(const Prescription& prescription, const LensViewSettings& set
         .zoom = distance_mm / film.distance_mm};
     const double widest = std::max(settings.half_diagonal_px / geometry_.gain_px, settings.widest_tangent);
     follow_chief_rays(*lens_, widest);
-    // The factor 1.0001 leaves a margin for rounding at the image corner.
+    // The factor 1.0001 ensures that rounding does not exclude the image corner.
     traced.film_radius_mm = 1.0001 * film_radius_mm(widest);
     lens_.emplace(prescription, traced);
 }
@@ -64,8 +64,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If r has not grown, the lens transmits no ray at this tangent and the image is black. The curve is
-        // then extended linearly, because it must keep growing to be invertible.
+        // If the radius r does not grow, the lens transmits no ray at this tangent and the image is black.
+        // The curve is then extended linearly, because it must keep growing to be invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }
@@ -73,9 +73,9 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
     }
 }
 
-// Returns the mean weight of a ray over the unit square of (u, v). The region of passing rays is divided into
-// triangles between the region's centre and its edge. The region is symmetric, so the triangles cover only
-// one half of it, and the result is doubled.
+// Returns the mean weight of a ray over the unit square of (u, v), where blocked rays have weight 0. The
+// region of passing rays is divided into triangles between its centre and its edge. The region is symmetric,
+// so the triangles cover only one half of it, and the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -99,8 +99,8 @@ double LensView::light(double tangent) const {
     return 2 * sum;
 }
 
-// Evaluates the curve by Catmull-Rom interpolation. The curve is an odd function. Beyond its last point, it
-// is extended linearly.
+// Evaluates the distortion curve (film radius over field tangent) by Catmull-Rom interpolation. The curve is
+// an odd function. Beyond its last point, it is extended linearly.
 double LensView::film_radius_mm(double tangent) const noexcept {
     const double at = tangent / tangent_step_;
     const std::size_t last = film_radius_.size() - 1;
@@ -142,7 +142,7 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
     // The image on the film is rotated by 180 degrees, so x changes its sign. y keeps its sign, because the y
-    // axis of the raster already points down.
+    // axis of the raster points down and that of the film points up.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

@@ -36,32 +36,32 @@ struct ViewRay {
 /// `breathing`, the film is where the focus distance requires it.
 class LensView {
   public:
-    /// Throws Error(wrong_arguments) if a value of the film is out of range. Also throws the errors of
-    /// TracedLens.
+    /// Throws Error(wrong_arguments) if the distance or pixel pitch of `settings.film` is out of range. Also
+    /// throws the errors of TracedLens.
     LensView(const Prescription& lens, const LensViewSettings& settings);
 
     [[nodiscard]] const TracedLens& lens() const { return *lens_; }
-    /// Returns the thin lens that has the same focal length, pupil and focus distance.
+    /// Returns the thin lens that has the same focal length, pupil and focus distance as this lens.
     [[nodiscard]] const FocusGeometry& geometry() const { return geometry_; }
     /// Returns the paraxial scale of the image, in mm on the film per unit of the field tangent.
     [[nodiscard]] double film_scale_mm() const { return film_scale_mm_; }
 
-    /// Computes a ray that contributes to one pixel, the pixel that shows the direction `tangent` in the
-    /// pinhole image. (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns false if the ray
-    /// is blocked. Does not allocate memory.
+    /// Computes one of the rays whose light reaches a pixel. The pixel is the one that shows the direction
+    /// `tangent` in the pinhole image. (u, v) in [0, 1)^2 select the ray as in TracedLens::scene_ray. Returns
+    /// false if the ray is blocked. Does not allocate memory.
     [[nodiscard]] bool ray(glm::dvec2 tangent, glm::dvec2 uv, ViewRay& out) const noexcept;
 
-    /// Returns the light that the pixel in this direction receives from a uniform scene, relative to the
-    /// light of the centre pixel. The distance of the scene has no effect.
+    /// Returns the light that a pixel receives from a uniform scene at any distance, relative to the light of
+    /// the centre pixel. `tangent` is the tangent of the angle between the pixel's direction and the axis.
     [[nodiscard]] double light(double tangent) const;
 
-    /// Returns the distance from the film centre, in mm, at which the light of the pixel in the direction
-    /// `tangent` lands. `tangent` must not be negative.
+    /// Returns the distance from the film centre, in mm, at which the chief ray from the direction `tangent`
+    /// lands. `tangent` must not be negative.
     [[nodiscard]] double film_radius_mm(double tangent) const noexcept;
     /// Derivative of film_radius_mm.
     [[nodiscard]] double film_mm_per_tangent(double tangent) const noexcept;
-    /// Inverse of the distortion. Returns the tangent of the pixel that shows the given film point, in camera
-    /// axes (x right, y up).
+    /// Inverts the distortion. Returns the direction of the pixel that shows this film point, as tangents in
+    /// camera axes (x right, y up).
     [[nodiscard]] glm::dvec2 straightened(glm::dvec2 film_mm) const noexcept;
 
   private:

@@ -36,7 +36,8 @@ class LitOutline {
     }
 
   private:
-    /// Number of bisection steps in the search for the edge. The last step is about scale / 2^16.
+    /// Number of bisection steps in the search for the edge. The width of the last step is about scale /
+    /// 2^16.
     static constexpr int halvings = 18;
     static constexpr int search_cells = 24;
 
@@ -81,7 +82,8 @@ class LitOutline {
         }
     }
 
-    // Returns y of the centroid of the region between the half outline and its mirror image.
+    // Returns y of the centroid of the region. `edge` is the outline of one half of the region, which is
+    // symmetric about x = 0.
     [[nodiscard]] static double centroid_y(const Edge& edge) {
         double area = 0, moment = 0;
         for (std::size_t j = 0; j < spokes; ++j) {

@@ -73,7 +73,7 @@ bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
 
 namespace {
 
-/// A node (ray) of the fan with its position on the raster.
+/// A ray of the fan (a node of its mesh), with its landing point on the raster.
 struct Placed {
     dvec2 px{0};     ///< landing point, px relative to the anchor
     dvec2 pupil{0};  ///< same as in the node of the fan
@@ -110,7 +110,7 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A small response uses fewer nodes. The sides of its outline still deviate from the true curve by less
+    // A small response uses fewer rays. The sides of its outline still deviate from the true curve by less
     // than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;

@@ -1,5 +1,5 @@
-// The light of one object point as it is distributed over the pupil. Rays are arranged in rings, and the
-// outermost ring lies on the edge of the pupil.
+// A fan of rays from one object point: how the light of the point is distributed over the pupil. Rays are
+// arranged in rings, and the outermost ring lies on the edge of the pupil.
 #pragma once
 
 #include <array>
@@ -37,13 +37,13 @@ struct PupilFan {
 };
 
 /// Traces the rays of an object point at inverse depth 1/z', in the direction of the given tangent, which
-/// must not be negative. An inverse depth of 0 means infinitely far. A negative inverse depth means
-/// converging light. The search for the lit part of the pupil begins at `near_m`, which is then set to the
+/// must not be negative. An inverse depth of 0 means infinitely far, and a negative one means converging
+/// light. `near_m` is the point where the search for the lit part of the pupil begins, and receives the
 /// centre of that part. Returns false and leaves `out` unchanged if no light passes.
 [[nodiscard]] bool trace_fan(const LensView& view, double inverse_depth_per_m, double tangent,
                              glm::dvec2& near_m, PupilFan& out);
 
-/// The position of a fan's response on the raster, and its scale there.
+/// Position and scale of a fan's impulse response on the raster.
 struct FanImage {
     double gain_px = 1;  ///< px per tangent
     glm::dmat2 further_px_m{
@@ -52,7 +52,8 @@ struct FanImage {
     glm::dvec2 centre_px{0};  ///< pinhole image of the object point, relative to the anchor
 };
 
-/// Returns the largest distance, in px, between `centre_px` and the light of the response.
+/// Returns the largest distance, in px, between the pinhole image of the object point (`centre_px`) and the
+/// light of the response.
 [[nodiscard]] double fan_reach_px(const PupilFan& fan, const FanImage& image);
 
 /// Computes the response on the pixel grid. The light of each mesh cell is spread uniformly over the image of

@@ -88,8 +88,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The plane of the pupil moves with the lens, but depths and tangents are relative to the pinhole, which
-    // does not move.
+    // The plane of the pupil moves with the lens during focusing, but depths and tangents are relative to the
+    // pinhole, which does not move.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -106,8 +106,8 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
     if (tangent == 0) return dvec2(0);
     const dvec2 axis = field / tangent;
     const double scale = 0.5 * first_order_.entrance_pupil_diameter_mm;
-    // Finds the pupil point by the secant method. Steps are limited to one pupil radius, because rays aimed
-    // farther away miss the lens.
+    // Finds the pupil point whose ray passes through the centre of the stop, by the secant method. Steps are
+    // limited to one pupil radius, because rays aimed farther away miss the lens.
     const auto aimed = [&](double t, double start) -> std::optional<double> {
         const auto height = [&](double y) { return stack_.at_stop(object_ray(depth_m, {0, t}, {0, y})).y; };
         double y0 = start, f0 = height(y0), y1 = start + 0.01 * scale, f1 = height(y1);
@@ -125,9 +125,9 @@ std::optional<dvec2> TracedLens::aim_at_stop(double depth_m, dvec2 field) const 
         return std::nullopt;
     };
     if (const auto y = aimed(tangent, 0)) return turned(dvec2(0, *y), axis);
-    // In a wide-angle lens, the pupil moves with the field angle. The loop therefore follows the pupil from
-    // the axis outwards in equal steps of the angle. Each step starts at a linear extrapolation of the
-    // previous two.
+    // In a wide-angle lens, the pupil moves with the field angle, so the direct search can fail. The loop
+    // therefore follows the pupil from the axis outwards in equal steps of the angle. Each search starts at a
+    // linear extrapolation of the previous two results.
     constexpr int most_steps = 48;
     const double angle = std::atan(tangent);
     double before = 0, last = 0;
@@ -156,8 +156,8 @@ double TracedLens::sharp_film_mm(const Prescription& lens, double distance_from_
     double z = stack_.last_vertex_z_mm() + image;
     if (settings_.criterion == FocusCriterion::rms_spot) {
         // The rays lie in one meridian, at equal steps on the pupil. Each ray represents a ring, whose area
-        // is proportional to its radius. The radius is therefore the weight of the ray. The object distance
-        // is measured from the pupil. object_ray is not used, because it measures from the pinhole.
+        // is proportional to its radius, so the radius is the weight of the ray. object_ray is not used,
+        // because it measures the object distance from the pinhole and not from the pupil.
         double xu = 0, uu = 0;
         constexpr int rays = 256;
         for (int i = 0; i < rays; ++i) {
@@ -210,7 +210,8 @@ void TracedLens::set_focus(const Prescription& lens) {
     };
     if (s * 1e3 < nearest_mm) too_near();
     // Solves e = film(s - e) - film(infinity) for the extension e, by which the lens moves towards the
-    // object. The right side grows with e, so the iteration from e = 0 converges from below.
+    // object. film(d) is the position of the film at which an object at distance d is sharp. The right side
+    // grows with e, so the iteration from e = 0 converges from below.
     const double rest = sharp_film_mm(lens, infinity);
     for (int step = 0; step < 200; ++step) {
         const double film = sharp_film_mm(lens, s - extension_mm_ * 1e-3);
@@ -242,8 +243,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // If a prescription gives no clear radii, stray rays pass that any real mount would block. Therefore only
-    // the largest connected group of passing rays is used.
+    // Only the largest connected group of passing rays is used. If a prescription gives no clear radii, other
+    // rays pass as well, which any real mount would block.
     Box box;
     std::size_t largest = 0;
     std::vector<int> patch;
@@ -277,8 +278,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search region is a square in the plane of the last surface. The paraxial exit pupil is projected
-    // onto this plane from the farthest film point. The square is about twice as wide as this projection.
+    // The search for passing rays begins in a square in the plane of the last surface. The square is about
+    // twice as wide as the paraxial exit pupil, projected onto this plane from the farthest film point.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -289,8 +290,8 @@ void TracedLens::find_rear_boxes() {
     std::vector<Box> at_radius;
     for (std::size_t i = 0; i <= rear_zones; ++i) {
         const double r = settings_.film_radius_mm * static_cast<double>(i) / rear_zones;
-        // The first search is coarse and covers the whole region. The later searches cover only the part
-        // where rays pass.
+        // The first search is coarse and covers the whole square. Up to three further searches cover only the
+        // rectangle in which rays pass.
         Box box = passing_rear(r, {dvec2(-widest), dvec2(widest)});
         if (box.empty() && i == 0) box = {dvec2(-2 * radius * share), dvec2(2 * radius * share)};
         for (int again = 0; again < 3 && !box.empty(); ++again) {
@@ -381,15 +382,15 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
     const dvec2 centre = aim.value_or(dvec2(0));
     Box box = passing_pupil(depth_m, field, {centre - 2.5 * radius, centre + 2.5 * radius});
     if (box.empty() && std::isfinite(stack_.clear_radius_mm(0))) {
-        // Strong aberrations have moved the pupil, and no ray passes near the paraxial pupil. The search now
-        // covers all rays that meet the first surface.
+        // No ray passes near the paraxial pupil, because strong aberrations have moved the pupil. The search
+        // now covers all rays that meet the first surface.
         const LensRay through_vertex = object_ray(depth_m, field, dvec2(0));
         const dvec2 middle = dvec2(0) - (through_vertex.at_z(0) - dvec2(through_vertex.origin));
         const double clear = 1.1 * stack_.clear_radius_mm(0);
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search covers only the passing rays, so that the rectangle of pupil points fits them tightly.
+    // A second search covers only the rectangle of passing rays, so that the mesh of rays fits them tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -404,8 +405,8 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // The weight is the solid angle per area of the pupil plane, seen from the object point: cos / r^2 =
-        // cos^3 / depth^2.
+        // The weight of a ray is the solid angle per area of the pupil plane, seen from the object point: cos
+        // / r^2 = cos^3 / depth^2. It is relative to that of the ray through the centre of the pupil.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

@@ -43,7 +43,7 @@ struct SceneRay {
 };
 
 /// The impulse response of one object point as a mesh of rays, which pass through a grid of points of the
-/// entrance pupil. Filling the same mesh again reuses its memory.
+/// entrance pupil. If the same mesh is filled again, its memory is reused.
 struct PupilMesh {
     int nodes = 0;                     ///< along each side; node (i, j) has the index j * nodes + i
     std::vector<glm::dvec2> pupil_mm;  ///< on the plane of the paraxial entrance pupil
