@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Error of an image. If there is a second reference, the noise of the reference is subtracted from the
-/// error. NaN means that a value is unknown.
+/// Error of an image. If the chart has two references, their noise is known and is subtracted from the error.
+/// NaN means that a value is unknown.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
@@ -26,7 +26,8 @@ struct ChartError {
 
 struct ChartFigures {
     ChartError whole, affected;
-    /// Errors against the first reference. The noise of the reference is subtracted only from `relmse`.
+    /// Errors against the first reference. The noise of the reference is subtracted from `relmse`, but not
+    /// from `ssim` and `flip`.
     double relmse = 0, ssim = 0, flip = 0;
 };
 
@@ -39,15 +40,16 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the method. The name of the sample file follows unless best_trace made the file.
+    /// Name of the curve to which the point belongs: the method, followed by the name of the sample file if
+    /// this file has fewer records than that of best_trace.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image in a sweep, one value per round. `first_of_many_s` is the time of the first image,
-    /// including the reading of the file. `further_s` is the time of each further image with another lens.
-    /// Both are empty if the images of a sweep share no work.
+    /// Seconds per image if one call makes many images with different lenses (a sweep), one value per round.
+    /// `first_of_many_s` is the time of the first image, including the reading of the file. `further_s` is
+    /// the time of each further image. Both are empty if such images share no work.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;
@@ -56,13 +58,14 @@ struct ChartPoint {
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
     /// Returns the seconds per image if `pictures` images (may be infinite) are made from one sample file.
-    /// The time of the trace is divided equally among the images. The images are made by single calls or by a
-    /// sweep, whichever is faster.
+    /// They include an equal part of the time of the trace. The images are made by single calls or by one
+    /// call for all (a sweep), whichever is faster.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
 
 struct ChartData {
-    /// Identifies scene, view and reference. Only points of charts with the same key can be compared.
+    /// Text that identifies scene, view and reference. Only points of charts with the same key can be
+    /// compared.
     std::string key;
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;

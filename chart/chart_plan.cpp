@@ -12,8 +12,8 @@ constexpr const char* best_records = "records";
 constexpr const char* visible_records = "visible only";
 constexpr const char* coarse_records = "coarse";
 
-// Plans three traces: the best one, one without hidden layers, and one with coarse subdivision. Comparing
-// them shows how much hidden layers and subdivision contribute.
+// Plans three traces: the best one, one without hidden surfaces, and one that divides pixels coarsely.
+// Comparing them shows how much hidden surfaces and fine subdivision contribute.
 std::vector<PlannedTrace> traces_of(const ChartRequest& request, const ChartView& view) {
     const TraceSettings best = best_trace(request, view);
     TraceSettings visible = best, coarse = best;
@@ -50,7 +50,8 @@ void add_focus(const ChartRequest& request, Points& out) {
         for (const int m : request.views)
             out.add(Kind::focus, "lightfield", "M", m, trace, FocusMethod::lightfield);
     }
-    // Coarse records suffice for this method, because it traces rays wherever the records are not sufficient.
+    // The method hybrid traces rays wherever the records are not sufficient, so coarse records suffice for
+    // it.
     for (const int m : request.views)
         out.add(Kind::focus, "hybrid", "M", m, coarse_records, FocusMethod::hybrid);
 }

@@ -22,8 +22,9 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number to pass to the trace. The trace divides the film distance by this number to find
-    /// the diameter of the lens. The lens itself divides the focal length, so its f-number is different.
+    /// Returns the f-number to pass to the trace, which divides the film distance by it to find the diameter
+    /// of the lens. The f-number of the lens itself is the focal length divided by the diameter, so it is
+    /// different.
     [[nodiscard]] double traced_f_number() const;
 };
 

@@ -47,7 +47,7 @@ struct ChartRequest {
     double once_above_s = 20;
     bool plots = true;  ///< draw SVG and PNG plots with gnuplot
 
-    /// The share of the points to measure: only every N-th point of the plan. The results are written to
+    /// If set, measures only every N-th point of the plan (one of N shares). The results are written to
     /// chart.I-of-N.json. A later chart of all points in the same folder uses these measurements.
     std::optional<Share> share;
     std::string part;      ///< JSON that the chart of a share stores under the key "part"; may be empty

@@ -65,9 +65,9 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points that a request measures, and the traces that these points need. If the request has a
-/// share, only points of the share are returned. The first trace is always included, because the pinhole
-/// image is made from it.
+/// Returns the points that a request measures, and the traces that these points need. If the request is for
+/// one share (every N-th point), other points are omitted. The first trace is always included, because the
+/// pinhole image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;
@@ -305,8 +305,8 @@ class Runner {
         double retraced = 0;
         const double seconds = seconds_of([&] { image = pictures_.picture(p, path, retraced, warnings); });
         if (is_due(to->seconds, round)) to->seconds.push_back(seconds);
-        // Pinhole images and motion blur without a lens do not depend on the lens, so they are not timed in a
-        // sweep.
+        // A sweep makes images of one sample file with different lenses. Only methods that depend on the lens
+        // are timed in a sweep.
         if (!p.trace.empty() && p.kind != PlannedPoint::Kind::motionblur && p.focus != FocusMethod::pinhole &&
             static_cast<int>(to->further_s.size()) <= round)
             measure_sweep(p, path, *to);
@@ -321,8 +321,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images. The lens of the first image is stopped down by a sixth of a stop, so that
-    // it differs from the lens of the second image. The second lens is that of the view.
+    // Times a sweep of two images with different lenses. The first lens is that of the view, stopped down by
+    // a sixth of a stop. The second is that of the view.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

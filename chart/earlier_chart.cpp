@@ -48,7 +48,8 @@ std::vector<fs::path> earlier_charts(const ChartRequest& request, const fs::path
 bool take_over_chart(const fs::path& path, const std::string& key, bool own, ChartData& data) {
     ChartData from = chart_from_json(read_text_file(path, largest_chart_bytes), path);
     if (from.key != key) {
-        // The file contains measurements for other settings. A file of a run with --share is then ignored.
+        // The measurements in this file are for another chart. The file of a share is then ignored, but the
+        // run's own file is an error.
         if (!own) return false;
         fail(ExitCode::wrong_arguments,
              "{}: holds another chart (got {}; expected {}); --restart begins anew",

@@ -1,4 +1,5 @@
-// Finds the measurements that a chart keeps from earlier runs of the same chart, or of shares (parts) of it.
+// Finds measurements of earlier runs of the same chart, or of shares (parts) of it, so that they need not be
+// repeated.
 #pragma once
 
 #include <filesystem>
@@ -17,20 +18,20 @@ namespace postlens {
 [[nodiscard]] std::string chart_key(const ChartRequest& r, const ChartView& v, const Scene& scene);
 
 /// Returns the files of earlier charts whose measurements a run keeps. For a run of the whole chart, these
-/// are the files of the chart's shares (parts) in `folder`. The last file is `chart`, if it exists.
+/// are the files of the chart's shares (parts) in `folder`. For every run, `chart` comes last, if it exists.
 [[nodiscard]] std::vector<std::filesystem::path> earlier_charts(const ChartRequest& request,
                                                                 const std::filesystem::path& folder,
                                                                 const std::filesystem::path& chart);
 
-/// Adds the measurements of an earlier chart to `data`. If both contain a point, the measurement with more
-/// rounds is kept. Returns true if the earlier chart was measured on another machine. `own` means that the
-/// earlier chart is the run's own chart. If its key differs from `key`, Error(wrong_arguments) with the name
-/// of the folder is thrown for an own chart, and any other chart is ignored.
+/// Adds the measurements of the earlier chart in `path` to `data`. If both contain a point, the measurement
+/// with more rounds is kept. Returns true if the earlier chart was measured on another machine. `own` means
+/// that `path` is the file of this run. If the chart has another key than `key`, it is ignored. If it is the
+/// run's own file, Error(wrong_arguments) with the name of the folder is thrown instead.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 
-/// Sorts traces and points into the order of the plan. Adds empty entries for traces and points that have not
-/// been measured.
+/// Sorts traces and points into the order of the plan. Adds empty entries for those that have not been
+/// measured.
 void arrange_by_plan(const ChartPlan& plan, ChartData& data);
 
 }  // namespace postlens

@@ -6,8 +6,8 @@
 
 namespace postlens {
 
-/// Throws Error(invalid_input) if the program `gnuplot` cannot be run. Called before a long measurement, so
-/// that the error appears early.
+/// Throws Error(invalid_input) if the program `gnuplot` cannot be run. It is called before a long
+/// measurement, so that the error appears early.
 void check_gnuplot();
 
 /// Runs a plot script twice to draw `base`.svg and `base`.png, and saves the script as `base`.gp. @TERMINAL@

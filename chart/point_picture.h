@@ -1,4 +1,4 @@
-// Makes the image of a point of a chart with the method and the settings of the point.
+// Makes the image of one point of a chart, which is a method with certain settings.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@
 
 namespace postlens {
 
-/// Makes the images of the points of a chart. The functions set `retraced` to the fraction of the image that
+/// Makes the images of the points of a chart. Its functions set `retraced` to the fraction of the image that
 /// was computed by rays, and `warnings` to the codes of the warnings that occurred.
 class PointPictures {
   public:
@@ -21,7 +21,7 @@ class PointPictures {
     PointPictures(const ChartRequest& request, const Scene& scene, const ChartView& view)
         : request_(request), scene_(scene), view_(view) {}
 
-    /// Returns the image of a point, made from the sample file `path`. The method `rays` does not use the
+    /// Returns the image of a point, made from the sample file `path`. The method `rays` does not read the
     /// file.
     [[nodiscard]] Image picture(const PlannedPoint& p, const std::filesystem::path& path, double& retraced,
                                 std::vector<std::string>& warnings) const;

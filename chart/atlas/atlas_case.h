@@ -1,5 +1,5 @@
-// A case of the atlas of failures (docs/failures.md). A case is a scene in which a method fails, together
-// with the expected errors.
+// A case of the atlas of failures (docs/failures.md): a scene in which a method fails, together with the
+// expected errors.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,11 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes the sample file. Absent settings are taken from best_trace.
+/// Settings of the trace that makes the sample file of a case. Absent settings keep the values that
+/// `for_view` selects.
 struct AtlasTrace {
-    /// If true, trace for the lens and shutter of the view. If false, use default trace settings.
+    /// If true, the trace records what the lens and shutter of the view can see (best_trace). If false, it
+    /// has default settings.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
     /// Focus distance, m, for which to trace. If absent, the focus distance of the view is used.
@@ -28,7 +30,7 @@ struct AtlasTrace {
     [[nodiscard]] bool operator==(const AtlasTrace&) const = default;
 };
 
-/// A method that makes the image, its settings, and the limits of the image's error.
+/// A method that makes an image, the settings of the method, and the limits for the error of the image.
 struct AtlasMethod {
     /// Name of the method. For a lens alone: pinhole, scatter, layers, lightfield, or hybrid (which traces
     /// rays in the scene). For a shutter alone: convolve, lightfield, or auto. For both: lightfield, hybrid,
@@ -41,11 +43,12 @@ struct AtlasMethod {
     DepthSpacing spacing = DepthSpacing::inverse;
     AtlasTrace trace;
 
-    /// Least PSNR against the reference, dB. The noise of the reference is subtracted from the error first.
+    /// Smallest allowed PSNR against the reference, in dB. The noise of the reference is subtracted from the
+    /// error first.
     double at_least_db = 0;
     std::optional<double> at_most_db;  ///< greatest PSNR, dB, of a method that is expected to fail
     double energy_within = 0;  ///< greatest |sum of the image / sum of the reference - 1| that is allowed
-    /// Codes of the warnings that must occur, sorted. No others may occur.
+    /// Codes of the warnings that must occur, sorted. No other warnings may occur.
     std::vector<std::string> warnings;
 };
 
@@ -58,15 +61,15 @@ struct AtlasCase {
     ChartRequest view;   ///< scene, camera, lens, shutter and samples per pixel of the reference
     AtlasMethod method;  ///< the method under test
     std::optional<AtlasMethod> remedy;  ///< a method that is correct where `method` fails
-    /// Least fraction of the method's error, 0 to 1, that find_error_causes must attribute to `cause`.
+    /// Smallest allowed fraction, 0 to 1, of the method's error that find_error_causes attributes to `cause`.
     double named_at_least = 0;
 };
 
 struct AtlasCause {
     std::string word, meaning;
 };
-/// Returns the causes of error, in the order of the atlas document. The last one is "none". It is the cause
-/// in cases that test extreme settings and expect no error.
+/// Returns the causes of error, in the order of the atlas document (docs/failures.md). The last cause is
+/// "none". It is used for cases that test extreme settings and expect no error.
 [[nodiscard]] const std::vector<AtlasCause>& atlas_causes();
 
 /// Reads a case from a TOML file. Throws Error(invalid_input) "FILE:LINE:COLUMN: ..." if the file does not

@@ -22,7 +22,7 @@ struct AtlasRun {
     std::string introduction;         ///< text of introduction.md in the cases' folder; may be empty
 };
 
-/// Returns the path of a case's image strip, relative to the folder of the atlas.
+/// Returns the path of a case's strip (its images side by side), relative to the folder of the atlas.
 [[nodiscard]] std::filesystem::path atlas_strip(const std::string& name);
 
 /// Runs all cases of the folder `cases`. After each case, cases/NAME.json and atlas_strip(NAME) are written

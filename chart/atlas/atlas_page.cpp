@@ -64,8 +64,8 @@ Row row(const AtlasMethod& m, const AtlasFigures& f, const char* quote) {
             f.retraced_share > 0 ? fmt::format("{:.1f} %", 100 * f.retraced_share) : "none"};
 }
 
-/// Returns table rows for the tested method, the method that corrects its error (if the case has one), the
-/// pinhole image, and the noise of the reference.
+/// Returns the table rows of a case. There is one row each for the tested method, the method that corrects
+/// its error (if the case has one), the pinhole image, and the noise of the reference.
 std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     std::vector<Row> out{row(e.what.method, e.result.method, quote)};
     if (e.what.remedy && e.result.remedy) {
@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns a text with the case's view, the fraction of pixels in the column "affected", and the fraction of
-/// the error that `compare --map-causes` attributes to the case's cause.
+/// Returns a text with the view of the case, the fraction of pixels that differ from the pinhole image, and
+/// the fraction of the error that is attributed to the cause of the case.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);

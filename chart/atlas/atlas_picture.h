@@ -1,4 +1,5 @@
-// Makes the image of one method of an atlas case. Collects the warnings that the commands would print.
+// Makes the image of one method of an atlas case, and collects the warnings that the program would print for
+// it.
 #pragma once
 
 #include <filesystem>
@@ -19,8 +20,8 @@ struct AtlasPicture {
 [[nodiscard]] TraceSettings atlas_trace_settings(const AtlasTrace& trace, const ChartRequest& request,
                                                  const ChartView& view);
 
-/// Makes the image of `method`. `file` is the sample file that the method reads. The method `rays` does not
-/// read it. Temporary files are written beside `file` and removed. Throws Error.
+/// Makes the image of `method` from the sample file `file`. The method `rays` does not read the file.
+/// Temporary files are written beside `file` and removed. Throws Error.
 [[nodiscard]] AtlasPicture atlas_picture(const AtlasMethod& method, const ChartRequest& request,
                                          const ChartView& view, const Scene& scene,
                                          const std::filesystem::path& file);

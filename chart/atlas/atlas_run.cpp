@@ -20,8 +20,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr int gap_px = 4;
-// Least channel value that is accepted. A channel that should be 0 may become slightly negative when float
-// sums are rounded.
+// Smallest channel value that an image may have. A channel that should be 0 may become slightly negative,
+// because float sums are rounded.
 constexpr double least_allowed = -1e-5;
 
 double sum_of(const Image& image) {

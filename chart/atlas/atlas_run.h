@@ -28,8 +28,8 @@ struct AtlasResult {
     double pinhole_db = 0, noise_db = 0, affected_share = 0;
     AtlasFigures method;
     std::optional<AtlasFigures> remedy;
-    /// Fraction of the method's error, 0 to 1, that find_error_causes attributes to the cause of the case.
-    /// Absent if the cause is "none".
+    /// Fraction of the method's error, 0 to 1, that find_error_causes attributes to the expected cause.
+    /// Absent if the expected cause is "none".
     std::optional<double> named_share;
     std::string named_most;  ///< the cause to which most of the error is attributed
 };
