@@ -10,7 +10,8 @@
 
 namespace postlens {
 
-/// Images can be set in any order. The cell of an image that is not set is dark grey.
+/// A contact sheet. Its images can be added in any order. The cell of an image that has not been added is
+/// dark grey.
 class ContactSheet {
   public:
     static constexpr std::size_t most_pictures = 1024;

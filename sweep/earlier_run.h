@@ -20,16 +20,17 @@ namespace postlens {
 /// the file cannot be read.
 [[nodiscard]] std::string file_checksum_text(const std::filesystem::path& path);
 
-/// Computes a key for each image of a sweep (SweepRow::settings_key). Images with equal keys are equal.
+/// Computes a key for each image of a sweep (SweepRow::settings_key) from the settings and the contents of
+/// the input files. If two images have the same key, they are equal.
 class SweepKeys {
   public:
-    /// `exposure_stops` is the exposure of all images. `at` lists the raster positions, in px, at which the
-    /// CoC (circle of confusion) is reported.
+    /// `exposure_stops` is the exposure of all images, in stops. `at` lists the raster positions, in px, at
+    /// which the CoC (circle of confusion) is reported.
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an earlier image with this key can be kept. The earlier image must be the same, and
-    /// its table row must have at least the values that this sweep reports.
+    /// Returns true if an earlier image with this key can be kept. Its settings must be equal. In addition,
+    /// its table row may have a predicted error that this sweep does not report.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// The inverse depths of a frame, which all images of a sweep share.
+/// The inverse depths of a sample file. They are the same for all images of a sweep.
 struct FrameDepths {
     int width = 0, height = 0;
     /// The inverse depth 1/z', in 1/m, of the primary node (the surface that the eye ray hits first) at the
@@ -22,8 +22,8 @@ struct FrameDepths {
 [[nodiscard]] FrameDepths frame_depths(FocusFrame& frame);
 
 /// Returns the fraction (0 to 1) of the traced pixels that are in focus. A pixel is in focus if its circle of
-/// confusion has a diameter below `limit_px`, in px of the image. An orthographic file has no lens and
-/// therefore no `geometry`. The fraction is then 1.
+/// confusion has a diameter below `limit_px`, in px of the image. If `geometry` is absent, because an
+/// orthographic file has no lens, the fraction is 1.
 [[nodiscard]] double in_focus_share(const FrameDepths& depths, const std::optional<FocusGeometry>& geometry,
                                     double limit_px);
 

@@ -74,7 +74,7 @@ void check_not_empty(bool empty, const char* option) {
          "{}: missing (got nothing; expected a list, as the sample file names no value)", option);
 }
 
-/// Builds the file name and the caption of an image from its settings.
+/// Builds the file name and the caption of an image. The caption contains only settings that vary.
 struct Words {
     std::string name, caption;
     void add(const std::string& part, const std::string& words, bool varies) {

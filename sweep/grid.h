@@ -11,8 +11,8 @@
 namespace postlens {
 
 /// The values of each setting that a sweep varies. All lists except `shutters` need at least one value. An
-/// impulse response that is a lens prescription has its own focal length, which replaces `focal_lengths_mm`.
-/// The f-number of the prescription is used if `f_numbers` is empty.
+/// impulse response that is a lens prescription is an exception: its own focal length replaces
+/// `focal_lengths_mm`, and its own f-number is used if `f_numbers` is empty.
 struct SweepAxes {
     std::vector<Impulse> impulses{Impulse{}};
     std::vector<TimeSpan> shutters;  ///< empty: no motion blur

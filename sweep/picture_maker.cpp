@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // A pinhole image is the mean of the records. No error is predicted, because the prediction includes the
-    // error of the light field, which is not used here.
+    // No error is predicted for a pinhole image. It is the mean of the records, and the prediction includes
+    // the error of the light field, which is not used here.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }
@@ -173,8 +173,6 @@ MadePicture PictureMaker::moving(const SweepSetting& s, const FocusSettings& foc
                                       {h.film_distance_mm, h.pixel_pitch_mm});
     }
     for (const MotionWarning& w : r.warnings) out.warnings.push_back({w.code, w.share, w.text});
-    // Motion blur may convolve parts of the image instead of averaging views. The prediction therefore does
-    // not use the number of views.
     predict(out, settings);
     return out;
 }

@@ -21,8 +21,8 @@ namespace postlens {
 /// Settings that are common to all images of a sweep. Their names and defaults are those of the command
 /// `focus`, or of the command `shoot` if there is a shutter.
 struct PictureSettings {
-    /// If absent, images with a shutter use lightfield, and other images use the default method for the file
-    /// (usual_method). Images with a shutter allow only lightfield, hybrid and automatic.
+    /// The method. If absent, images with a shutter use lightfield, and other images use the default method
+    /// for the file (usual_method). With a shutter, only lightfield, hybrid and automatic are allowed.
     std::optional<FocusMethod> method;
     Framing framing = Framing::keep;
     DepthSpacing spacing = DepthSpacing::inverse;
@@ -32,23 +32,24 @@ struct PictureSettings {
     ShutterCurve curve = ShutterCurve::box();
     std::vector<ObjectPath> paths;  ///< motion of objects; replaces the motion in the file
     const Scene* scene = nullptr;   ///< scene in which hybrid and automatic trace rays
-    /// The PSNR, in dB, that the method `automatic` must reach. Without a target, a scene and a shutter,
+    /// The PSNR, in dB, that the method `automatic` must reach. If target, scene and shutter are all absent,
     /// `automatic` uses the default method for the file.
     std::optional<double> target_db;
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
-/// Number of views for images with a shutter, unless the settings give another number.
+/// Number of views, which are averaged, of an image with a shutter. It is used unless the settings give
+/// another number.
 inline constexpr int default_shutter_views = 128;
 
-/// Throws Error(wrong_arguments) if a number of depths or views is given but the method does not use it. The
-/// caller must first replace `automatic` by the method that it selects.
+/// Throws Error(wrong_arguments) if a number of depths or views is given for a method that does not use it.
+/// `method` must not be `automatic`; the caller first replaces it by the method that it selects.
 void check_counts(const std::optional<int>& depths, const std::optional<int>& views, FocusMethod method);
-/// Throws Error(wrong_arguments) if --depth-spacing or --depth-model is given but the method does not use it.
-/// --depth-model selects how depth is measured through mirrors and glass.
+/// Throws Error(wrong_arguments) if --depth-spacing or --depth-model is given for a method that does not use
+/// it. --depth-model selects how depth is measured through mirrors and glass.
 void check_depth_options(DepthSpacing spacing, DepthModel model, FocusMethod method);
-/// Throws Error(wrong_arguments) for the option `name` (--scene or --explain) if the method traces no rays.
-/// Use it for images without a shutter.
+/// Throws Error(wrong_arguments) if an image without a shutter is made by a method that traces no rays.
+/// `name` is the option that requires rays: --scene or --explain.
 void check_traces_rays(std::string_view name, FocusMethod method);
 
 struct MadePicture {
@@ -61,8 +62,8 @@ struct MadePicture {
 };
 
 /// Makes images one at a time. Each image is bit-identical to the result of focus_picture, hybrid_picture or
-/// auto_picture with the same settings. With f/inf and a shutter, it is bit-identical to the result of
-/// motion_blur.
+/// auto_picture with the same settings. For a pinhole (f/inf) with a shutter, it is bit-identical to the
+/// result of motion_blur.
 class PictureMaker {
   public:
     /// Keeps a reference to `file`. Throws Error(wrong_arguments) if there is a shutter and the method does
@@ -99,7 +100,7 @@ class PictureMaker {
 /// Returns the name of a method as the option `--method` spells it.
 [[nodiscard]] const char* method_name(FocusMethod method);
 
-/// Throws Error(wrong_arguments) if a target error is given but the method does not support one.
+/// Throws Error(wrong_arguments) if a target PSNR is given for a method other than `automatic`.
 void check_target(const std::optional<double>& target_db, FocusMethod method);
 
 }  // namespace postlens

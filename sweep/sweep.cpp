@@ -87,12 +87,12 @@ class Sweep {
         std::future<std::string> drawn;  // declared after `sheet`, which it reads
         Progress progress("sweep", pictures_to_make());
         try {
-            // Images of an earlier run are entered in the table first, so that they are not lost if this run
+            // Images of an earlier run are recorded first, so that sweep.json contains them even if this run
             // is interrupted.
             keep_what_is_there(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::no) make_the_others(sheet ? &*sheet : nullptr, progress);
             if (settings_.join == Join::whole) check_complete();
-            // The contact sheet is encoded while the last images are still being written.
+            // The contact sheet is encoded in parallel, while the last images are being written.
             if (sheet) {
                 drawn = std::async(std::launch::async, [&sheet] {
                     const ThreadLimit one(1);
@@ -131,8 +131,8 @@ class Sweep {
         return count;
     }
 
-    /// Keeps image `i` of an earlier run if the image is valid. Reads it into `image`, unless `image` is
-    /// null.
+    /// Keeps image `i` of an earlier run, and returns true, if its settings are equal and its file is
+    /// unchanged. Also reads the image into `image`, unless `image` is null.
     bool keep(std::size_t i, const std::multimap<std::string, SweepRow>& earlier, Image* image) {
         const auto [begin, end] = earlier.equal_range(names_[i]);
         if (begin == end) return false;
@@ -208,16 +208,16 @@ class Sweep {
         });
     }
 
-    /// Number of images that are made at the same time. An image that only reads the records of a small frame
-    /// does not keep all threads busy, so two such images are made at once. Any other image has enough work
-    /// for all threads.
+    /// Number of images that are made at the same time. It is 2 if the method only reads the records of a
+    /// small file, because such an image does not keep all threads busy. Any other image has enough work for
+    /// all threads.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
     }
 
-    /// Returns true if the method reads the records that FocusFrame keeps. Several images can then read these
-    /// records at the same time.
+    /// Returns true if the method reads records that FocusFrame keeps in memory. Several images can then be
+    /// made from these records at the same time.
     [[nodiscard]] bool by_records() const {
         return maker_.method() == FocusMethod::scatter || maker_.method() == FocusMethod::layers ||
                maker_.method() == FocusMethod::pinhole;
@@ -230,8 +230,8 @@ class Sweep {
         return std::clamp<std::size_t>(bytes_together / (image.rgb.size() * sizeof(float) + 1), 1, most);
     }
 
-    /// Writes an image and computes its table values while the next images are made. This work is a separate
-    /// job, which is not cancelled with the sweep. A finished image is therefore not lost.
+    /// Writes an image and computes its table values while the next images are made. This work is not
+    /// cancelled with the sweep, so that a finished image is not lost.
     void start_finishing(std::size_t i, Making made) {
         finishing_.push_back({i, std::async(std::launch::async, [this, i, made = std::move(made)] {
                                   const ThreadLimit one(1);
@@ -265,7 +265,7 @@ class Sweep {
         const auto coc_px = [&](double inverse_z) {
             return made.geometry ? made.geometry->coc_diameter_px(inverse_z) : 0.0;
         };
-        // For a pinhole, points in front of the focus have a diameter of -0. Adding 0 turns it into 0.
+        // For a pinhole, the CoC diameter of points in front of the focus is -0. Adding 0 turns it into 0.
         for (const double inverse_z : inverse_z_at_) row.coc_px.push_back(coc_px(inverse_z) + 0.0);
         for (const float inverse_z : {nearest_, farthest_}) {
             row.largest_coc_px =
@@ -278,11 +278,11 @@ class Sweep {
         return row;
     }
 
-    /// Computes the data from which the table values of all images are computed: the depths of the frame, and
-    /// the gradient energy of the pinhole image.
+    /// Computes values that the table rows of all images need: the depths of the frame, and the gradient
+    /// energy of the pinhole image.
     void prepare() {
-        // For the light field, FocusFrame keeps prepared surfaces instead of records. A second FocusFrame
-        // therefore reads the records.
+        // For methods that use the light field, the maker's frame keeps prepared surfaces instead of records.
+        // The records are then read by a second frame.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -299,14 +299,14 @@ class Sweep {
                                 .image);
     }
 
-    // Records a warning if the matrix W is inaccurate. W describes how a reflected or refracted image shifts
-    // when the lens point moves. The command `focus` warns under the same conditions.
+    // Records a warning if the matrix W is inaccurate for this lens. W describes how a reflected or refracted
+    // image shifts when the lens point moves. The command `focus` warns under the same conditions.
     void warn_of_bend(const MadePicture& made) {
         if (!made.geometry || made.method == "pinhole" || made.method == "motionblur" ||
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // Only the area of the lens affects this warning, so it is computed once for each area.
+        // The warning depends only on this product, so it is computed once for each value of the product.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);
@@ -335,7 +335,7 @@ class Sweep {
         saved_ = Clock::now();
     }
 
-    /// Saves finished images after an error. Further errors are ignored here, because the first error is
+    /// Saves the finished images after an error. Further errors are ignored, because only the first error is
     /// reported.
     void save_if_possible() noexcept {
         while (!finishing_.empty()) {
@@ -369,8 +369,8 @@ class Sweep {
         std::size_t picture;
         std::future<SweepRow> row;
     };
-    /// This member is declared last. It is destroyed first and waits for its work, which uses the other
-    /// members.
+    /// This member is declared last, so that it is destroyed first. Its destructor waits for work that uses
+    /// the other members.
     std::deque<Finishing> finishing_;
 };
 

@@ -24,8 +24,8 @@ struct SweepSettings {
     std::optional<std::string> frames;
     std::vector<glm::dvec2> at;  ///< raster positions, px, at which the CoC is reported; empty: a 3 x 3 grid
     double coc_limit_px = 1;     ///< CoC diameter below which a pixel is in focus, px; positive
-    /// Keeps an image of an earlier run in the same folder if sweep.json shows that it was made with equal
-    /// settings from an equal file. The image's checksum must also show that it is unchanged.
+    /// Keeps images that an earlier run made in the same folder. An image is kept if sweep.json shows that it
+    /// was made with equal settings from an equal file, and if its checksum is unchanged.
     bool resume = false;
     /// Makes only every N-th image (one share of the sweep). The table of these images is sweep.I-of-N.json.
     /// A share writes neither sweep.csv nor contact.png.
@@ -35,8 +35,8 @@ struct SweepSettings {
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
     Join join = Join::no;  ///< with `resume`: makes no image
-    /// Other files on which the images depend, such as files that the settings refer to. Their contents are
-    /// part of every settings_key.
+    /// Other files on which the images depend. If the contents of such a file change, the images of an
+    /// earlier run are not kept.
     std::vector<std::filesystem::path> depends_on;
     Damage damage = Damage::refuse;        ///< handling of damage in the sample file
     std::optional<double> exposure_stops;  ///< exposure of all images; absent: the file's

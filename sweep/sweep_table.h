@@ -21,8 +21,8 @@ struct SweepRow {
     std::vector<double> coc_px;  ///< signed CoC diameters at SweepTable::at, px; positive behind the focus
     double largest_coc_px = 0;   ///< largest absolute CoC diameter of all pixels, px
     double in_focus_share = 0;
-    /// Gradient energy of the image, divided by that of the pinhole image. Absent if the gradient energy of
-    /// the pinhole image is 0.
+    /// Gradient energy of the image (the sum of squared differences between neighbouring pixels), divided by
+    /// that of the pinhole image. Absent if the gradient energy of the pinhole image is 0.
     std::optional<double> sharpness;
     std::optional<double> predicted_db;  ///< stated or predicted PSNR, dB
     double seconds = 0;

@@ -14,9 +14,9 @@ namespace postlens {
 /// Largest number of values in a list or a range, and largest number of images in a sweep.
 inline constexpr std::size_t most_pictures = 10000;
 
-/// Every list has the form "ITEM,ITEM,...". An item is a value or a range, and no value may occur twice. Each
-/// function throws Error(wrong_arguments) if the text has another form, if a range is empty or if there are
-/// too many values. The error message begins with `option`.
+/// Each of these functions parses a list of the form "ITEM,ITEM,...". An item is a value or a range, and no
+/// value may occur twice. Error(wrong_arguments) is thrown if the text has another form, if a range is empty
+/// or if there are too many values. The error message begins with `option`.
 
 /// Parses f-numbers, which are positive numbers or `inf` for the pinhole. A range is written FROM:TO:STEP.
 /// STEP is positive and in stops ("1/2" or "0.5"), and FROM must not exceed TO. Value i is FROM * 2^(i STEP /
