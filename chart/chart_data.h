@@ -12,8 +12,8 @@
 
 namespace postlens {
 
-/// Error of an image. If the chart has two references, their noise is known and is subtracted from the error.
-/// NaN means that a value is unknown.
+/// Error of an image against the reference of the chart. If there are two references, their noise is known
+/// and is subtracted from the error. NaN means that a value is unknown.
 struct ChartError {
     double psnr_db = 0;        ///< PSNR of sRGB-encoded values, dB
     bool is_bound = false;     ///< the error may be zero, and `psnr_db` is a lower bound
@@ -40,8 +40,8 @@ struct ChartTrace {
 };
 
 struct ChartPoint {
-    /// Name of the curve to which the point belongs: the method, followed by the name of the sample file if
-    /// this file has fewer records than that of best_trace.
+    /// Name of the curve to which the point belongs. It is the method, followed by the name of the sample
+    /// file if this is not the file with the most records.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting

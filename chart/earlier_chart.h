@@ -24,9 +24,9 @@ namespace postlens {
                                                                 const std::filesystem::path& chart);
 
 /// Adds the measurements of the earlier chart in `path` to `data`. If both contain a point, the measurement
-/// with more rounds is kept. Returns true if the earlier chart was measured on another machine. `own` means
-/// that `path` is the file of this run. If the chart has another key than `key`, it is ignored. If it is the
-/// run's own file, Error(wrong_arguments) with the name of the folder is thrown instead.
+/// with more rounds is kept. Returns true if the earlier chart was measured on another machine. If the key of
+/// the earlier chart differs from `key`, the chart is ignored. However, if `own` is true (`path` is the file
+/// of this run), Error(wrong_arguments) with the name of the folder is thrown.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 

@@ -29,8 +29,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an earlier image with this key can be kept. Its settings must be equal. In addition,
-    /// its table row may have a predicted error that this sweep does not report.
+    /// Returns true if an earlier image with this key can be kept. The settings must be equal, except that
+    /// the earlier table row may also contain a predicted error.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

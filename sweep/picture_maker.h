@@ -38,8 +38,7 @@ struct PictureSettings {
     bool predict = false;  ///< predict the error of every image (predict_error)
 };
 
-/// Number of views, which are averaged, of an image with a shutter. It is used unless the settings give
-/// another number.
+/// Number of views that are averaged for an image with a shutter, if the settings give no number.
 inline constexpr int default_shutter_views = 128;
 
 /// Throws Error(wrong_arguments) if a number of depths or views is given for a method that does not use it.

@@ -45,7 +45,8 @@ struct ThinLensFitRequest {
 ///
 /// The data determine only two of the three numbers, because c = K |1/s - 1/z| with K = V D (film distance
 /// times aperture diameter). If neither F nor n is given, infinitely many solutions fit equally well. The
-/// solution with F = 50 mm is returned, and `doubts` explains this.
+/// solution with F = 50 mm, or half the focus distance if that is shorter, is returned, and `doubts` explains
+/// this.
 ///
 /// Throws Error(invalid_input) if there are fewer than two different depths, or if no lens can produce the
 /// data (every CoC is 0, or K is negative). Throws Error(wrong_arguments) if F or n is out of range.

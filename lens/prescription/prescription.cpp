@@ -10,7 +10,7 @@
 namespace postlens {
 namespace {
 
-// Overlap of neighbouring surfaces that is allowed, as a fraction of the clear radius. Patents often round
+// Largest allowed overlap of neighbouring surfaces, as a fraction of the clear radius. Patents often round
 // clear radii up, so surfaces can overlap slightly near their rims, where no light passes.
 constexpr double crossing_tolerance = 0.01;
 

@@ -117,9 +117,9 @@ class LensModels {
 };
 
 /// Fits the polynomial model to a traced lens over a range of depths and fields, by least squares with Ceres.
-/// Landing points are polynomials with linear coefficients. The pupil is the intersection of three circles,
-/// whose initial values are the paraxial images of the stop and of the first and last rim. Equal input gives
-/// bit-identical results.
+/// The landing points depend linearly on the coefficients of the polynomials. The pupil is the intersection
+/// of three circles, whose initial values are the paraxial images of the stop and of the first and last rim.
+/// Equal input gives bit-identical results.
 [[nodiscard]] PolynomialLens fit_polynomial_lens(const Prescription& lens, const TracedLens& traced,
                                                  const LensModelRange& range);
 

@@ -49,9 +49,9 @@ RayFate LensStack::meet(const Element& e, LensRay& ray, double sign, Apertures a
                         dvec3& normal) noexcept {
     const dvec3 d = ray.direction;
     dvec3 p = ray.origin - dvec3(0, 0, e.z);  // in the surface's own frame, with the vertex at the origin
-    // If the origin is more than 100 radii of curvature away, its squared coordinates are too imprecise for
-    // the intersection. The origin then moves along the ray to the point nearest to the vertex. A second pass
-    // removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
+    // If the ray's origin is more than 100 radii of curvature away, its squared coordinates are too imprecise
+    // for the intersection. The origin then moves along the ray to the point nearest to the vertex. A second
+    // pass removes the rounding error of the first pass, which can exceed the radius of a tiny surface.
     constexpr double far_in_radii = 100;
     for (int i = 0; i < 2 && e.c * e.c * glm::dot(p, p) > far_in_radii * far_in_radii; ++i)
         p -= glm::dot(p, d) * d;

@@ -50,7 +50,8 @@ struct ChannelResponses {
 
 /// Returns a radius v beyond which about the fraction `tail` of the energy lies. The radius is the solution
 /// of (2/pi) v/(v^2 - u^2) = tail, which is an average over fringes. The result can therefore be too small by
-/// up to one fringe. Near the edge of the disc, the formula overestimates the energy beyond v.
+/// up to one fringe. Near the edge of the disc, the formula overestimates the energy beyond v, so the result
+/// is too large there.
 [[nodiscard]] double radius_of_tail(double u, double tail);
 
 }  // namespace postlens

@@ -249,8 +249,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Displacement, in px, of light through the rim by spherical aberration X. At distance rho from the lens
-    // centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
+    // Displacement, in px, of light through the rim that spherical aberration X (1/m) causes. At distance rho
+    // from the lens centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);
