@@ -58,7 +58,8 @@ struct ChartPlan {
 
 [[nodiscard]] ChartPlan chart_plan(const ChartRequest& request, const ChartView& view);
 
-/// Returns settings of distributed ray tracing for this view. The caller must set spp, seed and halves.
+/// Returns settings of distributed ray tracing for this view. The caller must set the samples per pixel
+/// (`spp`), the seed, and whether two half images are made (`halves`).
 [[nodiscard]] RenderSettings render_settings(const ChartRequest& request, const ChartView& view);
 
 }  // namespace postlens

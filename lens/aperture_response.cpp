@@ -58,8 +58,8 @@ struct CoarsePicture {
     std::vector<double> light;
 };
 
-/// Reduces the resolution of an aperture image until one cell covers half a pixel of the response. `cell_px`
-/// is the size of an original cell in the response.
+/// Reduces the resolution of an aperture image until the image of one cell in the response is about half a
+/// pixel wide. `cell_px` is the width, in px, of the image of an original cell.
 CoarsePicture coarse_enough(const AperturePicture& from, double cell_px) {
     const int longest = std::max(from.width, from.height);
     const int step =

@@ -67,7 +67,8 @@ FrameDepths frame_depths(FocusFrame& frame) {
         for (int y = begin; y < end; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(h.width);
             for (int x = 0; x < h.width; ++x) {
-                // The first record of a pixel is the primary node at the pixel's upper left corner.
+                // The first record of a pixel describes the surface that the eye ray through the pixel's
+                // upper left corner hits first.
                 const std::size_t k = rows.band->pixel(x, y);
                 const std::uint32_t first = rows.band->offsets[k];
                 if (first == rows.band->offsets[k + 1]) continue;

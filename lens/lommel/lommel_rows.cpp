@@ -22,8 +22,8 @@ struct SeriesLanes {
     Lanes odd{}, even{};
 };
 
-/// Sums the series by upward recurrence, which is stable for orders n < v. The terms t_n = x^n J_n satisfy
-/// t_(n+1) = n c t_n - x^2 t_(n-1), where c = 2 x / v.
+/// Sums the two series by upward recurrence, which is stable for orders n < v. The terms t_n = x^n J_n
+/// satisfy t_(n+1) = n c t_n - x^2 t_(n-1), where c = 2 x / v.
 POSTLENS_MULTIVERSION
 void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double* j1, int terms,
                  SeriesLanes& out) {
@@ -55,8 +55,8 @@ void sum_upwards(const Lanes& v, const Lanes& x, const double* j0, const double*
     out.even = even;
 }
 
-/// Sums the series by the downward recurrence J_(n-1) = (2 n / v) J_n - J_(n+1) (Miller's algorithm), which
-/// is stable for any number of terms. Horner's rule sums the terms.
+/// Sums the two series by the downward recurrence J_(n-1) = (2 n / v) J_n - J_(n+1) (Miller's algorithm),
+/// which is stable for any number of terms. The terms are summed by Horner's rule.
 POSTLENS_MULTIVERSION
 void sum_downwards(const Lanes& v, const Lanes& x, int last, SeriesLanes& out) {
     Lanes c, x2, above{}, here, norm{}, odd{}, even{};
