@@ -5,10 +5,11 @@
 
 namespace postlens {
 
-/// Makes the aperture of an impulse response. For the kind `picture`, the aperture is read from an image
-/// file. Its Rec.709 luminance is the transmittance, and images wider or higher than 512 px are downscaled.
-/// Throws Error(invalid_input) for an image that cannot be read or that transmits no light. Throws
-/// Error(wrong_arguments) for settings out of range and for kinds that have no aperture.
+/// Makes an aperture of the given kind: a disc, a polygon or an image. An image is read from its file. Its
+/// Rec.709 luminance becomes the transmittance, and an image of more than 512 px in width or height is
+/// downscaled. Throws Error(invalid_input) if the image cannot be read or transmits no light. Throws
+/// Error(wrong_arguments) if a setting is out of range, or for diffraction and real lenses, which this class
+/// does not model.
 [[nodiscard]] Aperture read_aperture(const Impulse& impulse);
 
 }  // namespace postlens

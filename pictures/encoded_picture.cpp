@@ -20,14 +20,14 @@ std::uint8_t byte_by_power(float v) {
     return static_cast<std::uint8_t>(std::lround(srgb_from_linear(v) * 255.0F));
 }
 
-/// Table for the conversion of linear values to sRGB bytes. It divides the range from `least` to 1 into cells
-/// so narrow that the byte changes at most once within a cell.
+/// Table that converts linear values to sRGB bytes. It divides the values from `least` to 1 into cells so
+/// narrow that the byte changes at most once within a cell.
 struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// For each cell, `byte` is the sRGB byte at the lower end of the cell. `next` is the linear value,
-    /// stored as the bits of a float, from which on the byte is larger by 1.
+    /// `byte` is the sRGB byte at the lower end of each cell. Values from `next` on, which is compared as the
+    /// bits of a float, have the next larger byte.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 
@@ -66,8 +66,8 @@ struct PngOutput {
     std::string bytes, problem;  ///< both have reserved memory, which they never exceed
 };
 
-/// Returns an upper bound of the size of the PNG file, in bytes. Deflate enlarges incompressible data only
-/// slightly.
+/// Returns an upper bound of the size of the PNG file, in bytes: the size of the pixels, plus a margin for
+/// incompressible data, which deflate enlarges slightly.
 std::size_t most_bytes(const EncodedPicture& picture) {
     const std::size_t raw = picture.rgb.size() + static_cast<std::size_t>(picture.height);
     return raw + raw / 64 + 4096;
@@ -75,8 +75,8 @@ std::size_t most_bytes(const EncodedPicture& picture) {
 
 void append(png_structp png, png_bytep data, std::size_t size) {
     auto& out = *static_cast<PngOutput*>(png_get_io_ptr(png));
-    // Exceptions must not pass through libpng, which is written in C. The error is therefore reported by
-    // calling a function of libpng.
+    // An exception must not propagate through libpng, which is C code. The error is therefore reported by
+    // png_error.
     if (out.bytes.capacity() - out.bytes.size() < size) png_error(png, "larger than its pixels");
     out.bytes.append(reinterpret_cast<const char*>(data), size);
 }

@@ -33,7 +33,7 @@ struct EncodedPicture {
 [[nodiscard]] EncodedPicture encoded_8bit(const Image& image);
 
 /// Returns the bytes of the PNG file that `write_image` writes for this image. Throws Error(cannot_write) if
-/// libpng fails. The error message calls the file `shown_name`.
+/// libpng fails. `shown_name` is the file name in the error message.
 [[nodiscard]] std::string png_file(const EncodedPicture& picture, const std::string& shown_name);
 
 }  // namespace postlens

@@ -1,5 +1,5 @@
-// Exposure of images. In memory, the value 1 is white. In .exr files, values are scene-linear radiance
-// (docs/exposure.md).
+// Exposure of images. Images in memory are scaled so that 1 is white. Files in the format .exr store
+// scene-linear radiance (docs/exposure.md).
 #pragma once
 
 #include <optional>
@@ -10,39 +10,40 @@
 
 namespace postlens {
 
-/// Largest absolute exposure that options, headers and images may have, in stops. Floats have room for 126
-/// stops above and below 1.
+/// Largest absolute value, in stops, of an exposure that is given by the user or stored in a file. The range
+/// of floats is about 126 stops above and below 1.
 inline constexpr double most_exposure_stops = 100;
 
-/// Returns 2^stops. Radiance multiplied by this factor gives the values of an image, in which 1 is white. The
-/// factor for 0 stops is exactly 1.
+/// Returns 2^stops, the factor that converts radiance to image values, in which 1 is white. The factor for 0
+/// stops is exactly 1.
 [[nodiscard]] double exposure_gain(double stops);
 
-/// Returns the exposure, in stops, that makes the 95th percentile of the values white. The percentile is that
-/// of the finite values above 0. Returns 0 if there are no such values. The result is clamped to
-/// +-most_exposure_stops. Reorders `values`.
+/// Returns the exposure, in stops, at which the 95th percentile of the values becomes white. Only finite
+/// values above 0 count; without such values, returns 0. The result is clamped to +-most_exposure_stops.
+/// Reorders `values`.
 [[nodiscard]] double auto_exposure_of(std::span<double> values);
 
-/// Returns the automatic exposure of an image, computed from the largest channel of each pixel. The result
-/// does not depend on the exposure that the image already has. If the exposure of the image is unknown, the
-/// values of the image are treated as radiance.
+/// Returns the automatic exposure of an image in stops, from the largest channel of each pixel. An exposure
+/// that has already been applied to the image does not affect the result. If it is unknown, the values of the
+/// image are treated as radiance.
 [[nodiscard]] double auto_exposure_of(const Image& image);
 
-/// Changes the exposure of an image, unless the image's own exposure is unknown.
+/// Scales an image to a new exposure. Leaves the image unchanged if its current exposure is unknown.
 void set_exposure(Image& image, double stops);
 
 struct ExposureWarning {
     double share = 0;  ///< fraction of the pixels above white; 1 for an image that is too dark
     std::string text;
 };
-/// Warns if an image to be written as PNG, TIFF or JPEG is too bright or too dark. It is too bright if more
-/// than a fifth of its pixels have a channel above white. It is too dark if all pixels are below 1/255 of
-/// white and some are not black. The warning suggests the exposure of auto_exposure_of.
+/// Returns a warning if an 8-bit or 16-bit version of the image would be too bright or too dark. An image is
+/// too bright if more than a fifth of its pixels have a channel above white. It is too dark if all its pixels
+/// are below 1/255 of white, unless it is entirely black. The warning suggests the exposure of
+/// auto_exposure_of.
 [[nodiscard]] std::optional<ExposureWarning> exposure_warning(const Image& image,
                                                               const std::optional<Crop>& crop);
 
-/// Reads an exposure, in stops, from a text in the header of `file`. Throws Error(invalid_input), which names
-/// the file.
+/// Parses an exposure in stops, as stored in the header of `file`. Throws Error(invalid_input), with the name
+/// of the file, if the text is not a valid exposure.
 [[nodiscard]] double stops_of_text(const std::string& text, const std::string& file);
 
 }  // namespace postlens

@@ -65,15 +65,15 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// The position of an image within the whole image, and the size of the whole image.
+/// The position of an image within a larger image, and the size of that larger image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Programs expect OpenEXR images to have alpha. An image without alpha is written with an alpha of 1,
-    // stored as half floats.
+    // Many programs expect an OpenEXR image to have alpha. An image without alpha therefore gets the alpha 1,
+    // as half floats to save space.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));
@@ -97,7 +97,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // The file is not compressed, because RLE (run-length encoding) does not make float channels smaller.
+    // RLE, the run-length encoding, does not make float channels smaller, so the file is not compressed.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -143,7 +143,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // Loading the library here reports a missing library before the image is computed.
+    // If the library is missing, the error is reported here, before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -166,7 +166,7 @@ std::uint64_t write_image(const fs::path& path, const Image& image, const std::o
              width, height, most_jpeg_px);
     }
     OutputFile file(path);  // fails early if the file cannot be written
-    // Values are divided by the exposure, because an .exr file stores radiance.
+    // An .exr file stores radiance, so the exposure is removed from the values.
     const bool divided = format == Format::exr && image.exposure_stops.value_or(0) != 0;
     Image part = crop || divided ? cut(image, crop) : Image();
     if (divided) {
@@ -185,7 +185,8 @@ namespace {
 
 struct OpenedImage {
     std::unique_ptr<PictureReader> in;
-    /// The display window in the file's coordinates. For a crop, this is the data window.
+    /// The display window, in the coordinates of the file. For a file that is a crop, the data window is
+    /// used.
     int x = 0, y = 0, width = 0, height = 0;
 };
 
@@ -213,8 +214,8 @@ OpenedImage open_image(const fs::path& path) {
     out.y = has_display_window ? spec.full_y : spec.y;
     out.width = has_display_window ? spec.full_width : spec.width;
     out.height = has_display_window ? spec.full_height : spec.height;
-    // A damaged header must not cause a large allocation. The file size limits the number of pixels: deflate,
-    // the densest compression, shrinks data by a factor of at most 1032.
+    // Header sizes are compared with the size of the file, so that a damaged header does not cause a large
+    // allocation. Deflate reaches a compression ratio of at most 1032.
     const std::uint64_t bytes = fs::file_size(path, ec);
     const auto check_size = [&](int width, int height) {
         const std::uint64_t needed =
@@ -230,7 +231,7 @@ OpenedImage open_image(const fs::path& path) {
     return out;
 }
 
-/// Returns the image of the display window. Pixels that the file does not store are black.
+/// Returns the pixels of the display window. Those that the file does not store are black.
 Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
     const PictureLayout& spec = file.in->layout();
     const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
@@ -268,7 +269,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values are read into the first third of the array, and expanded to RGB below.
+    // Grey values are read into the first third of the array, and then expanded to RGB in place.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), reason_of(problem));
     if (channels == 1) {
@@ -278,7 +279,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // In sRGB formats, the value 1 is white. The exposure is unknown unless the attribute states it.
+    // The value 1 is white in sRGB formats. Their exposure is unknown unless an attribute states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

@@ -21,10 +21,10 @@ struct Image {
     int width = 0, height = 0;
     std::vector<float> rgb;
     std::vector<float> alpha;  ///< one value per pixel; empty if the image is opaque
-    /// `rgb` is radiance times 2^exposure_stops. Empty if the exposure is unknown, as in PNG, TIFF or JPEG
-    /// files that other programs wrote.
+    /// `rgb` is radiance times 2^exposure_stops. The exposure is absent if it is unknown, as in PNG, TIFF or
+    /// JPEG files that other programs wrote.
     std::optional<double> exposure_stops = 0.0;
-    /// An additional channel with one value per pixel. The exposure does not affect these values.
+    /// An additional channel with one value per pixel, to which the exposure is not applied.
     struct Plane {
         std::string name;
         std::vector<float> values;
@@ -80,8 +80,8 @@ std::uint64_t write_image(const std::filesystem::path& path, const Image& image,
 /// not accept the path. Throws Error(invalid_input) if the library for the format cannot be loaded
 /// (pictures/formats/picture_library.h).
 void check_image_path(const std::filesystem::path& path);
-/// Checks the path of a file that must be an OpenEXR file. `what` names the contents of the file in the error
-/// message: "records", "responses".
+/// Throws Error(wrong_arguments) unless a path has the extension .exr. `what` names the contents of the file
+/// in the error message, for example "records".
 void check_exr_path(const std::filesystem::path& path, const char* what);
 
 struct ImageSize {
@@ -94,20 +94,22 @@ struct ImageSize {
 [[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
 
 /// Returns the text that states how an image or a sample file was made (Image::made_by,
-/// SampleHeader::made_by). Empty if the file has no such text. Throws Error(invalid_input).
+/// SampleHeader::made_by), or an empty text if the file has none. Throws Error(invalid_input).
 [[nodiscard]] std::string read_made_by(const std::filesystem::path& path);
 
-/// Selects the values that `read_image` returns for an OpenEXR file that states an exposure.
+/// Which values `read_image` returns for an OpenEXR file that states an exposure.
 enum class PictureValues {
     exposed,  ///< returns radiance times 2^postlens.exposure_stops, so that 1 is white
     stored    ///< returns radiance, for textures and apertures
 };
 
-/// Reads the first three channels of the first part of any file that OpenImageIO can read. If the part has
-/// only one or two channels, the first is read as grey. Integer values and values tagged as sRGB are
-/// converted to scene-linear. The result covers the display window. Pixels outside the window are dropped,
-/// and pixels that the file does not store are black. If the file is a crop (see write_image), the result is
-/// only the crop. Throws Error(invalid_input).
+/// Reads the first three channels of the first part of any file that OpenImageIO can read, or the first
+/// channel as grey if there are fewer than three. Integer values and values tagged as sRGB are converted to
+/// scene-linear.
+///
+/// The result covers the display window. Pixels outside the window are dropped, and pixels that the file does
+/// not store are black. For a crop (see write_image), the result is only the crop. Throws
+/// Error(invalid_input).
 [[nodiscard]] Image read_image(const std::filesystem::path& path,
                                PictureValues values = PictureValues::exposed);
 

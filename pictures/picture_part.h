@@ -1,5 +1,5 @@
-// Parts of an image that are computed separately. An image joined from parts is bit-identical to an image
-// that is computed as a whole.
+// Parts of an image that are computed separately, for example on several machines. The joined image is
+// bit-identical to an image that is computed as a whole.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// Marks an image so that `write_image` writes a crop of it as a part. The file then stores the exact values,
-/// without dividing them by the exposure. The exposure is stored in the mark instead. `mark` is a JSON object
-/// that the caller chooses.
+/// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can later be
+/// joined with others. The file then contains the image's values bit by bit, not divided by the exposure. The
+/// exposure is stored in the mark instead: `mark` is a JSON object of the caller.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
@@ -22,19 +22,20 @@ struct PicturePart {
     std::string mark;  ///< the caller's JSON object, as given to `mark_as_part`
 };
 
-/// Reads a part of an image. Returns empty if the file has no mark or is not an OpenEXR file. Throws
+/// Reads a part of an image. Returns empty if the file was not marked by mark_as_part. Throws
 /// Error(invalid_input) if the file cannot be read, or if its pixels were changed after it was written.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
-/// Attribute that holds the mark of a part of a render's samples (tracer/distributed/render_state.h).
+/// Attribute that marks a part of the samples of a render, in contrast to a part of its image
+/// (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 
-/// Reads the mark of a part of an image, or of a part of a render's samples. Returns empty for any other
-/// OpenEXR file. Throws Error(invalid_input).
+/// Reads the JSON mark of a part of an image, or of a part of the samples of a render. Returns an empty text
+/// for any other OpenEXR file. Throws Error(invalid_input).
 [[nodiscard]] std::string read_part_mark(const std::filesystem::path& path);
 
-/// Copies the pixels of a part to their position in `whole`. Throws Error(invalid_input) if `part` and
-/// `whole` have different channels. The message calls the file of the part `name`.
+/// Copies the pixels of a part to their position in the image `whole`. Throws Error(invalid_input) if the
+/// channels of the part and of the image differ. `name` is the file name in the error message.
 void paste(const PicturePart& part, const std::string& name, Image& whole);
 
 }  // namespace postlens

@@ -12,8 +12,8 @@ namespace {
 /// (bench/sample_file_bench.cpp).
 constexpr int deflate_level = 1;
 
-// A run of equal bytes is stored as a count and the byte. The count is the length of the run minus 1. A
-// sequence of other bytes is stored as its negated length, followed by the bytes themselves.
+// Run-length encoding of OpenEXR. A run of equal bytes is stored as its length minus 1, followed by the byte.
+// A sequence of differing bytes is stored as its negated length, followed by the bytes.
 constexpr std::size_t shortest_run = 3;
 constexpr std::size_t longest_run = 128;
 constexpr std::size_t longest_literal = 127;
@@ -46,8 +46,8 @@ void predict(ByteView raw, Bytes& apart, Bytes& out) {
 void sum_differences(std::span<std::uint8_t> bytes) {
     std::size_t i = 0;
     std::uint8_t sum = 128;
-    // Each step treats eight bytes as one 64-bit word. Adding a copy of the word, shifted by 1, 2 and 4 bytes
-    // in turn, gives the running sums of its bytes. `add` prevents carries from one byte into the next.
+    // Prefix sum of eight bytes at once, in one 64-bit word: the word is added to copies of itself, shifted
+    // by 1, 2 and 4 bytes in turn. `add` prevents carries from one byte into the next.
     constexpr std::uint64_t low_bits = 0x7F7F7F7F7F7F7F7FU;
     constexpr std::uint64_t every_byte = 0x0101010101010101U;
     const auto add = [](std::uint64_t a, std::uint64_t b) {
@@ -155,7 +155,7 @@ int rows_per_chunk(ChunkCompression compression) {
 bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
     libdeflate_decompressor* d = libdeflate_alloc_decompressor();
     if (d == nullptr) throw std::bad_alloc();
-    // The pointer for the actual size is null, so libdeflate fails unless it fills the output exactly.
+    // Without a pointer for the actual size (null), libdeflate fails unless it fills the output exactly.
     const auto result =
         libdeflate_zlib_decompress(d, packed.data(), packed.size(), raw.data(), raw.size(), nullptr);
     libdeflate_free_decompressor(d);
@@ -172,7 +172,8 @@ ByteView ChunkCodec::compress(ChunkCompression compression, ByteView raw, Bytes&
         if (!compressor_) compressor_.reset(libdeflate_alloc_compressor(deflate_level));
         if (!compressor_) throw std::bad_alloc();
         packed.resize(raw.size());
-        // The output buffer is one byte smaller than `raw`, because longer output would save nothing.
+        // The output is limited to one byte less than `raw`, because a chunk that is not smaller is stored
+        // uncompressed.
         size = libdeflate_zlib_compress(compressor_.get(), scratch_.data(), scratch_.size(), packed.data(),
                                         raw.size() - 1);
     }
@@ -191,7 +192,7 @@ bool ChunkCodec::decompress(ChunkCompression compression, ByteView packed, std::
     } else {
         if (!decompressor_) decompressor_.reset(libdeflate_alloc_decompressor());
         if (!decompressor_) throw std::bad_alloc();
-        // The pointer for the actual size is null, so libdeflate fails unless it fills the output exactly.
+        // Without a pointer for the actual size (null), libdeflate fails unless it fills the output exactly.
         if (libdeflate_zlib_decompress(decompressor_.get(), packed.data(), packed.size(), scratch_.data(),
                                        scratch_.size(), nullptr) != LIBDEFLATE_SUCCESS) {
             return false;

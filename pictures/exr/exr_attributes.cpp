@@ -40,7 +40,8 @@ constexpr std::array<std::pair<std::string_view, std::size_t>, 24> fixed_sizes{{
     {"v3i", 12},
 }};
 
-/// Returns the position after the channel list at the start of `value`, or 0 if the list has no end.
+/// Returns the offset of the first byte after the channel list with which `value` begins, or 0 if the list is
+/// not terminated.
 std::size_t end_of_channels(ByteView value) {
     std::size_t at = 0;
     for (;;) {
@@ -75,9 +76,9 @@ bool preview_fills(ByteView value) {
     return value.size() == sizeof(edges) + 4 * std::uint64_t{edges[0]} * edges[1];
 }
 
-/// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the samples of a
-/// chunk when it opens a part. The bound is 4 bytes per channel and pixel. The caller states whether the part
-/// is `tiled`, because the header of a scanline part may also contain a tile size.
+/// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the pixels of one
+/// chunk of a part: 4 bytes per channel and pixel. The tile size in the header counts only if the part is
+/// `tiled`, because scanline parts may contain the attribute, too.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");
@@ -93,7 +94,7 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     pixel = std::min<std::uint64_t>(pixel, 1U << 20U);
     constexpr std::uint32_t widest_tile = 1U << 20U;
     constexpr std::array<std::uint64_t, 10> rows{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
-    // The library assumes ZIP if a part does not state its compression.
+    // The OpenEXR library assumes ZIP if a part does not state its compression.
     constexpr std::size_t zip = 3;
     const std::size_t packed = compression && !compression->empty() ? (*compression)[0] : zip;
     std::array<std::uint32_t, 2> tile{};
@@ -102,7 +103,8 @@ std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
         std::memcpy(tile.data(), tiles->data(), sizeof(tile));
         return pixel * std::min(tile[0], widest_tile) * std::min(tile[1], widest_tile);
     }
-    // If a scanline part has no data window, the OpenEXR library assumes a small one.
+    // If a scanline part has no data window, the OpenEXR library assumes a small one, so its chunks are
+    // small.
     if (!window) return 0;
     const std::int64_t width = std::int64_t{window->x_max} - window->x_min + 1;
     return width > 0 ? pixel * static_cast<std::uint64_t>(width) * rows[std::min(packed, rows.size() - 1)]

@@ -190,8 +190,8 @@ std::optional<ChunkCompression> ExrPart::compression() const {
 std::optional<std::vector<ExrChannel>> ExrPart::channels() const {
     const auto bytes = raw("channels", "chlist");
     if (!bytes) return std::nullopt;
-    // Each channel is stored as its name, a zero byte, int32 type, uint8 linear, 3 bytes, int32 x sampling
-    // and int32 y sampling. A zero byte ends the list.
+    // A channel is stored as its name, a zero byte, int32 type, uint8 linear flag, 3 unused bytes, int32 x
+    // sampling and int32 y sampling. A zero byte ends the list of channels.
     constexpr std::size_t tail = 16;
     std::vector<ExrChannel> channels;
     ByteView rest = *bytes;
@@ -256,9 +256,9 @@ ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts, Attri
             const bool manifest = type == "idmanifest";
             part.add(std::move(name), std::move(type), value);
             name = reader.take_name();
-            // The OpenEXR library (3.1) reads four bytes beyond the end of a manifest. It therefore misses
-            // the first four characters of the name of the next attribute. If that name has at most four
-            // characters, the library would mistake other bytes for the size of the attribute.
+            // The OpenEXR library (3.1) reads four bytes too many for an idmanifest attribute, and so skips
+            // the first four characters of the next attribute's name. A name of at most four characters is
+            // refused, because the library would then read other bytes as the size of that attribute.
             constexpr std::size_t read_over = 4;
             if (manifest && sizes == AttributeSizes::filled && name.size() <= read_over) {
                 fail(ExitCode::invalid_input,

@@ -15,7 +15,7 @@
 namespace postlens {
 
 /// A regular file opened for reading. Functions that fail throw Error(invalid_input) with the name of the
-/// file. Several threads may read at the same time.
+/// file. Several threads may read from the same object at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);
@@ -92,7 +92,7 @@ enum class AttributeSizes {
     filled,  ///< throw if a value does not fill its stated size (fills_its_size)
 };
 
-/// Reads the headers of the first `most_parts` parts. `end` is valid only if the file has no further parts.
+/// Reads the headers of at most `most_parts` parts. If the file has more parts, ExrHeaders::end is not set.
 /// Throws Error(invalid_input) if the file is not an OpenEXR 2 file, if its headers exceed 64 MB, or if a
 /// part has more than 1000 attributes.
 [[nodiscard]] ExrHeaders read_exr_headers(const InputFile& file, std::size_t most_parts,

@@ -18,10 +18,12 @@ namespace postlens {
 
 class ExrOutput {
   public:
-    /// Truncates the existing file `path` and writes the headers. `chunks[i]` is the number of chunks of part
-    /// i. If the file has only one part, that part must consist of flat scanlines. Error messages call the
-    /// file `shown_name`. If the size of every chunk is known in advance, pass it as `chunk_bytes`. The chunk
-    /// table is then written first, and the whole file is written from front to back. All functions throw
+    /// Overwrites the file `path` and writes the headers. `chunks[i]` is the number of chunks of part i. A
+    /// file with a single part must be a flat scanline image. `shown_name` is the file name in error
+    /// messages.
+    ///
+    /// `chunk_bytes` is the size of each chunk, if all chunks have the same known size. The file is then
+    /// written strictly from front to back, beginning with the chunk table. All functions of this class throw
     /// Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
@@ -36,11 +38,11 @@ class ExrOutput {
     void write_flat_chunk(int part, int y, ByteView data);
     /// Writes the next chunk of a deep part. y is the first scanline of the chunk.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions into the place reserved for it and closes the file. Returns the
+    /// Writes the table of chunk positions into the space reserved for it and closes the file. Returns the
     /// size of the file in bytes.
     std::uint64_t finish();
-    /// Returns the XXH3 hash of the file after finish(). Returns empty if the file was not written from front
-    /// to back.
+    /// Returns the XXH3 hash of the file, after finish(). Returns empty if the file was not written from
+    /// front to back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:

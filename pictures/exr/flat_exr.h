@@ -35,8 +35,8 @@ struct FlatExr {
     std::vector<std::pair<std::string, std::string>> texts;  ///< string attributes: names and values
 };
 
-/// Overwrites the existing file `path`. Error messages call the file `shown_name`. Returns the XXH3 hash of
-/// the file if the file is not compressed. Throws Error(cannot_write), for example if the disk is full.
+/// Overwrites the file `path`. `shown_name` is the file name in error messages. Returns the XXH3 hash of the
+/// file if the file is not compressed. Throws Error(cannot_write), for example if the disk is full.
 std::optional<std::uint64_t> write_flat_exr(const std::filesystem::path& path, const std::string& shown_name,
                                             const FlatExr& picture);
 

@@ -3,9 +3,9 @@
 
 namespace postlens {
 
-/// Starts the threads that the OpenEXR library shares among all files, unless they are already running.
-/// Returns their number. By default, the library uses only the calling thread. A process that is forked
-/// afterwards (without exec) must not use these threads to read files.
+/// Starts the thread pool of the OpenEXR library, which all files share, unless it is already running.
+/// Returns the number of threads. Without this pool, the library uses only the calling thread. A child
+/// process (after fork without exec) does not have the threads and must not use them to read files.
 int exr_library_threads();
 
 }  // namespace postlens

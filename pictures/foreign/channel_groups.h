@@ -1,5 +1,5 @@
-// Determines to which view and layer the channels of another program's OpenEXR file belong. It uses the words
-// in the names of channels and parts.
+// Determines the view and the layer of the channels in another program's OpenEXR file, from the words in the
+// names of channels and parts.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@
 
 namespace postlens {
 
-/// Words, in lower case, that name the content of a channel (a pass, such as depth) instead of its layer.
+/// Words, in lower case, that name a pass (the content of a channel, such as depth) and therefore do not
+/// belong to the name of a layer.
 using PassWords = std::span<const std::string_view>;
 
 inline constexpr std::string_view colour_words[]{"rgba",  "rgb",    "combined", "beauty",
@@ -24,13 +25,12 @@ inline constexpr std::string_view alpha_words[]{"alpha", "a", "rgba"};
 inline constexpr std::string_view id_words[]{"id", "ids", "object", "objectid", "indexob"};
 inline constexpr std::string_view vector_words[]{"vector", "vectors", "forward", "motion", "velocity"};
 
-/// View (such as that of the left eye) and layer of one channel, or of all channels of one pass (such as
-/// depth).
+/// View (such as the left eye) and layer of a channel, or of all channels of one pass (such as depth).
 ///
-/// Programs order names differently. For example, a depth can be LAYER.depth.Z, depth.LAYER.Z, or a channel Z
-/// in a part depth_LAYER. The order of words is therefore ignored. The layer consists of the words in the
-/// names of the part and of the channel. The last word of the channel's name is left out, and so are words
-/// that name the pass, the view or colours.
+/// Programs order the words in names differently. For example, a depth can be LAYER.depth.Z, depth.LAYER.Z,
+/// or a channel Z in a part depth_LAYER. The order is therefore ignored. The layer is the set of words in the
+/// names of the part and of the channel, without the last word of the channel's name and without words that
+/// name the pass, the view or colours.
 struct ChannelGroup {
     std::size_t part = 0;
     std::string view;                ///< from the part, its name, or the first of `multiView`; may be empty
@@ -38,8 +38,8 @@ struct ChannelGroup {
     bool has_pass = false;           ///< the names contain a word that names the pass
 };
 
-/// Returns the view and layer of the channels of a part whose names begin with `prefix`. The prefix includes
-/// its dot. An empty prefix means that there is no layer.
+/// Returns the view and layer of those channels of a part whose names begin with `prefix`. The prefix
+/// includes its final dot. It is empty for channels without a layer.
 [[nodiscard]] ChannelGroup channel_group(const ForeignFile& file, std::size_t part, std::string_view prefix,
                                          PassWords pass);
 

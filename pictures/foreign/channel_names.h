@@ -1,4 +1,4 @@
-// Splits names of channels into layer and last word, and converts them to lower case.
+// Splits the names of channels into a layer and a component (such as R or Z), and compares their words.
 #pragma once
 
 #include <initializer_list>
@@ -13,8 +13,7 @@ namespace postlens {
 
 using ChannelNames = std::vector<std::string>;
 
-/// Returns the first of these names for which the part has a channel. Empty if the part has none of the
-/// channels.
+/// Returns the first of these names for which the part has a channel, or an empty text if there is none.
 [[nodiscard]] std::string first_channel(const ForeignPart& part, const ChannelNames& names);
 
 /// Splits a name after its last dot. The dot belongs to the first part.

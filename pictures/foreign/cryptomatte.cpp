@@ -17,7 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Largest number of layers to read; a layer has two ranks. More layers do not improve edges.
+/// Largest number of channel groups (NAME00, NAME01, ...) of a Cryptomatte that are read. Each of them
+/// describes two surfaces per pixel. Further surfaces cover too little of a pixel to improve its edges.
 constexpr int most_layers = 16;
 constexpr std::size_t most_sets = 64;
 /// Names in messages are cut to this length.
@@ -35,9 +36,9 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part may contain Cryptomattes for the colours in part `own`. The part must be flat. If
-/// there is a separate file of ids, the part must be in that file. Otherwise, the part must have the same
-/// view as the colours.
+/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. Only
+/// flat parts may. If the user gave a separate file for ids, the part must be in that file. Otherwise it must
+/// show the same stereo view as the colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
     if (p.deep) return false;
@@ -45,7 +46,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a part of the OpenEXR file that has the channel. The part with the colours is searched first.
+/// Finds a part of the OpenEXR file that has the channel, beginning with the part of the colours (`own`).
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -87,7 +88,8 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Finds Cryptomattes by their channel names. The name of a Cryptomatte is the text before "00.R".
+/// Finds Cryptomattes by their channels, for files without metadata. A channel NAME00.R, with "rypto" in its
+/// name, belongs to the Cryptomatte NAME.
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -103,7 +105,8 @@ std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     return out;
 }
 
-/// Returns the sort key of a Cryptomatte with this name. Objects come first, then assets, then all others.
+/// Returns the sort key of a Cryptomatte with this name: mattes of objects come first, then those of assets
+/// (groups of objects), then all others.
 int kind(const std::string& name) {
     const auto has = [&](const char* upper, const char* lower) {
         return name.find(upper) != std::string::npos || name.find(lower) != std::string::npos;
@@ -121,13 +124,13 @@ std::string why_not(const ForeignFile& file, const Cryptomatte& set) {
     return "";
 }
 
-/// The text between a name and its id in a manifest, and the text between an id and the next name.
+/// Separators in a manifest, a JSON object of the form {"name":"id","name":"id"}.
 constexpr std::string_view before_id = R"(":")", before_name = R"(",")";
 /// Number of digits in the ids of Cycles.
 constexpr std::size_t id_digits = 8;
 
-/// `begin` is the position at which a name begins in a manifest written by Cycles. Returns the position at
-/// which the name ends, or npos if no id follows the name.
+/// Returns the position at which a name ends in a manifest written by Cycles, or npos if no id follows the
+/// name. `begin` is the position at which the name begins.
 std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     for (std::size_t at = manifest.find(before_id, begin); at != std::string::npos;
          at = manifest.find(before_id, at + 1)) {
@@ -139,8 +142,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where text
-/// in the form of an id follows. Returns empty if the text is not such a manifest.
+/// Parses a manifest in which quotation marks and backslashes in names are not escaped. A name ends where
+/// text in the form of an id follows. Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -163,9 +166,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. Its
-/// manifests may therefore be invalid JSON, or contain names whose hashes are not the stated ids. In these
-/// cases the names are escaped. All other manifests are returned unchanged.
+/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names, so the
+/// JSON may be invalid, or names may be misread and no longer have the hashes that the ids state. Such
+/// manifests are escaped. All others are returned unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();
@@ -178,8 +181,8 @@ std::string as_json(std::string manifest) {
 /// Largest manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Returns the text of a manifest that is stored in its own file. The file must be in the folder of the
-/// image, because Cryptomatte allows no other folder. Returns empty if the file cannot be read.
+/// Returns the text of a manifest that is stored in a file of its own, in the folder of the image
+/// (Cryptomatte allows no other folder). Returns an empty text if the file cannot be read.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";

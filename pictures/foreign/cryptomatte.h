@@ -1,4 +1,4 @@
-// Cryptomatte channels. They state which surfaces a pixel shows, and how much of the pixel each surface
+// Cryptomatte channels, which state which surfaces a pixel shows and how much of the pixel each of them
 // covers.
 #pragma once
 
@@ -41,7 +41,8 @@ struct Cryptomattes {
 /// assets, then others. Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
-/// Returns the view and layer of a usable Cryptomatte, from its own name and the name of its first part.
+/// Returns the view and layer to which a Cryptomatte belongs, from its name and from the name of the part
+/// that holds its first rank.
 [[nodiscard]] ChannelGroup cryptomatte_group(const ForeignFile& file, const Cryptomatte& set);
 
 /// An object that a manifest lists.

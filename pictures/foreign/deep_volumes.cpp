@@ -15,7 +15,7 @@ bool is_volume(const DeepSample& s) {
     return s.z >= 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
-/// Emission of red, green and blue, and density of a volume, per unit of length.
+/// Rates of a volume per unit of length: emission of red, green and blue, and density.
 using Rates = std::array<double, 4>;
 
 Rates rates_of(const DeepSample& s) {
@@ -40,7 +40,8 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
     if (volumes.empty()) return;
-    // Sorting makes the result, including rounding errors, independent of the order of samples in the file.
+    // With a fixed order, the result (including rounding errors) does not depend on the order of samples in
+    // the file.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
             // NaN cannot be ordered, so the bits of the colours are compared.
@@ -60,8 +61,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // The samples stay unchanged if no surface lies inside a volume and no volume begins inside another
-    // volume.
+    // Nothing must be split or merged if no surface lies inside a volume and no volumes overlap.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

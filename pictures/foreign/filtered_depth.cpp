@@ -13,10 +13,10 @@ namespace {
 
 /// Neighbouring pixels show the same surface if their depths differ by at most this relative amount.
 constexpr double same = 0.05;
-/// Minimum difference of depth (a "step") at a depth edge, relative to the nearer depth.
+/// Smallest difference in depth (called "step") that counts as a depth edge, relative to the nearer depth.
 constexpr double least_step = 0.1;
-/// On either side of a depth edge, the depth changes from pixel to pixel by at most this fraction of the
-/// step.
+/// Largest difference in depth between neighbouring pixels of the surfaces beside a depth edge, as a fraction
+/// of the edge's step.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// The depth edges along some rows or columns. A jump is an edge between two adjacent pixels, and a ramp
-    /// extends over several pixels. `mixed` contains the mixed pixels of both.
+    /// Depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp extends
+    /// over several. `mixed` lists the pixels, at jumps and ramps, whose depth is a mean of two depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,8 +107,8 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// Returns true if the depths a and b of two neighbouring pixels are nearly equal, as they are on either
-    /// side of a depth edge. Equal values always count as nearly equal, also where nothing was hit.
+    /// Returns true if two neighbouring pixels of depths a and b belong to one surface beside a depth edge
+    /// with the given step. The comparison a == b is needed for two infinite depths, whose difference is NaN.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -127,8 +127,8 @@ class Mender {
                 if (!is_plateau(step, b, at(end + 1))) continue;
                 if (length > 0 && !leads_evenly(at, begin, end, plateau * step)) continue;
                 ++(length > 0 ? out.ramps : out.jumps);
-                // The pixels `begin` and `end` may be slightly mixed, too. The depths on both sides are
-                // therefore extrapolated from the pixels beyond them.
+                // The pixels at the ends of the edge, `begin` and `end`, may themselves be slightly mixed.
+                // The depths of the two surfaces are therefore extrapolated from pixels outside the edge.
                 const float before = goes_on(at(begin - 1), begin > 1 ? at(begin - 2) : at(begin - 1), step),
                             after = goes_on(at(end + 1), end + 2 < count ? at(end + 2) : at(end + 1), step);
                 const auto is_empty = [&](std::size_t i) {
@@ -151,8 +151,8 @@ class Mender {
     [[nodiscard]] static bool leads_evenly(const At& at, std::size_t begin, std::size_t end, double least) {
         const double up = at(end) > at(begin) ? 1 : -1;
         const auto height = [&](std::size_t i) { return up * static_cast<double>(at(i)); };
-        // A pixel at the end of a ramp whose depth is hardly mixed counts as part of the adjacent surface,
-        // not of the ramp.
+        // The depth must change noticeably between the first two pixels and between the last two. Otherwise
+        // the pixel at that end belongs to the surface beside the ramp.
         if (height(begin + 1) - height(begin) < 0.2 * least || height(end) - height(end - 1) < 0.2 * least)
             return false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -174,8 +174,9 @@ class Mender {
 
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
-        // A pixel can be found in its row and in its column. The result with the larger step is kept, because
-        // all depths may be mixed in a row or column that runs along an edge.
+        // A pixel can be found twice, along its row and along its column. The result with the larger step is
+        // kept: a row or column that runs along an edge may contain only mixed depths, whose differences are
+        // too small.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -190,8 +191,8 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Gives edge pixels in front of empty space the depth of their surface. The stored depth cannot be used,
-    /// because the mean of a finite and an infinite depth is infinite.
+    /// Repairs pixels at a silhouette before empty space. The mean of a finite and an infinite depth is
+    /// infinite, so these pixels get the depth of the nearest opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

@@ -1,5 +1,5 @@
-// Repairs depth channels that were filtered like colours. At silhouettes, such a filter multiplies depths by
-// coverage, or mixes near and far depths.
+// Repairs depth channels that were filtered like colours. At silhouettes, such a filter scales depths by the
+// pixel's coverage, or mixes near and far depths.
 #pragma once
 
 #include <cstddef>

@@ -26,7 +26,7 @@ std::optional<double> attribute(const ForeignFile& file, std::size_t part, const
     return value && usable(*value) ? value : std::nullopt;
 }
 
-/// Converts a matrix for row vectors, p' = p M, to a glm matrix for column vectors.
+/// Converts a matrix for row vectors (p' = p M) to a glm matrix for column vectors.
 glm::dmat4 transposed(const Matrix44& m) {
     glm::dmat4 out;
     std::size_t i = 0;
@@ -41,8 +41,7 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
     if (camera && ndc) {
         if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
     }
-    // The OpenEXR library writes a screenWindowWidth of 1 by default, so a width of 1 means that it is not
-    // known.
+    // The OpenEXR library writes a screenWindowWidth of 1 by default, so a value of 1 carries no information.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;
@@ -53,13 +52,13 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
 std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
     const glm::dmat4 camera = transposed(world_to_camera);
     if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
-    // For column vectors, ndc = projection * (point in camera space). glm stores elements as
+    // For column vectors, ndc = projection * (point in camera space). glm addresses elements as
     // projection[column][row].
     const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
     const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);
     if (!usable(x) || !(w > 1e-9)) return std::nullopt;
-    // If NDC runs from 0 to 1, the projection also adds half of the homogeneous coordinate to x, so that the
-    // centre of the image is at 0.5.
+    // If NDC runs from 0 to 1, the centre of the image is at x = 0.5, and the projection adds 0.5 w to x. If
+    // NDC runs from -1 to 1, it adds nothing.
     const double middle = std::abs(projection[2][0]) / w;
     const double half = middle > 0.25 && middle < 0.75 ? 0.5 : 1;
     const double tangent = half * w / x;

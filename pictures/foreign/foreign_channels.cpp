@@ -21,8 +21,8 @@ std::string behind(const ForeignPart& part, const std::string& layer, const Chan
     return first_channel(part, names);
 }
 
-/// Lists the channels that may contain a pass (such as depth or ids). `add(part, name, out)` adds a channel
-/// to `out` if the name of the channel fits the pass.
+/// Lists the channels that may contain a pass (such as depth or ids). The callback `add(part, name, out)`
+/// appends a channel to `out` if the channel's name fits the pass.
 template <typename Add>
 std::vector<GroupCandidate> candidates_of(const ForeignFile& file, const ForeignChannels& colours,
                                           PartUse use, const Add& add) {
@@ -58,7 +58,7 @@ class Finder {
     void find_alpha() {
         out_.alpha_part = out_.part;
         out_.a = behind(part_, out_.layer, alpha_names);
-        // If the colours are upper-case R, G and B, a lower-case "a" is not their alpha.
+        // A lower-case "a" is the alpha channel only if the colours are also in lower case.
         if (out_.a == out_.layer + "a" && out_.r != out_.layer + "r") out_.a.clear();
         if (!out_.a.empty() || part_.deep) return;
         const auto found =
@@ -113,7 +113,7 @@ class Finder {
         ChannelNames sets;
         std::string left;  // existing channels that belong to another layer
         if (!part_.deep) take_matte(sets, left);
-        // If the user names the ids, messages about other ids are dropped.
+        // If the user chooses the ids by name, problems of other id channels are not reported.
         const ChannelNames unusable = choice_.ids.empty() ? ChannelNames() : std::exchange(out_.problems, {});
         if (out_.matte) return;
         if (!choice_.ids.empty()) return find_named_ids(unusable, std::move(sets));
@@ -147,9 +147,9 @@ class Finder {
         return file_.name();
     }
 
-    /// Finds a part of an OpenEXR file that has a channel of exactly this name. The part with the colours is
-    /// searched first, then parts of the same stereo view, then all other parts. If a separate file was given
-    /// for `use`, only that file is searched.
+    /// Finds a part that has a channel of exactly this name. The part with the colours is searched first,
+    /// then parts of the same stereo view, then all other parts. If there is a separate file for the pass
+    /// `use`, only that file is searched.
     [[nodiscard]] std::optional<std::size_t> part_with(const std::string& name, PartUse use) const {
         const bool own_file = file_.has_own_file(use);
         if (!own_file && part_.has(name)) return out_.part;
@@ -186,7 +186,8 @@ class Finder {
                 to.push_back(*std::move(depth));
             });
         if (!own_file || !found.empty()) return found;
-        // A separate file of depths has a single channel, or has the same depths in each of R, G and B.
+        // No channel of the separate depth file has the name of a depth. Its only channel is accepted
+        // instead, or R, Y or V, because some programs write a depth image as grey RGB.
         return candidates_of(file_, out_, PartUse::depth, [&](std::size_t part, const auto& name, auto& to) {
             const std::string letter = split_channel(name).second;
             if (file_.parts()[part].channels.size() == 1 || letter == "R" || letter == "Y" || letter == "V")
@@ -217,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // A Cryptomatte may be in any part of the file. Listing all of them under the part with the
-            // colours ensures that the part does not affect which one is selected.
+            // The part that stores a Cryptomatte says nothing about the layer to which it belongs. All
+            // Cryptomattes are therefore ranked as if they were in the part of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

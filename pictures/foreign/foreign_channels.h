@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-/// Names of the channels to read. The name is empty if there is no such channel.
+/// Names of the channels to read. A name is empty if there is no such channel.
 struct ForeignChannels {
     std::size_t part = 0;  ///< part with the colours
     std::string layer;     ///< prefix of the colours' names, with its dot; may be empty
@@ -44,7 +44,7 @@ struct ForeignChoice {
     }
 };
 
-/// Opens an image, and the separate files with its passes (such as depth or ids).
+/// Opens an image and any separate files with its passes (such as depth or ids).
 [[nodiscard]] ForeignFile open_foreign_file(const std::filesystem::path& path, const ForeignChoice& choice);
 
 /// Finds the channels of an image.
@@ -77,8 +77,8 @@ struct ForeignChoice {
 /// Returns the view and layer of all colours in the file.
 [[nodiscard]] std::vector<ChannelGroup> colour_groups(const ForeignFile& file);
 
-/// Returns the layers of a part that have colours, with their dots. An empty text stands for R, G, B without
-/// a layer.
+/// Returns the prefixes of the layers that have colours in a part, for example "ViewLayer.Combined.". The
+/// prefix is empty for R, G, B without a layer.
 [[nodiscard]] std::vector<std::string> colour_layers(const ForeignPart& part);
 
 /// Formats names for an error message, as a list in one line of limited length.

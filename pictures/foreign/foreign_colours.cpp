@@ -22,7 +22,7 @@ namespace {
 constexpr std::array<std::array<const char*, 3>, 4> colour_names{
     {{"R", "G", "B"}, {"r", "g", "b"}, {"red", "green", "blue"}, {"Red", "Green", "Blue"}}};
 
-/// Returns the names of a layer's three colour channels. Empty if one of them is missing.
+/// Returns the names of a layer's three colour channels, or empty if one of them is missing.
 std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, const std::string& layer) {
     for (const auto& names : colour_names) {
         std::array<std::string, 3> out{layer + names[0], layer + names[1], layer + names[2]};
@@ -35,8 +35,8 @@ std::optional<std::array<std::string, 3>> colours_of(const ForeignPart& part, co
 /// Priority of a layer whose channels hold data, not colours.
 constexpr int data_rank = 4;
 
-/// Returns true if the name of the layer or of its part shows that the channels hold data, not colours. The
-/// name of the part is ignored if the file has only one part.
+/// Returns true if the name of the layer, or of its part, says that the channels hold data (such as normals)
+/// instead of colours. The part's name counts only if the file has several parts.
 bool holds_data(const ForeignFile& file, std::size_t part, const std::string& layer) {
     const bool only = std::count_if(file.parts().begin(), file.parts().end(),
                                     [](const ForeignPart& p) { return p.use == PartUse::picture; }) == 1;
@@ -48,7 +48,7 @@ bool holds_data(const ForeignFile& file, std::size_t part, const std::string& la
            has_any_word(words, {"depth", "zdepth", "vrayzdepth", "worlddepth", "uv"});
 }
 
-/// Returns the priority of a layer as the source of colours. Lower is better.
+/// Returns the priority of a layer as the source of colours; lower is better.
 int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     if (holds_data(file, part, layer)) return data_rank;
     if (layer.empty()) return 0;
@@ -57,7 +57,7 @@ int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     return has_any_word(words, {"rgba", "beauty", "color", "ci"}) ? 2 : 3;
 }
 
-/// Returns how well a layer matches the requested name. Lower is better; 2 means no match.
+/// Returns how well a layer matches the requested name `asked`: 0 is best, 2 means no match.
 int misfit(const ForeignFile& file, std::size_t part_number, const std::string& layer,
            const std::string& asked) {
     const ForeignPart& part = file.parts()[part_number];
@@ -74,8 +74,8 @@ int misfit(const ForeignFile& file, std::size_t part_number, const std::string& 
     return all && !wanted.empty() ? 1 : 2;
 }
 
-/// Identifies the colours to which a channel belongs: by view (such as that of the left eye), by layer (as
-/// words) and, in deep images, by part.
+/// Key by which colours and their depth channel are matched: the part (only for deep images), the stereo
+/// view, and the words of the layer's name.
 using Owner = std::tuple<std::optional<std::size_t>, std::string, std::vector<std::string>>;
 
 Owner owner_of(const ForeignFile& file, const ChannelGroup& group) {
@@ -95,8 +95,8 @@ std::set<Owner> owners_of_depths(const ForeignFile& file) {
     return out;
 }
 
-/// Returns the best part and layer for colours among the layers that `layers_of` lists. Empty if none
-/// matches.
+/// Returns the part and the layer that match the requested name `asked` best, among the layers that
+/// `layers_of` lists. Returns empty if none matches.
 template <typename LayersOf>
 std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile& file,
                                                               const std::string& asked,
@@ -110,11 +110,12 @@ std::optional<std::pair<std::size_t, std::string>> best_layer(const ForeignFile&
         if (file.parts()[i].use != PartUse::picture) continue;
         for (const std::string& layer : layers_of(file.parts()[i])) {
             const ChannelGroup group = channel_group(file, i, layer, colour_words);
-            // If channel names state the views, the first view in the attribute `multiView` is preferred.
+            // If the channel names state the stereo views, the view listed first in the attribute `multiView`
+            // is preferred.
             const auto view = std::find(views.begin(), views.end(), group.view);
             const bool by_name = file.parts()[i].view.empty() && view != views.end();
-            // If several layers match the requested name, the one with the fewest words is preferred. For
-            // example, "ViewLayer" also matches ViewLayer.001.
+            // A requested name may match several layers: "ViewLayer" also matches ViewLayer.001. The layer
+            // with the fewest words is preferred.
             const std::size_t words = asked.empty() ? 0 : group.layer.size();
             const int kind = rank(file, i, layer);
             const std::tuple order{misfit(file, i, layer, asked),

@@ -13,8 +13,8 @@ using namespace foreign;
 
 namespace {
 
-/// A band of deep pixels in the layout of the OpenEXR library, with the sample counts, and one pointer per
-/// pixel and channel.
+/// A band of rows of a deep part, in the memory layout that the OpenEXR library requires: a sample count for
+/// each pixel, and a pointer for each pixel and channel.
 class DeepBand {
   public:
     DeepBand(const ForeignPart& part, const Imf::Header& h, std::span<const std::string> channels,
@@ -92,9 +92,9 @@ class DeepBand {
     std::uint64_t total_ = 0;
 };
 
-/// Checks the stated sizes of deep chunks, because the OpenEXR library allocates the stated size before it
-/// reads a chunk. The file is opened a second time for this check, because asking for a size changes the
-/// position from which the library reads pixels.
+/// Checks the sizes that deep chunks claim to have, because the OpenEXR library allocates this size before it
+/// reads a chunk. A query of the size moves the position from which the library reads pixels, so the check
+/// opens the file a second time.
 class StoredChunks {
   public:
     StoredChunks(const std::string& name, std::uint64_t file_bytes, int number, bool tiled)

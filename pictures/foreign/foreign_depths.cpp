@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the factor that converts an inverse depth from the file at a pixel to the inverse depth along the
-/// optical axis, in 1/m.
+/// Returns the factor that converts an inverse depth, as stored in the file for this pixel, to the inverse of
+/// the depth along the optical axis, in 1/m.
 float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     const auto width = static_cast<std::size_t>(picture.x_end - picture.x_begin);
     const ForeignCamera& camera = picture.camera;
@@ -31,9 +31,9 @@ float depth_scale(const ForeignPicture& picture, std::size_t pixel) {
     return static_cast<float>((along_ray ? std::sqrt(1 + u * u + v * v) : 1) / camera.metres_per_unit);
 }
 
-/// Finds edge pixels in which an opaque object covers part of a sky that has light but no alpha. The alpha of
-/// such a pixel is the fraction that the object covers, but its colour contains both. Returns the fractions
-/// of object and sky for each of these pixels.
+/// Finds edge pixels in which an opaque object covers part of the sky. The sky has a colour but an alpha of
+/// 0, so the alpha of such a pixel is the fraction that the object covers. Returns the fractions of object
+/// and sky for each of these pixels.
 std::map<std::size_t, std::array<SurfaceShare, 2>> rims_before_sky(const ForeignPicture& picture,
                                                                    std::size_t width) {
     constexpr int reach = 2;  // px, the radius of the filter

@@ -15,27 +15,28 @@ namespace postlens {
 
 class ForeignDepths {
   public:
-    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity.
+    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity
+    /// there.
     static constexpr float nothing_z = 1e9F;
 
     /// `encoding` is absent if the values are distances.
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or `nothing_z` and more means
-    /// that nothing was hit.
+    /// Returns true if a distance is that of a surface. Nothing was hit if the distance is 0, NaN, or at
+    /// least `nothing_z`.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Converts a depth value of the file to the inverse of the absolute distance. Also calls `note` for this
-    /// value. (x, y) is the pixel in the file.
+    /// Converts a depth value of the file to the inverse of the distance's absolute value, and calls `note`.
+    /// (x, y) is the pixel in the file.
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);
         return inverse_of(std::abs(z));
     }
-    /// Remembers what `finish` checks: how many distances are negative, and the largest distance. The
-    /// distance `z` was computed from `value` at the pixel (x, y) of the file.
+    /// Records what `finish` needs for its checks: how many distances are negative, and the largest distance.
+    /// `z` is the distance decoded from `value`, the depth stored for pixel (x, y).
     void note(float z, int x, int y, float value) {
         if (!is_hit(z)) return;
         farthest_ = std::max(farthest_, std::abs(z));
@@ -48,12 +49,12 @@ class ForeignDepths {
         }
     }
 
-    /// Repairs filtered depths, then sets the depths of the samples of a flat image. `depths` has one depth
-    /// per pixel, as stored in the file. `covered` has the alpha of each pixel.
+    /// Sets the depths of the samples of a flat image, after the repair of filtered depths. `depths` has one
+    /// depth per pixel, as stored in the file, and `covered` has the alpha of each pixel.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
-    /// Converts depths to metres along the axis, and sorts the samples of each pixel from near to far. Throws
-    /// Error(invalid_input) if some depths are negative and others are positive.
+    /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to
+    /// far. Throws Error(invalid_input) if some depths are negative and others are positive.
     void finish(const ForeignFile& file, const ForeignPart& part, ForeignPicture& picture) const;
 
   private:
@@ -61,8 +62,8 @@ class ForeignDepths {
         int x = 0, y = 0;
         float z = 0;
     };
-    /// Warns if all distances are at most 1. Few scenes are that small, but other encodings of depth have
-    /// this range. Also warns if normalised depths exceed 1.
+    /// Warns if all distances are at most 1. Few scenes are that small, but inverse and normalised depths
+    /// have this range. Also warns if normalised depths exceed 1.
     void warn_of_encoding(ForeignPicture& picture) const;
 
     std::optional<DepthEncoding> encoding_;

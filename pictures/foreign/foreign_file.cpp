@@ -33,7 +33,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of up to this many pixels (16384 x 16384) is accepted for a file of any size.
+/// A display window of up to this many pixels (16384 x 16384) is accepted whatever the size of the file.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -64,7 +64,8 @@ std::uint64_t bytes_of_pixel(const Imf::Header& h) {
     return bytes;
 }
 
-/// Checks the sizes of a part. Returns the size of a chunk in bytes.
+/// Throws Error(invalid_input) if the windows or tiles of a part are too large, or implausible for the size
+/// of the file. Returns the size of an uncompressed chunk in bytes.
 std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::uint64_t file_bytes,
                             const std::string& name) {
     const auto width = static_cast<std::uint64_t>(part.width());
@@ -78,8 +79,8 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
         }
         chunk_pixels = std::uint64_t{tiles.xSize} * tiles.ySize;
     }
-    // A file may store a small crop of a large display window, and the memory for the window is checked
-    // later. So only an implausibly large window is compared with the size of the file.
+    // A file may store a small crop of a large display window. The window is therefore compared with the size
+    // of the file only if it is implausibly large.
     const std::uint64_t shown = (static_cast<std::uint64_t>(part.display.x_max - part.display.x_min) + 1) *
                                 (static_cast<std::uint64_t>(part.display.y_max - part.display.y_min) + 1);
     const std::int64_t shift_x = std::int64_t{part.data.x_min} - part.display.x_min,
@@ -103,11 +104,12 @@ std::uint64_t checked_chunk(const ForeignPart& part, const Imf::Header& h, std::
     return chunk_pixels * pixel_bytes;
 }
 
-/// Returns the number of threads that the OpenEXR library may use to read a file. 0 means that only the
-/// calling thread is used. `greatest_chunk` is the largest size of a chunk. The number is limited to save
-/// memory, because the library allocates several chunks per thread for every part.
+/// Returns the number of threads that the OpenEXR library may use to read a file, or 0 to read in the calling
+/// thread. `greatest_chunk` is the size of the largest chunk in bytes. The library allocates several chunks
+/// per thread and part, so few threads, or none, are used to save memory.
 int threads_of_file(std::uint64_t greatest_chunk) {
-    // A band of rows (see ForeignFile::read_flat) has four chunks of ZIP, the most common compression.
+    // ForeignFile::read_flat reads bands of rows. A band has only four chunks of ZIP, the most common
+    // compression, so few threads suffice.
     constexpr int most = 2;
     constexpr std::uint64_t most_bytes = 8U << 20U;
     return greatest_chunk > most_bytes || thread_count() < most ? 0 : std::min(exr_library_threads(), most);
@@ -173,8 +175,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // The headers are checked before the OpenEXR library reads them. This check needs no more memory than
-        // the size of the headers.
+        // Checks the headers before the OpenEXR library reads them. This check needs no more memory than the
+        // size of the headers.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();
@@ -212,7 +214,7 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
                 part.channels.emplace_back(c.name());
             }
             const std::uint64_t chunk = checked_chunk(part, h, opened.bytes, name);
-            // Deep chunks vary in size, so the largest allowed size is assumed.
+            // Deep chunks have no fixed size, so the largest accepted size is assumed.
             greatest_chunk = std::max(greatest_chunk, part.deep ? most_chunk_bytes : chunk);
         }
     });
@@ -298,7 +300,8 @@ std::array<double, 3> ForeignFile::luminance_weights(std::size_t part) const {
         Imf::RgbaYca::computeYw(Imf::hasChromaticities(h) ? Imf::chromaticities(h) : Imf::Chromaticities());
     const std::array<double, 3> out{static_cast<double>(w.x), static_cast<double>(w.y),
                                     static_cast<double>(w.z)};
-    // Green is computed from luminance, red and blue. This computation divides by the weight of green.
+    // Green is computed from luminance, red and blue by a division by its weight, which must therefore not be
+    // 0.
     if (!std::isfinite(out[0] + out[1] + out[2]) || std::abs(out[1]) < 1e-6) {
         fail(ExitCode::invalid_input, "{}: chromaticities are unusable (got luminance weights {}, {}, {})",
              name_of(part), out[0], out[1], out[2]);

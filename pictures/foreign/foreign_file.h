@@ -19,8 +19,8 @@
 
 namespace postlens {
 
-/// What a part is used for. The parts of a separate file are used only for the pass (such as depth) of that
-/// file.
+/// What a part is used for. Parts of the image's own file have the use `picture`. The parts of a separate
+/// file have the use of that file: depth, ids or motion vectors.
 enum class PartUse { picture, depth, ids, vectors };
 
 /// Description of one part of the file, from its header.
@@ -39,13 +39,13 @@ struct ForeignPart {
 
 enum class ChannelKind { half, float32, whole };
 
-/// Returns the value of an integer whose bits are stored in a float. ForeignFile reads channels of integers
-/// in this way.
+/// Converts the bits of an integer, which are stored in a float, to the value of the integer. ForeignFile
+/// passes the values of integer channels in this form.
 [[nodiscard]] inline float number_of_bits(float bits) {
     return static_cast<float>(std::bit_cast<std::uint32_t>(bits));
 }
 
-/// Subsampling of a channel. The channel has values only where x and y are multiples of these numbers.
+/// Subsampling steps of a channel, which has values only where x and y are multiples of the steps.
 struct ChannelSampling {
     int x = 1, y = 1;
     friend bool operator==(const ChannelSampling&, const ChannelSampling&) = default;
@@ -55,15 +55,15 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// Values of each channel. The samples of one pixel are adjacent, followed by those of the next pixel.
+    /// For each channel, the values of all samples: first those of the first pixel, then those of the next.
     /// Integers are stored as their bits.
     std::vector<std::span<const float>> values;
 };
 
-/// An OpenEXR file, together with separate files for passes (such as depth or ids). Throws
-/// Error(invalid_input), which names the file, if the file is damaged or exceeds these limits: 65536 px per
-/// edge of a window, 2^29 px per window, and 256 MB per chunk. Sizes are also compared with the size of the
-/// file. Throws Error(out_of_memory) before memory is allocated.
+/// An OpenEXR file, and separate files for its passes (such as depth or ids). Throws Error(invalid_input),
+/// with the name of the file, if the file is damaged or exceeds a limit: 65536 px per edge of a window, 2^29
+/// px per window, 256 MB per chunk. The size of the file also limits how much data it can claim. Throws
+/// Error(out_of_memory) before memory is allocated.
 class ForeignFile {
   public:
     explicit ForeignFile(const std::filesystem::path& path);
@@ -73,21 +73,20 @@ class ForeignFile {
     ForeignFile(ForeignFile&&) noexcept;
     ForeignFile& operator=(ForeignFile&&) = delete;
 
-    /// Adds the parts of another file for one pass. Throws Error(invalid_input) if the display windows of the
-    /// two files differ in size. Also throws the errors of the constructor.
+    /// Attaches a separate file for the pass `use` and adds its parts. Throws Error(invalid_input) if the
+    /// display windows of the two files differ in size. Also throws the errors of the constructor.
     void attach(const std::filesystem::path& path, PartUse use);
 
     [[nodiscard]] const std::string& name() const { return name_; }
     /// Returns the name of the file that contains the part.
     [[nodiscard]] const std::string& name_of(std::size_t part) const;
     [[nodiscard]] std::span<const ForeignPart> parts() const { return parts_; }
-    /// Names of all views, without duplicates. Views listed in `multiView` come first.
+    /// Returns the names of all stereo views, without duplicates. Views listed in `multiView` come first.
     [[nodiscard]] std::span<const std::string> views() const { return views_; }
     /// Returns true if a separate file was attached for this pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
-    /// These functions return an attribute of a part. They return empty if the part has no attribute of that
-    /// name and type.
+    /// Return an attribute of a part, or empty if the part has no attribute of that name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
@@ -96,12 +95,12 @@ class ForeignFile {
     [[nodiscard]] std::vector<std::pair<std::string, std::string>> texts(std::size_t part,
                                                                          std::string_view prefix) const;
 
-    /// Reads a flat part from top to bottom. `take(y, values)` receives one row at a time. For each channel,
-    /// `values` points to one value per column of the part. Integers are passed as their bits, stored in
-    /// floats.
+    /// Reads a flat part from top to bottom. Calls take(y, values) for each row, where `values` has one
+    /// pointer per channel, to the values of the row from left to right. Integers are passed as their bits,
+    /// stored in floats.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
-    /// Reads a deep part from top to bottom. `take` receives one band of rows at a time.
+    /// Reads a deep part from top to bottom, and passes one band of rows at a time to `take`.
     void read_deep(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(const DeepRows&)>& take) const;
     /// Returns the type of a channel's values, or `half` if the part has no channel of that name.
@@ -113,7 +112,7 @@ class ForeignFile {
     /// Reads a subsampled channel of a flat part. Returns one value per pixel of the data window, row by row.
     /// Values are interpolated bilinearly. Pixels beyond the last stored value repeat it.
     [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
-    /// Returns true if the part's lossy compression may turn equal 32-bit floats into different ones.
+    /// Returns true if the compression of the part may turn equal 32-bit floats into different ones.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
@@ -126,11 +125,10 @@ class ForeignFile {
     std::unique_ptr<Impl> impl_;
 };
 
-/// A list of channels to read, without duplicates. A channel's number is its index among the values that are
-/// read.
+/// A list of channels to read, without duplicates. The number of a channel is its index in this list.
 class ChannelList {
   public:
-    /// Adds a channel unless it is already in the list. Returns its number, or empty for an empty name.
+    /// Adds a channel unless the list contains it already. Returns its number, or empty for an empty name.
     std::optional<std::size_t> add(const std::string& name);
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 

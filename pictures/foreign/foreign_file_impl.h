@@ -1,4 +1,4 @@
-// Implementation of ForeignFile: the open files of the OpenEXR library, and functions used for both flat and
+// Implementation of ForeignFile: the files as opened by the OpenEXR library, and functions for both flat and
 // deep parts.
 #pragma once
 
@@ -20,17 +20,18 @@ namespace postlens {
 
 namespace foreign {
 
-/// Up to this many bytes are allocated without a comparison with the size of the file.
+/// Data of up to this many bytes are allocated whatever the size of the file.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
-/// Upper bound of the compression ratio. Deflate, the densest method of OpenEXR, reaches 1032.
+/// A file that would need a larger compression ratio than this counts as damaged. Deflate reaches at most
+/// 1032.
 inline constexpr std::uint64_t densest = 4096;
 
 /// Returns the number of rows that are compressed together.
 [[nodiscard]] int chunk_rows(const Imf::Header& h);
 
-/// Returns the pixel type that the library must use to read a channel. A channel of integers is read as
-/// integers, whose bits are stored in place of floats. Any other channel is read as floats. Throws
-/// Error(invalid_input) for a channel that is missing or subsampled.
+/// Returns the type in which the OpenEXR library must read a channel. Integers are read as integers, and
+/// their bits are stored in floats. All other channels are read as floats. Throws Error(invalid_input) for a
+/// channel that is missing or subsampled.
 [[nodiscard]] Imf::PixelType read_as(const Imf::Header& h, const std::string& channel,
                                      const std::string& name);
 

@@ -30,7 +30,8 @@ void ForeignFile::read_flat(std::size_t part, std::span<const std::string> chann
         const auto read_band = [&](int y, std::vector<float>& band) {
             Imf::FrameBuffer frame;
             for (std::size_t c = 0; c < channels.size(); ++c) {
-                // The library expects the address that the pixel (0, 0) of the file would have.
+                // The OpenEXR library expects the address of pixel (0, 0) of the file, even if this pixel is
+                // not stored.
                 const std::ptrdiff_t origin =
                     -(static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width) + p.data.x_min);
                 auto* base = reinterpret_cast<char*>(band.data() + c * plane);
@@ -66,7 +67,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     const ForeignPart& p = parts_[part];
     const ChannelSampling step = sampling(part, channel);
     const auto width = static_cast<std::size_t>(p.width()), height = static_cast<std::size_t>(p.height());
-    // The channel has values where x and y are multiples of its subsampling steps.
+    // Returns the first x or y, from `from` on, that is a multiple of the step `every`. Only there, a
+    // subsampled channel has values.
     const auto first = [](int from, int every) { return from + ((-from % every) + every) % every; };
     const int x0 = first(p.data.x_min, step.x), y0 = first(p.data.y_min, step.y);
     if (x0 > p.data.x_max || y0 > p.data.y_max) {
@@ -80,7 +82,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
     guarded(name_of(part), [&] {
         Imf::InputPart in(*impl_->of(part).file, impl_->number(part));
         Imf::FrameBuffer frame;
-        // The library expects the address that the value of the pixel (0, 0) would have.
+        // The OpenEXR library expects the address of the value at pixel (0, 0), even if this pixel is not
+        // stored.
         const std::ptrdiff_t origin =
             -(static_cast<std::ptrdiff_t>(y0 / step.y) * static_cast<std::ptrdiff_t>(columns) + x0 / step.x);
         frame.insert(channel, Imf::Slice(Imf::FLOAT,
@@ -90,7 +93,8 @@ std::vector<float> ForeignFile::read_sampled(std::size_t part, const std::string
         in.setFrameBuffer(frame);
         in.readPixels(p.data.y_min, p.data.y_max);
     });
-    /// The indices of the two stored values next to a pixel, and the weight of the second value.
+    /// The indices of the two stored values on either side of a pixel, and the interpolation weight of the
+    /// second.
     struct Between {
         std::size_t first, second;
         float share;

@@ -1,5 +1,5 @@
-// An image that another program wrote, flat or deep. Each pixel has a stack of samples with colour, alpha and
-// depth.
+// An image that another program wrote, flat or deep. Each pixel has a stack: a list of samples with colour,
+// alpha and depth.
 #pragma once
 
 #include <array>
@@ -22,30 +22,29 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`. It is set, for
-    /// example, for objects with a depth offset. A negative value means that it is not set (see
-    /// spread_inverse_z).
+    /// Inverse depth, 1/m, from which the circle of confusion is computed instead of `inverse_z`, for example
+    /// for an object that the user keeps in focus. Negative if it is not set (see spread_inverse_z).
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// A stack counts as opaque if its transmittance is at most this. It need not be 0, because alphas are
-/// rounded.
+/// A stack of samples counts as opaque if its transmittance is at most this, because alphas are rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the combined transmittance of the samples behind the last opaque sample of a stack. Returns 0 if
-/// there are no such samples, because it is not known what the opaque sample hides.
+/// Returns the combined transmittance of the samples behind the last opaque sample, or of all samples if none
+/// is opaque. If the last sample is opaque, the result is at most opaque_transmittance: what this sample
+/// hides is not known.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
 
-/// Converts a value of an id channel to an id. The id has the same bits as `value`. If `whole` is true, these
-/// are the bits of an integer. Otherwise `value` is a float, and zero and NaN give the id 0, which means no
-/// id.
+/// Converts a value of an id channel to an id, which has the same bits. If `whole` is true, these are the
+/// bits of an integer. Otherwise they are those of a float, and 0 and NaN become 0, which means that there is
+/// no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
-/// two depths.
+/// A pixel that shows several surfaces, according to its Cryptomatte, or because its depth is a mean of two
+/// depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -54,8 +53,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Set only if the surfaces are distinguished
-    /// by depth instead of by id.
+    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Set only if depths, not ids, distinguish
+    /// the surfaces of the pixel.
     std::optional<float> inverse_z;
 };
 
@@ -67,16 +66,16 @@ struct ForeignRepair {
 
 struct ForeignPicture {
     int width = 0, height = 0;  ///< size of the raster, px: the display window without overscan
-    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster on any
-    /// side.
+    /// The file stores the pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on
+    /// any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
         0};                            ///< where each pixel's stack begins, row by row, and the last one ends
     std::vector<StackSample> samples;  ///< from near to far within each stack
-    /// Pixels that show several surfaces, in ascending order, and the fractions that these surfaces cover,
-    /// largest first. The sample of a mixed pixel has the id of the surface that covers most. Fractions below
-    /// 1 % are omitted. Both lists are empty unless the image has a Cryptomatte or depths that are means of
-    /// two depths.
+    /// Pixels that show several surfaces, in ascending order, and the fractions that the surfaces cover,
+    /// largest first. Fractions below 1 % are omitted. The sample of a mixed pixel has the id of the surface
+    /// with the largest fraction. Both lists are empty if the image has neither a Cryptomatte nor depths that
+    /// are means of two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)
@@ -99,7 +98,7 @@ struct ForeignPicture {
     [[nodiscard]] std::span<const StackSample> stack_of(std::size_t pixel) const {
         return std::span(samples).subspan(offsets[pixel], offsets[pixel + 1] - offsets[pixel]);
     }
-    /// Returns the sample at which the composited alpha of a stored pixel reaches one half. Null if alpha
+    /// Returns the sample of a stored pixel at which the composited alpha reaches one half, or null if it
     /// stays below one half.
     [[nodiscard]] const StackSample* seen_sample(int x, int y) const {
         double left = 1;
@@ -117,9 +116,8 @@ struct ForeignPicture {
     [[nodiscard]] Image flattened() const;
     /// Returns true if all pixels of the display window are opaque.
     [[nodiscard]] bool is_opaque() const;
-    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half.
-    /// Returns infinity if alpha stays below one half. Throws Error(wrong_arguments) outside the stored
-    /// pixels.
+    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
+    /// infinity if it stays below. Throws Error(wrong_arguments) outside the stored pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

@@ -1,4 +1,4 @@
-// Reads channels of other parts and other files at the pixels of the part with the colours.
+// Reads channels that belong to other parts or files, at the pixels of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -12,26 +12,27 @@
 
 namespace postlens {
 
-/// Reads the rows of a flat part that are inside the data window of part `onto`. The parts are aligned at the
-/// upper left corners of their display windows. `take(pixel, count, from, values)` receives a run of `count`
-/// adjacent pixels. `pixel` is the index in `onto` of the first pixel of the run. For channel c, the value of
-/// this pixel is values[c][from].
+/// Reads channels of a flat part at the pixels of another part, `onto`. The parts are aligned at the upper
+/// left corners of their display windows. For each row of pixels that both parts store, calls take(pixel,
+/// count, from, values). `pixel` is the index in `onto` of the first of the `count` pixels. Its value in
+/// channel c is values[c][from].
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns one value of the channel for each pixel of `onto`, row by row. The value is `otherwise` where the
-/// part has no pixel. If the part ends at a border of the display window, its outermost values are repeated
-/// beyond that border. `converts` must be true if the channel contains integers and the caller needs floats.
-/// Throws Error(out_of_memory).
+/// Returns the value of a channel for each pixel of part `onto`, row by row. The value is `otherwise` where
+/// `part` has no pixel. However, if `part` ends at a border of the display window, its outermost values are
+/// repeated beyond this border. If `converts` is true, the channel contains integers, which are converted to
+/// floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);
 
-/// How the values of a channel are read. Ids that are integers are passed as their bits, because a float does
-/// not hold every id. All other integers are converted to floats. A channel may be subsampled only if it is
-/// `interpolated` (ForeignFile::read_sampled).
+/// How the values of a channel are read:
+/// - number: as floats; integers are converted;
+/// - interpolated: as `number`, and the channel may be subsampled (ForeignFile::read_sampled);
+/// - id: as `number`, but integers are passed as their bits, because a float cannot represent every id.
 enum class ChannelUse { number, interpolated, id };
 
 /// Reads channels of several parts row by row, as if they were in a single part.
@@ -40,14 +41,13 @@ class JoinedChannels {
     /// Reads the pixels in the data window of `part`.
     JoinedChannels(const ForeignFile& file, std::size_t part) : file_(file), part_(part) {}
 
-    /// Adds a channel. Returns the index of its values in `read`, or empty for an empty name. Adding the same
-    /// channel for the same use again returns the same index. Channels of other parts are read immediately.
-    /// `otherwise` is the value for pixels that such a part does not have.
+    /// Adds a channel. Returns its index among the values that `read` passes, or empty for an empty name. A
+    /// channel that was added before for the same use keeps its index. Channels of other parts are read
+    /// immediately, with the value `otherwise` for pixels that these parts do not store.
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, with a pointer for
-    /// each channel.
+    /// Reads all rows from top to bottom. Calls take(y, values) for each row, with one pointer per channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:

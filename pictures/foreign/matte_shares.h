@@ -1,4 +1,4 @@
-// Determines which surfaces each pixel of a flat image shows, using the Cryptomatte of the image.
+// Determines from its Cryptomatte which surfaces each pixel of a flat image shows.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,22 @@ namespace postlens {
 /// throw Error(invalid_input) and Error(out_of_memory).
 class MatteShares {
   public:
-    /// `onto` is the part of the file with the colours. The fractions are determined for its pixels.
+    /// `onto` is the part with the colours, for whose pixels the fractions are determined.
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
-    /// Returns the channels of the Cryptomatte that are in `part`, the part with the colours. The caller must
-    /// read these channels together with the colours and pass them to `take`, row by row from top to bottom.
-    /// The part is then decompressed only once. Returns an empty list if the first rank is in another part,
-    /// because ranks must be read in order.
+    /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. The
+    /// caller must read them together with the colours, so that the part is decompressed only once, and pass
+    /// each row to `take`, from top to bottom. Ranks must be read in order, so the result is empty if another
+    /// part has the first rank.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the values of `count` adjacent pixels, whose samples must be in `picture`. `pixel` is the
-    /// index of the first one. `values` has one pointer per channel, which points to the value of the first
-    /// pixel.
+    /// Receives the values of `count` adjacent pixels, of which the first has the index `pixel`. `values` has
+    /// one pointer per channel, to the value of the first pixel. `picture` must have the samples of these
+    /// pixels.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
-    /// Reads the parts that were not passed to `take`. Gives each sample of `picture` the id of the surface
-    /// that covers most of its pixel. Adds pixels that show several surfaces to ForeignPicture::mixed.
+    /// Reads the parts whose values were not passed to `take`. Then gives each sample of `picture` the id of
+    /// the surface that covers most of its pixel, and adds pixels that show several surfaces to
+    /// ForeignPicture::mixed.
     void finish(ForeignPicture& picture);
 
   private:

@@ -7,9 +7,9 @@
 
 namespace postlens {
 
-/// Replaces colours that are not finite. In flat images they become the mean of finite neighbours, and in
-/// deep images black. Only original colours enter the means, so the order of pixels does not matter. Returns
-/// the number of replaced samples.
+/// Replaces colours that are not finite, and returns the number of replaced samples. In a flat image, the new
+/// colour is the mean of the finite neighbours. It is black in a deep image, or if no neighbour is finite.
+/// The means use only original colours, so the order of the pixels does not matter.
 std::size_t mend_colours(ForeignPicture& picture);
 
 }  // namespace postlens

@@ -25,8 +25,9 @@
 namespace postlens {
 namespace {
 
-/// Volumes are divided into slices. `slice_ratio` is the intended ratio of far to near depth of a slice.
-/// `most_slices` is the largest number of slices per volume.
+/// Volumes are divided into slices, within which the circle of confusion varies little. `slice_ratio` is the
+/// intended ratio of the far to the near depth of a slice, and `most_slices` the largest number of slices per
+/// volume.
 constexpr double slice_ratio = 1.02;
 constexpr int most_slices = 32;
 
@@ -44,7 +45,8 @@ class Reader {
         out_.y_begin = part_->data.y_min - part_->display.y_min;
         out_.x_end = out_.x_begin + part_->width();
         out_.y_end = out_.y_begin + part_->height();
-        // The size is limited because one raster must contain both the display window and the stored pixels.
+        // One raster must contain both the display window and the stored pixels. It would become too large if
+        // these were far apart.
         const auto columns = static_cast<std::uint64_t>(std::max(out_.width, out_.x_end) -
                                                         std::min(0, out_.x_begin)),
                    rows = static_cast<std::uint64_t>(std::max(out_.height, out_.y_end) -
@@ -99,8 +101,8 @@ class Reader {
                  (std::min(out_.width, out_.height) - 1) / 2, out_.width, out_.height, file_.name());
         }
         const double of_frame = static_cast<double>(out_.width - 2 * margin) / out_.width;
-        // In the file, the camera describes the whole display window. A film width given for the frame is
-        // therefore converted to the width of the window.
+        // The camera that the file states describes the whole display window. The user states the film width
+        // of the frame alone, so it is converted to the width of the display window.
         if (choice.film_width_mm) *choice.film_width_mm /= of_frame;
         out_.camera = foreign_camera(file_, out_.channels.part, choice);
         out_.camera.film_width_mm *= of_frame;
@@ -127,15 +129,16 @@ class Reader {
     }
 
     void add(const StackSample& s) {
-        // A black sample with alpha 0 has no effect. Samples with NaN are kept and repaired later.
+        // A black sample with alpha 0 has no effect and is dropped. Samples with NaN are kept, and repaired
+        // later.
         if (s.alpha == 0 && s.r == 0 && s.g == 0 && s.b == 0) return;
         out_.samples.push_back(s);
     }
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // An alpha may be outside 0 to 1 by this much without a warning, because it may be a sum of rounded
-        // values.
+        // Tolerance without a warning: an alpha that is a sum of rounded values may lie slightly outside 0 to
+        // 1.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -165,8 +168,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // The memory is reserved in advance so that the lists are not copied when they grow. The reserved
-        // size is limited, because a damaged file may claim more pixels than it contains.
+        // Memory is reserved in advance so that the lists are not copied when they grow. The amount is
+        // limited, because the header of a damaged file may state more pixels than the file contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));
@@ -232,13 +235,13 @@ class Reader {
                         const float stored = rows.values[*channel][at];
                         return whole[*channel] ? number_of_bits(stored) : stored;
                     };
-                    // If all depths are negative, volumes extend from -Z to -ZBack. If ZBack means that
-                    // nothing was hit, the length of the volume is unknown, and the volume becomes a surface.
+                    // Depths may all be negative. The back of a volume is therefore multiplied by the sign of
+                    // its front. If ZBack is not a valid depth, the volume becomes a surface.
                     const float front = depths_.distance(value(z, 0)),
                                 back = z_back ? depths_.distance(value(z_back, 0)) : 0;
                     depths_.note(front, x, y, value(z, 0));
-                    // A volume that contains the camera begins at depth 0, which has no sign. The sign of
-                    // `back` is then ignored.
+                    // At a near depth of 0, which has no sign, the camera is inside the volume. The absolute
+                    // value of `back` is then used.
                     const float end = !ForeignDepths::is_hit(back) ? 0
                                       : front == 0                 ? std::abs(back)
                                                                    : std::copysign(1.0F, front) * back;
@@ -258,8 +261,8 @@ class Reader {
         });
     }
 
-    /// Adds a volume from z to z_back, divided into slices of equal length. The density is constant, so all
-    /// slices have the same transmittance.
+    /// Adds a sample. A volume is divided into slices of equal length, which have equal transmittance,
+    /// because the density within the volume is constant.
     void add_volume(const DeepSample& from) {
         const float z = from.z, z_back = from.z_back;
         const StackSample s{ForeignDepths::inverse_of(z), from.r, from.g, from.b, from.alpha, from.id};

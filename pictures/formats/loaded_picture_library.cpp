@@ -1,4 +1,4 @@
-// Implements picture_library() for programs that load OpenImageIO when they first need it.
+// Implements picture_library() for programs that load OpenImageIO only when they need it.
 #include <dlfcn.h>
 #include <filesystem>
 
@@ -11,9 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the path of the file that contains this code: a program, or an extension of another program. dladdr
-// gives the name by which a program was called. That name is not a path if the shell searched PATH for the
-// program.
+// Returns the path of the file that contains this code: a program, or an extension module of another program.
+// For a program, dladdr may give only the name by which it was called, which is not a path.
 fs::path own_file() {
     std::error_code ec;
     Dl_info own{};
@@ -24,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches for the module in the folders above the file that contains this code, so that both the build
-// folder and the installation can be moved.
+// Searches for the module in all folders above the file that contains this code, so that the build folder and
+// the installation can be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;

@@ -9,8 +9,8 @@
 namespace postlens {
 namespace {
 
-/// Returns the result of `work`. If a decoder or an encoder throws, sets `problem` and returns an empty
-/// result.
+/// Returns the result of `work`, which calls a decoder or an encoder. If it throws, sets `problem` to the
+/// message and returns an empty result.
 template <typename Work>
 auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     try {
@@ -23,8 +23,8 @@ auto guarded(std::string& problem, const Work& work) -> decltype(work()) {
     }
 }
 
-/// Returns an attribute as text. Some attributes of sample files are numbers. In TIFF and JPEG files, each
-/// attribute is a line "NAME=TEXT" of the image description.
+/// Returns a header attribute as text, even if its value is a number. TIFF and JPEG files store attributes as
+/// lines "NAME=TEXT" of the image description.
 std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
     if (const OIIO::ParamValue* found = s.find_attribute(name)) return found->get_string();
     std::string begin("\n"), text("\n");
@@ -38,7 +38,7 @@ std::string text_of(const OIIO::ImageSpec& s, const std::string& name) {
 
 class OiioReader : public PictureReader {
   public:
-    /// `memory` is the source from which `in` reads, or null if it reads a file.
+    /// `memory` contains the file from which `in` reads. It is null if `in` reads from the disk.
     OiioReader(std::unique_ptr<OIIO::ImageInput> in,
                std::unique_ptr<OIIO::Filesystem::IOMemReader> memory = nullptr)
         : memory_(std::move(memory)), in_(std::move(in)) {
@@ -121,9 +121,9 @@ class OiioLibrary : public PictureLibrary {
                                                   const std::string& description,
                                                   std::string& problem) const override {
         OIIO::ImageSpec spec(width, height, 3, OIIO::TypeDesc::UINT16);
-        // No colour space is set, because that needs an EXIF directory, which OpenImageIO 2.4 cannot write to
-        // memory. Readers assume sRGB for integer pixels anyway. The time of writing is removed, so that
-        // equal images give equal files.
+        // Without the time of writing, equal images give equal files. No colour space is set, because that
+        // needs an EXIF directory, which OpenImageIO 2.4 cannot write to memory. Readers assume sRGB for
+        // integers anyway.
         spec["DateTime"] = "";
         if (!description.empty()) spec["ImageDescription"] = description;
         return encode("picture.tif", spec, rgb.data(), problem);

@@ -47,8 +47,8 @@ class PictureReader {
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
-/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as text,
-/// which may have several lines.
+/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as
+/// texts, which may have several lines.
 class PictureLibrary {
   public:
     PictureLibrary() = default;
@@ -61,13 +61,14 @@ class PictureLibrary {
     /// Opens a file for reading. On failure, sets `problem` and returns null.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(const std::string& path,
                                                               std::string& problem) const = 0;
-    /// Opens the bytes of a file in memory, whose format is `format`. The bytes must outlive the reader.
+    /// Opens a file whose bytes are in memory. `format` is the name of its format, such as "png". The bytes
+    /// must outlive the reader.
     [[nodiscard]] virtual std::unique_ptr<PictureReader> open(std::string_view bytes,
                                                               const std::string& format,
                                                               std::string& problem) const = 0;
-    /// Returns a TIFF file with width * height * 3 sRGB values of 16 bits. The function jpeg() below returns
-    /// a JPEG file with values of 8 bits. If `description` is not empty, it is stored as text. On failure,
-    /// both functions set `problem` and return an empty vector.
+    /// Returns a TIFF file with 16-bit sRGB values. `rgb` contains width * height * 3 values. `description`
+    /// is stored as a text unless it is empty. On failure, sets `problem` and returns an empty vector. The
+    /// function jpeg() below does the same for a JPEG file with 8-bit values.
     [[nodiscard]] virtual std::vector<unsigned char> tiff(int width, int height,
                                                           std::span<const std::uint16_t> rgb,
                                                           const std::string& description,
@@ -84,8 +85,8 @@ class PictureLibrary {
 
 /// Header attribute of a crop. It states the x, y, width and height of the crop within the whole image.
 inline constexpr const char* crop_attribute = "postlens.crop";
-/// Header attribute with the exposure of any image (pictures/image.h). In TIFF and JPEG files it is a line
-/// "postlens.exposure_stops=STOPS" of the image description.
+/// Header attribute for the exposure of an image, in stops (pictures/image.h). In TIFF and JPEG files it is a
+/// line "postlens.exposure_stops=STOPS" of the image description.
 inline constexpr const char* exposure_attribute = "postlens.exposure_stops";
 /// Header attribute that states how an image or a sample file was made. In TIFF and JPEG files it is a line
 /// "postlens.made_by=TEXT" of the image description.

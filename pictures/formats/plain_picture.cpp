@@ -34,7 +34,8 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The OpenEXR library addresses pixels by their coordinates in the file, which need not begin at 0.
+        // The OpenEXR library expects the address of pixel (0, 0) of the file, even if this pixel is not
+        // stored.
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {
@@ -64,7 +65,7 @@ class ExrReader : public PictureReader {
 std::optional<PictureLayout> plain_layout(const Imf::Header& header) {
     if (header.hasType() && header.type() != Imf::SCANLINEIMAGE && header.type() != Imf::TILEDIMAGE)
         return std::nullopt;
-    // Other programs may use these attributes to state that the values are not linear.
+    // Files with these attributes are refused, because they may state that the values are not linear.
     for (const char* name : {"oiio:ColorSpace", "colorInteropID"}) {
         if (header.find(name) != header.end()) return std::nullopt;
     }
@@ -131,7 +132,7 @@ std::unique_ptr<PictureReader> open_plain_exr(const std::filesystem::path& path)
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        // If null is returned, OpenImageIO opens the file and reports the error.
+        // The caller then opens the file with OpenImageIO, which reports the error.
     }
     return nullptr;
 }

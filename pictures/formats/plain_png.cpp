@@ -27,18 +27,18 @@ struct PlainPng {
     std::string made_by;   ///< postlens.made_by; empty if there is none
 };
 
-/// Sets `value` to the text of a tEXt chunk if the chunk has this key.
+/// `data` is a tEXt chunk of a PNG file. Sets `value` to its text if it has this key.
 void take_text(std::string_view data, std::string_view key, std::string& value) {
     if (data.starts_with(key) && data.substr(key.size()).starts_with('\0'))
         value = data.substr(key.size() + 1);
 }
 
-/// Reads the chunks before the pixels without libpng. Returns empty if a chunk changes the meaning of the
-/// pixels in a way that PngReader does not support.
+/// Parses the chunks that precede the pixels in a PNG file. Returns empty if one of them changes the meaning
+/// of the pixels in a way that PngReader does not support.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
-    // Chunks that do not change the meaning of the pixels, such as texts, dates and the printed size of a
-    // pixel.
+    // Chunks that do not change the meaning of the pixels, such as texts, dates and the size of a pixel on
+    // paper.
     constexpr std::array silent{"PLTE"sv, "sRGB"sv, "cHRM"sv, "pHYs"sv, "tEXt"sv, "zTXt"sv,
                                 "iTXt"sv, "tIME"sv, "bKGD"sv, "sBIT"sv, "hIST"sv, "eXIf"sv};
     constexpr std::uint32_t gamma_of_srgb = 45455;
@@ -63,7 +63,7 @@ std::optional<PlainPng> plain_png(std::string_view bytes) {
         } else if (type == "gAMA"sv) {
             if (size != 4 || big_endian(data, 0) != gamma_of_srgb) return std::nullopt;
         } else if (type == "oFFs"sv) {
-            // OpenImageIO always writes this chunk. An offset of zero has no effect.
+            // OpenImageIO writes an oFFs chunk into every PNG file. An offset of zero has no effect.
             if (data != "\0\0\0\0\0\0\0\0\0"sv) return std::nullopt;
         } else if (std::find(silent.begin(), silent.end(), type) == silent.end()) {
             return std::nullopt;

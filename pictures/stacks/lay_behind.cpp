@@ -14,8 +14,8 @@
 namespace postlens {
 namespace {
 
-/// Two inverse depths count as equal if they differ by at most this relative amount. Rounding to half floats
-/// causes differences of this size.
+/// Two inverse depths count as equal if they differ by at most this relative amount, as they do after
+/// rounding to half floats.
 constexpr float same_depth = 1.0F / 1024;
 /// A sample of the back image counts as nearer than the front image only if it is nearer by more than this
 /// fraction of its distance. Smaller differences are noise in the depths.
@@ -43,8 +43,8 @@ void check_same_view(const ForeignPicture& front, const ForeignPicture& back, co
     }
 }
 
-/// Returns the inverse depth, 1/m, of the farthest sample of an opaque stack. Returns infinity if the stack
-/// transmits light.
+/// Returns the inverse depth, 1/m, of the farthest sample if the stack (the samples of a pixel) is opaque.
+/// Returns infinity if the stack transmits light.
 float last_opaque(std::span<const StackSample> stack) {
     float last = std::numeric_limits<float>::infinity();
     double left = 1;
@@ -55,8 +55,8 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
-/// Returns true if a stack has a sample of the same surface as `s`. Such a sample is at the same depth and,
-/// if both samples have ids, has the same id.
+/// Returns true if a stack of samples contains the surface of `s`: a sample at the same depth, and of the
+/// same id if both have ids.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
     const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
     const auto first = std::partition_point(stack.begin(), stack.end(),
@@ -67,20 +67,20 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row or column of the result. If the front image ends at the border of the raster or
-/// beyond, the result ends there, too. Further out, objects of the front image may be missing, and the back
-/// image would show in their place. If the front image ends inside the raster, it has no objects further out.
+/// Returns the first row (or column) of the result. Usually this is the first row of either image. If the
+/// front image begins at the border of the raster or beyond, the result begins there, too: further out, the
+/// front image may lack objects, and the back image would show in their place.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the row or column after the last one of the result. The raster has `size` rows or columns. See
-/// begin_of_both.
+/// Returns the end (last row or column + 1) of the result, like begin_of_both. The raster has `size` rows or
+/// columns.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
 
-/// Joins the manifests (lists of object names) of the Cryptomattes of both images. If a name is in both
-/// manifests, its id in `front` is kept.
+/// Joins the manifests of two Cryptomattes, which list the names and ids of objects. If both contain a name,
+/// its id in `front` is kept.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

@@ -16,7 +16,7 @@
 namespace postlens {
 namespace {
 
-/// A smaller fraction of a pixel is treated as a rounding error.
+/// Fractions of a pixel below this are treated as rounding errors.
 constexpr float least_share = 1e-4F;
 
 std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& choice) {
@@ -39,8 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that a name or number given by the user can mean. A name can mean the id in the manifest
-/// or the hash of the name. A number can mean itself or the bits of the number as a float.
+/// Returns the ids that the user's text `object` can mean, the first choice first: the id of this name in the
+/// manifest, the hash of the name, or, for a number, the number itself and the bits of its float.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {
@@ -74,20 +74,21 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two samples at the same depth. The first one belongs to the object and is the
-/// fraction `share` of the original sample.
+/// Divides a sample into two samples at the same depth. The first one, the fraction `share` of the original,
+/// belongs to the object.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
     for (float* v : {&out[0].r, &out[0].g, &out[0].b, &out[0].alpha}) *v *= share;
     for (float* v : {&out[1].r, &out[1].g, &out[1].b, &out[1].alpha}) *v *= rest;
-    // An opaque sample must stay opaque despite rounding. Otherwise light would pass through it.
+    // Without this, rounding could make an opaque sample slightly transparent.
     if (s.alpha == 1) out[1].alpha = 1;
     return out;
 }
 
-/// Chooses samples at the nearest depth of a stack (the samples of a pixel) until they cover a given fraction
-/// of the pixel. The last sample is divided in two if it covers too much. Buffers are reused for all pixels.
+/// Chooses samples of a stack (the samples of a pixel), at the depth of its nearest sample, until they cover
+/// a given fraction of the pixel. A sample that covers too much is divided in two. The object is reused for
+/// all pixels to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}
@@ -98,23 +99,22 @@ class MaskedStack {
         if (stack.empty()) return;
         const auto is_any = [](const StackSample&) { return true; };
         const auto is_same = [this](const StackSample& s) { return s.mask == mask_; };
-        // If this mask has divided the stack before, the same samples are chosen again.
+        // If this mask has been applied to the stack before, the same samples are chosen again.
         if (std::any_of(samples_.begin(), samples_.end(), is_same)) {
             take(1, is_same);
             return;
         }
-        // Different masks cover different objects. A mask therefore first chooses samples that no other mask
-        // has chosen. It chooses samples of other masks only if the first ones do not cover enough of the
-        // pixel.
+        // Masks usually cover different objects, so samples that no other mask has chosen are chosen first.
+        // Samples of other masks follow only if these do not cover enough of the pixel.
         take(take(share, [](const StackSample& s) { return s.mask == 0; }), is_any);
     }
     [[nodiscard]] const std::vector<StackSample>& samples() const { return samples_; }
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
-    /// Returns the fraction that is left to cover. Only samples at the depth of the nearest sample are
-    /// considered, because they are parts of one surface.
+    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel,
+    /// and returns the fraction that is not covered yet. Considers only samples at the depth of the nearest
+    /// sample, because these are parts of one surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
@@ -165,8 +165,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // The mask ends at the border of the raster, but an object may continue beyond the border. The
-            // outermost values of the mask are therefore repeated there.
+            // An object may continue beyond the border of the raster, where the mask ends. The outermost
+            // values of the mask are repeated there.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

@@ -14,20 +14,20 @@ namespace postlens {
 namespace {
 
 /// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is used if
-/// depths are means of two depths, because the filter that made these means also mixed the pixels nearby.
+/// depths are means of two depths, because the filter that caused this has mixed the neighbours as well.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// Depths of one surface at neighbouring positions differ by at most this relative amount.
+/// The depths of neighbouring pixels of one surface differ by at most this relative amount.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float. The computed colour of a surface in a very bright pixel may exceed
-/// this range.
+/// Clamps a value to the range of float, which the computed colour of a surface in a very bright pixel may
+/// exceed.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// The part of a pixel that shows one surface. The colour and alpha are those that a pixel would have if it
-/// showed only this surface. The colour is premultiplied by alpha.
+/// The part of a pixel that shows one surface. Its colour (premultiplied by alpha) and alpha are those of a
+/// pixel that shows only this surface.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -35,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Returns true if this part shows empty space: according to the neighbouring pixels, it has neither
-    /// colour nor alpha.
+    /// Returns true if this part of the pixel shows empty space: the neighbouring pixels that show the same
+    /// have neither colour nor alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -49,7 +49,8 @@ class Unmixer {
         for (const MixedPixel& m : p_.mixed) mixed_[m.pixel] = 1;
     }
 
-    /// Returns the samples that replace a mixed pixel, or an empty list if the pixel stays unchanged.
+    /// Returns the samples that replace a mixed pixel (one that shows several surfaces), or an empty list if
+    /// the pixel stays unchanged.
     [[nodiscard]] std::vector<StackSample> apart(const MixedPixel& m) const {
         std::vector<Portion> portions;
         for (std::size_t i = m.first; i < m.first + m.count; ++i) {
@@ -88,8 +89,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Raster pixels that the image
-    /// does not store count as empty. They are visited with the index `unstored`.
+    /// Calls visit(pixel, squared distance in px) for all pixels within `reach` px. Raster pixels that the
+    /// image does not store count as empty, and are visited with the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);
@@ -133,8 +134,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If mixed pixels are used, the pixel itself is among them. Its distance is 0, so adding 0.5
-            // avoids a division by 0.
+            // If only mixed pixels are left, one of them is the pixel itself, at the distance 0. The summand
+            // 0.5 prevents a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -152,8 +153,8 @@ class Unmixer {
         }
     }
 
-    /// Changes the colours of the surfaces in a mixed pixel so that they add up to the colour of the pixel.
-    /// In the sum, each colour is weighted by the fraction of the pixel that the surface covers.
+    /// Adjusts the colours of the surfaces in a mixed pixel so that their sum is the colour of the pixel,
+    /// `whole`. The weight of a surface is the fraction of the pixel that it covers.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -177,8 +178,8 @@ class Unmixer {
         }
     }
 
-    /// Limits channel `c` of each surface in a mixed pixel to at least 0, and alpha to at most 1. The
-    /// weighted sum over the surfaces does not change.
+    /// Clamps channel `c` of the surfaces in a mixed pixel to at least 0, and alpha to at most 1, without a
+    /// change of the sum over the surfaces.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;
@@ -197,7 +198,8 @@ class Unmixer {
         }
     }
 
-    /// Converts surfaces that lie side by side in a pixel to samples that lie behind each other.
+    /// Converts surfaces that lie side by side in a pixel to samples one behind the other, which composite to
+    /// the same colour and alpha.
     static std::vector<StackSample> stack_of(double whole_alpha, std::vector<Portion>& portions) {
         std::stable_sort(portions.begin(), portions.end(),
                          [](const Portion& a, const Portion& b) { return a.inverse_z > b.inverse_z; });
