@@ -9,14 +9,14 @@
 namespace postlens {
 namespace {
 
-/// Tests whether layer 0 of one pixel has a point sample at a given position.
+/// Tests whether one pixel has a point sample of layer 0 (what the pinhole sees) at a given position.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
         : records_(records), x_(static_cast<float>(x)), y_(static_cast<float>(y)) {}
 
-    /// Returns true if there is a sample at the position (u, v), which is counted from the pixel's upper-left
-    /// corner in steps of 1 / position_steps px.
+    /// Returns true if the pixel has a sample at the position (u, v), measured from the upper-left corner of
+    /// the pixel in steps of 1 / position_steps px.
     [[nodiscard]] bool has(int u, int v) const {
         Record at;
         at.x = x_ + static_cast<float>(u) / position_steps;
@@ -30,9 +30,10 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends to `corners` the positions of samples that the quadtree needs on the pixel's lower edge. These are
-/// the lower-left corners of the leaves (undivided cells) that touch this edge. Works on the cell of width
-/// `size` whose left edge is at u. A cell is subdivided if and only if there is a sample at its centre.
+/// Appends the x positions of the samples that a pixel's quadtree needs on the lower edge of the pixel: the
+/// lower-left corners of all leaves (undivided cells) that touch this edge. Recursive: treats the cell on the
+/// lower edge with the left edge u and the width `size`. A cell is subdivided if and only if there is a
+/// sample at its centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

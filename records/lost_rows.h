@@ -18,27 +18,25 @@ struct LostRows {
     friend bool operator==(const LostRows&, const LostRows&) = default;
 };
 
-/// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. Every
-/// pixel gets one sample at its upper-left corner, with a ray that hits nothing. More such samples are added
-/// on the upper edge of the pixel if the quadtree of the pixel above needs them as corners. `above` contains
-/// the row above. It is null if that row is lost or does not exist. `offsets` has the form of
-/// RecordBand::offsets.
+/// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
+/// are point samples of rays that hit nothing: one at the upper-left corner of each pixel, and others on its
+/// upper edge where the quadtree of the pixel above needs corners. `above` contains the row above, or is null
+/// if that row is lost or does not exist. `offsets` is set as RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// Like stand_in_for_row, but returns the records that replace row y as a band.
+/// As stand_in_for_row, but returns the records that replace row y as a band.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.
 [[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
 
 /// Groups the lost rows of an instant into runs of consecutive rows, and appends these runs to `runs`. `lost`
-/// has one flag per row, beginning with row y_begin.
+/// has a flag for each row, beginning with row y_begin.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 
-/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". Only the first runs of a long list are
-/// named.
+/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". A long list is shortened.
 [[nodiscard]] std::string rows_text(std::span<const LostRows> runs);
 
 }  // namespace postlens

@@ -11,8 +11,8 @@ namespace postlens {
 
 namespace {
 
-// Adds the nodes of hidden layers at the position of the sample. The file stores them in the pixel that
-// contains this position.
+// Adds the nodes of hidden surfaces at the position of the sample. The pixel that contains this position
+// stores them.
 void add_hidden(const RecordBand& band, PixelSample& sample) {
     const std::size_t k =
         band.pixel(static_cast<int>(std::floor(sample.x)), static_cast<int>(std::floor(sample.y)));
@@ -35,8 +35,8 @@ std::vector<PixelSample> pixel_samples(const SampleFileReader& file, int x, int 
     find_point_samples(band, y, y + 2, y, y + 1, found);
     std::vector<PixelSample> out;
     for (const PointSample& s : found.samples) {
-        // A sample may also be a corner of leaves in neighbouring pixels. Only leaves of this pixel
-        // contribute to the weight.
+        // The weight is the contribution to this pixel alone, although a sample may also be a corner of
+        // leaves (undivided quadtree cells) in neighbouring pixels.
         double weight = 0;
         for (int q = 0; q < 4; ++q) {
             const auto i = static_cast<std::size_t>(q);

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps of 1 / position_steps px. The smallest quadtree leaf (undivided cell) is one
-/// step wide.
+/// Width of a pixel in steps of 1 / position_steps px. The smallest leaf (undivided cell) of the quadtree is
+/// one step wide.
 constexpr int pixel_steps = position_steps;
 
-/// Position within a pixel, in steps from its upper-left corner. The right and lower edges are at
-/// pixel_steps.
+/// Position within a pixel, in steps from its upper-left corner. Positions on the right and lower edges have
+/// the coordinate pixel_steps.
 struct Place {
     int u = 0, v = 0;
 };
@@ -40,8 +40,7 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every point sample of layer 0 (what the pinhole sees) in pixel
-/// (x, y). The samples are sorted by y, then by x. Throws if the pixel has no sample at its upper-left
-/// corner.
+/// (x, y), sorted by y, then by x. Throws if there is no sample at the pixel's upper-left corner.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -53,8 +52,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single sample. Records are sorted by position, so a pixel has only one sample if its
-    // first and its last record have the same position.
+    // Most pixels have a single sample. The records are sorted by position, so this is the case if the first
+    // and the last one have the same position.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;
@@ -90,9 +89,9 @@ Sample* find_in_pixel(const Row<Sample>& row, std::size_t column, float x, float
 template <typename Sample>
 class PlacedSamples {
   public:
-    /// Fills the table with the samples of pixel (x, y), including those on the pixel's right and lower
-    /// edges. `above` is the row of the pixel, and `below` is the next row. Returns false if the pixel is
-    /// divided more finely than the table.
+    /// Fills the table with the samples of pixel (x, y), including those on its right and lower edges.
+    /// `above` is the pixel's row of samples, and `below` the next row. Returns false if the pixel is
+    /// subdivided more finely than the table.
     bool place(const Row<Sample>& above, const Row<Sample>& below, int x, int y, std::size_t column) {
         for (const std::size_t k : used_) at_[k] = nullptr;
         used_.clear();
@@ -100,8 +99,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // If the neighbouring pixel is divided more finely than the table, add() fails for some samples on
-        // the common edge. This is ignored, because pixel (x, y) does not need these samples.
+        // add() fails for some samples on the common edge if the neighbouring pixel is subdivided more finely
+        // than the table. Pixel (x, y) does not need these samples, so the result is ignored.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -117,7 +116,8 @@ class PlacedSamples {
     }
 
   private:
-    /// The table has room for six levels of subdivision. A larger table would not fit the cache.
+    /// 64 positions per edge suffice for six levels of subdivision. A larger table would not fit into the
+    /// cache.
     static constexpr int edge = 64, places = edge + 1, step = pixel_steps / edge;
     static Sample* first(const Row<Sample>& row, std::size_t column) {
         return row.samples + row.offsets[column];
@@ -125,7 +125,7 @@ class PlacedSamples {
     static std::size_t index(int row, int column) {
         return static_cast<std::size_t>(row) * places + static_cast<std::size_t>(column);
     }
-    /// Stores a sample in the table. Returns false if the sample lies between the positions of the table.
+    /// Stores a sample in the table. Returns false if its position is not one of those in the table.
     bool add(Sample& s, float x, float y) {
         const float u = (s.x - x) * edge, v = (s.y - y) * edge;
         if (!(u >= 0 && u <= edge && v >= 0 && v <= edge)) return false;
@@ -140,9 +140,9 @@ class PlacedSamples {
     std::vector<std::size_t> used_;
 };
 
-/// Calls on_leaf(corners, size_px) for each quadtree leaf of pixel (x, y). The corners are in the order
-/// up-left, up-right, down-left, down-right. `above` is the row of the pixel, and `below` is the next row. A
-/// pixel with only one sample is a single leaf.
+/// Calls on_leaf(corners, size_px) for each quadtree leaf (undivided cell) of pixel (x, y), with the corners
+/// in the order up-left, up-right, down-left, down-right. `above` is the pixel's row of samples, and `below`
+/// the next row. A pixel with only one sample is a single leaf.
 template <typename Sample, typename OnLeaf>
 void for_each_leaf_of_pixel(const Row<Sample>& above, const Row<Sample>& below, int x, int y,
                             std::size_t column, const OnLeaf& on_leaf) {
@@ -203,8 +203,8 @@ struct ColourRow {
     [[nodiscard]] Row<const ColourSample> view() const { return {samples.data(), offsets.data()}; }
 };
 
-/// Returns the colours of the samples in row y, for pixels x_begin to x_end - 1. With `top_edge_only`, only
-/// the samples on the upper edge of the row are returned.
+/// Returns the samples of row y, with their colours, for pixels x_begin to x_end - 1. If `top_edge_only` is
+/// true, returns only the samples on the upper edge of the row.
 ColourRow colours_of_row(const RecordBand& band, int y, int x_begin, int x_end, bool top_edge_only) {
     ColourRow row;
     row.samples.reserve(static_cast<std::size_t>(x_end - x_begin));
@@ -240,8 +240,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // Leaves in the first and last row also have corners outside the range of rows. The weights of those
-    // corners are not used.
+    // The first and the last row of leaves have corners outside the range of rows. These are found here, but
+    // their weights are not used.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -260,8 +260,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // The leaf lies down-right of its up-left corner, and so on for the
-                                       // other corners.
+                                       // Each corner stores the leaf in the quadrant in which the leaf lies:
+                                       // down-right (3) for the up-left corner (0), and so on.
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

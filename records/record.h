@@ -1,4 +1,5 @@
-// The sample record. A record holds one node (a surface hit) of the shading tree of one point sample.
+// The sample record, which describes one hit of an eye ray, or of its reflections and refractions, on a
+// surface.
 #pragma once
 
 #include <array>
@@ -9,9 +10,9 @@
 
 namespace postlens {
 
-/// The path from the eye to a node, as a sequence of reflections and transmissions. Each of them takes two
-/// bits, and the first is in the lowest bits. The primary node, which the eye ray hits directly, has the path
-/// 0.
+/// The path from the eye to a node (a surface hit), as a sequence of reflections and transmissions. Each
+/// bounce takes two bits, beginning with the lowest. The path is 0 for the primary node, which the eye ray
+/// hits directly.
 class NodePath {
   public:
     enum class Bounce : std::uint32_t { none = 0, reflected = 1, transmitted = 2 };
@@ -30,7 +31,7 @@ class NodePath {
     [[nodiscard]] constexpr Bounce bounce(int i) const {
         return static_cast<Bounce>((bits_ >> (2 * i)) & 3U);
     }
-    /// Returns the last bounce of the path, or `none` for the primary node.
+    /// Returns the kind of the last bounce, or `none` for the primary node, which the eye ray hits directly.
     [[nodiscard]] constexpr Bounce kind() const { return bits_ == 0 ? Bounce::none : bounce(depth() - 1); }
     [[nodiscard]] constexpr NodePath child(Bounce b) const {
         return NodePath(bits_ | (static_cast<std::uint32_t>(b) << (2 * depth())));
@@ -38,15 +39,15 @@ class NodePath {
     [[nodiscard]] constexpr NodePath parent() const {
         return bits_ == 0 ? NodePath() : NodePath(bits_ & ~(3U << (2 * (depth() - 1))));
     }
-    /// Returns false if a bounce has the reserved value 3, or if a bounce follows after an empty one.
+    /// Returns false if a pair of bits is 3, which is reserved, or if a bounce follows an empty pair.
     [[nodiscard]] constexpr bool valid() const {
         for (std::uint32_t b = bits_; b != 0; b >>= 2) {
             if ((b & 3U) == 0 || (b & 3U) == 3U) return false;
         }
         return true;
     }
-    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT". Returns
-    /// "primary" for an empty path.
+    /// Returns the path as text: one letter per bounce, R for reflected or T for transmitted, for example
+    /// "RTT". The text is "primary" for a path without a bounce.
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;
@@ -55,30 +56,31 @@ class NodePath {
     std::uint32_t bits_ = 0;
 };
 
-/// A 2x2 matrix in raster axes (x to the right, y down). A record's matrix W, in 1/m, has this type. W tells
-/// how far the node's image moves on the raster when the lens point moves. Its rows are the components of the
-/// image's motion, and its columns are those of the lens point's motion. For a surface that is seen directly
-/// or in a flat mirror, W is the identity matrix divided by z'. docs/sample_file.md defines W for all other
-/// nodes.
+/// A 2x2 matrix in raster axes (x to the right, y down). The matrix W of a record, in 1/m, has this type.
+///
+/// W describes how the image of a node (a surface hit) moves on the raster when the lens point moves. Its
+/// rows are the components of the image's motion, and its columns are those of the lens point's motion. For a
+/// surface that is seen directly or in a flat mirror, W is the identity matrix divided by the depth z'.
+/// docs/sample_file.md defines W for all other nodes.
 struct Mat2 {
     float xx = 0, xy = 0, yx = 0, yy = 0;
     friend constexpr bool operator==(const Mat2&, const Mat2&) = default;
     [[nodiscard]] static constexpr Mat2 isotropic(float v) { return {v, 0, 0, v}; }
 };
 
-/// Flags of a record. They warn that the radiance between this record and its neighbours is not known.
+/// Flags of a record. They warn that interpolation between this record and its neighbours may miss detail.
 struct RecordMark {
-    /// The texture of the surface varies between this sample and its neighbours, although the cells have
-    /// their smallest size.
+    /// The texture of the surface varies between this sample and its neighbours, although the quadtree cells
+    /// are as small as allowed.
     static constexpr std::uint8_t fine_texture = 1;
-    /// This sample and its neighbours show separate parts of one object, so there may be a gap between the
-    /// parts. The flag is also set if a part of a mesh lies between the samples and no sample shows it.
+    /// This sample and its neighbours show separate parts of one object, between which there may be a gap.
+    /// The flag is also set if a part of a mesh lies between the samples and none of them shows it.
     static constexpr std::uint8_t gap = 2;
     static constexpr std::uint8_t all = fine_texture | gap;
 };
 
-/// One node of a shading tree. r, g and b are the node's scene-linear radiance times the throughput of the
-/// path to the node. The radiance of a point sample is therefore the sum over its nodes.
+/// One node (surface hit) of the shading tree of an eye ray. r, g and b are the scene-linear radiance of the
+/// node times the throughput of its path. The radiance of the eye ray is therefore the sum over its nodes.
 struct Record {
     float x = 0, y = 0;  ///< raster position, px; pixel i covers [i, i+1)
     float z = 0;         ///< z', path length along the optical axis, m; +infinity where nothing was hit
@@ -87,11 +89,12 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, in 1/m^2. W describes the motion of the node's image only to first order. For a lens point
-    /// at the distance R (in metres) from the centre of the lens, the image is misplaced by about (film
-    /// distance / pixel pitch) * w_bend * R^2 px. The value is 0 if W is exact or if its error was not
-    /// measured. It is infinite if other lens points do not see the node by this path. Files store a half
-    /// float.
+    /// Error of W, in 1/m^2. W describes how the node's image moves to first order only. For a lens point at
+    /// the distance R (in metres) from the centre of the lens, the image is misplaced by about (film distance
+    /// / pixel pitch) * w_bend * R^2 px.
+    ///
+    /// The value is 0 if W is exact or if its error was not measured. It is infinite if other lens points do
+    /// not see the node along this path. Files store it as a half float.
     float w_bend = 0;
     std::uint8_t mark = 0;  ///< bits of RecordMark
     friend bool operator==(const Record&, const Record&) = default;

@@ -1,5 +1,5 @@
-// Callbacks that receive records while a file is read. Several purposes can thus share one pass over the
-// file.
+// Callbacks that receive the records while a file is read, so that several purposes can share one pass over
+// the file.
 #pragma once
 
 #include <functional>
@@ -12,16 +12,17 @@ namespace postlens {
 /// Functions that receive the records. Each of them may be empty.
 struct RecordsRead {
     /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
-    /// from top to bottom.
+    /// in order from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
-    /// Receives rows y_begin to y_end - 1 of pixels, which `band` contains, and their quadtree leaves (see
-    /// find_leaves). Each row is passed once. Several threads may call this function at the same time.
+    /// Receives rows y_begin to y_end - 1 of pixels, which `band` contains, and the leaves (undivided cells)
+    /// of their quadtrees (see find_leaves). Each row is passed once. Several threads may call this function
+    /// at the same time.
     std::function<void(const RecordBand& band, int y_begin, int y_end, const PixelLeaves& leaves)> leaves;
 };
 
-/// Computes the quadtree leaves of rows y_begin to y_end - 1 and passes the rows to the callbacks. `band`
-/// must also contain row y_end if the file has it. If it does not, row y_end - 1 is the last row of the file,
-/// which has only corners and no pixels. Throws the errors of find_leaves and of the callbacks.
+/// Passes rows y_begin to y_end - 1 to the callbacks, with the leaves (undivided cells) of their quadtrees.
+/// `band` must also contain row y_end, unless y_end - 1 is the last row of the file. That row has only pixel
+/// corners, and no leaves. Throws the errors of find_leaves and of the callbacks.
 void tell(const RecordsRead& to, const RecordBand& band, int y_begin, int y_end);
 
 }  // namespace postlens

@@ -19,8 +19,8 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores the summary, so that it is available without reading
-/// the records.
+/// Summary of one scanline of records. The file stores it separately, so that it can be read without the
+/// records.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
@@ -28,10 +28,10 @@ struct ScanlineFacts {
     std::uint64_t checksum = 0;
 };
 
-/// Writes a sample file with a bounded amount of memory. The colours of the records must be radiance,
-/// whatever exposure the header states. Bands are written from top to bottom, first those of the frame's own
-/// instant, then those of each key (further recorded instant). No file appears at `path` before `finish()` is
-/// called.
+/// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
+/// those of the frame's own instant, then those of each key (further recorded instant). The colours of the
+/// records must be radiance, whatever exposure the header states. The file appears at `path` only when
+/// finish() is called.
 class SampleFileWriter {
   public:
     SampleFileWriter(const std::filesystem::path& path, const SampleHeader& header,
@@ -42,11 +42,11 @@ class SampleFileWriter {
     SampleFileWriter(SampleFileWriter&&) = delete;
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
-    /// Writes the next rows of records. Rows range from -overscan to height + overscan, and columns from
-    /// -overscan to width + overscan. At the frame's own instant, this also computes the rows of the pinhole
-    /// image.
+    /// Writes the next rows of records. The file has rows from -overscan to height + overscan, and columns
+    /// from -overscan to width + overscan. At the frame's own instant, the rows of the pinhole image are
+    /// computed as well.
     void write(const RecordBand& band);
-    /// Starts the next instant in the header's `key_times_s`, beginning with the top row. Throws
+    /// Starts the next instant of the header's `key_times_s`, beginning with its top row. Throws
     /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
     void next_instant();
     /// Completes the file and moves it to its path. Returns the size of the file in bytes.
@@ -59,32 +59,32 @@ class SampleFileWriter {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Returns the size in bytes that rows y_begin to y_end - 1 of a band take in the file. This includes their
-/// entries in the offset tables, but not the pinhole image.
+/// Returns the number of bytes that rows y_begin to y_end - 1 of a band occupy in a sample file. This
+/// includes their entries in the offset tables, but not the pinhole image.
 [[nodiscard]] std::uint64_t packed_bytes(const SampleHeader& header, RecordCompression compression,
                                          const RecordBand& band, int y_begin, int y_end);
 
-/// What a reader does if the file is damaged after its header.
+/// What a reader does if a file is damaged, but its header is not.
 enum class Damage {
     refuse,  ///< reading a damaged or missing scanline throws an error
     salvage  ///< damaged scanlines are found on opening and replaced
 };
 
-/// Reads a sample file. Every function throws Error(invalid_input), which names the file, if the file is
+/// Reads a sample file. Every function throws Error(invalid_input), with the name of the file, if the file is
 /// damaged or incomplete. Counts and windows are checked before memory is allocated.
 ///
-/// With Damage::salvage, opening a file reads and checks all its records. A damaged or missing row is
-/// replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is removed
-/// if all its rows are damaged. An error is thrown if the header is damaged, or if too many rows of the
-/// frame's own instant are damaged (least_whole_share).
+/// With Damage::salvage, all records are read and checked when the file is opened. Damaged or missing rows
+/// are replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is
+/// removed if all its rows are damaged. An error is thrown if the header is damaged, or if too many rows of
+/// the frame's own instant are damaged (least_whole_share).
 class SampleFileReader {
   public:
-    /// With Damage::salvage, at least 1 / least_whole_share of the rows must be undamaged. Without this
-    /// limit, a small damaged file could claim an image of any size.
+    /// With Damage::salvage, at least one in `least_whole_share` rows must be undamaged. Otherwise, a small
+    /// damaged file could claim an image of any size.
     static constexpr std::size_t least_whole_share = 64;
 
-    /// Opens a file. Colours are multiplied by 2^exposure_stops when they are read. If `exposure_stops` is
-    /// absent, the exposure in the header is used.
+    /// Opens a file. Colours are multiplied by 2^exposure_stops when they are read. Without `exposure_stops`,
+    /// the exposure that the header states is applied.
     explicit SampleFileReader(const std::filesystem::path& path, Damage damage = Damage::refuse,
                               std::optional<double> exposure_stops = std::nullopt);
     ~SampleFileReader();
@@ -96,7 +96,8 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Returns the number of recorded instants. Instant 0 is the frame's own, and the others are the keys.
+    /// Returns the number of recorded instants. Instant 0 is the frame's own, and the others are keys
+    /// (further recorded instants).
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
     /// Returns one summary per scanline of records, beginning with the scanline at y = -overscan.
@@ -112,18 +113,19 @@ class SampleFileReader {
     [[nodiscard]] int x_begin() const;
     [[nodiscard]] int x_end() const;
 
-    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order. Rows can be read in any order.
-    /// Verifies the checksum of each row, and checks its values. Reuses the memory of `band`.
+    /// Reads rows y_begin to y_end - 1 of an instant, in canonical order (canonical_before). Verifies the
+    /// checksum and the values of each row. Rows can be read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows that were replaced, by instant and from top to bottom. The list is empty
+    /// Returns the damaged rows that were replaced, by instant and then from top to bottom. The list is empty
     /// without Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
-    /// Returns the times of the keys that were removed because all their rows are damaged.
+    /// Returns the times of the keys (further recorded instants) that were removed because all their rows are
+    /// damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
-    /// Damage::salvage. The image can then be computed from the records instead.
+    /// Returns the pinhole image, which is part 0 of the file. Throws if this part is damaged, even with
+    /// Damage::salvage. The image can still be computed from the records.
     [[nodiscard]] Image picture() const;
-    /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
+    /// Returns true if the file is an OpenEXR file with the version attribute of postlens sample files.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);
 
   private:

@@ -15,8 +15,8 @@ namespace postlens {
 
 enum class Projection { perspective, orthographic };
 
-/// The lens and shutter settings for which the trace recorded enough overscan and hidden layers. A value is
-/// absent if the trace did not specify it.
+/// The lens and shutter settings for which the trace recorded enough overscan and hidden surfaces. A value is
+/// absent if the trace was made without this setting.
 struct SufficientRange {
     std::optional<double> smallest_f_number;
     std::optional<double> nearest_focus_m, farthest_focus_m;  ///< farthest may be infinite

@@ -10,16 +10,16 @@
 
 namespace postlens {
 
-/// Largest width and height of a raster in px, including overscan and corners. A float of this size has a
-/// resolution of 1/64 px.
+/// Largest width and height of a raster in px, including overscan and corners. Floats below this size have a
+/// resolution of at least 1/64 px.
 inline constexpr int largest_extent_px = 262144;
 
-/// Throws Error(invalid_input) if a value is out of range. The message names `file` and the field. The motion
-/// is not checked here, because motion_of_text() checks it when the file is read.
+/// Throws Error(invalid_input) if a value is out of range. The message names `file` and the field. Does not
+/// check the motion, which motion_of_text() checks when the file is read.
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
 /// Returns the checksum of all header fields as sixteen hexadecimal digits. docs/sample_file.md lists the
-/// bytes from which it is computed.
+/// bytes over which it is computed.
 [[nodiscard]] std::string header_checksum(const SampleHeader& header);
 
 /// Returns the OpenEXR headers of all parts, in the order of the file.

@@ -7,8 +7,8 @@
 namespace postlens::layout {
 namespace {
 
-/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part, for
-/// example Z.far for z_far.
+/// The fields of a row of the part `scanlines`, in file order. Each field is a channel of the part: z_far is
+/// the channel Z.far, for example.
 struct RowFields {
     float z_far, z_near;
     std::uint32_t checksum_hi, checksum_lo, picture_hi, picture_lo, records, row_check;
@@ -85,7 +85,8 @@ Window display_window(const SampleHeader& header) {
 Window data_window(Part part, const SampleHeader& header) {
     const int o = header.overscan_px;
     if (part == picture_part) return display_window(header);
-    // Records lie at pixel corners, so there is one more column and one more row of records than of pixels.
+    // Point samples lie at pixel corners, so the records have one more column and one more row than the
+    // image.
     if (part == records_part) return {-o, -o, header.width + o, header.height + o};
     return {0, -o, 0, header.height + o};
 }

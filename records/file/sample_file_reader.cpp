@@ -17,14 +17,13 @@ namespace {
 
 using namespace layout;
 
-/// A chunk that claims to expand to more bytes than this is rejected if the claim is also more than
-/// `largest_expansion` times its packed size. A small damaged file can therefore not cause a large
-/// allocation.
+/// A chunk is rejected if its stated size after expansion exceeds both this and `largest_expansion` times its
+/// packed size. A small damaged file can therefore not cause a large allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 
-/// Largest factor by which a zlib stream can expand. It is used to detect a file that is too small for the
-/// number of records that it states.
+/// Largest factor by which a zlib stream can expand. A file that is too small for its stated number of
+/// records, even at this factor, is rejected.
 constexpr std::uint64_t best_deflate_ratio = 1032;
 
 constexpr std::uint64_t flat_head_bytes = 12;  ///< part, y, size
@@ -211,7 +210,7 @@ void SampleFileReader::Impl::read_row(int y, const ScanlineFacts& expected, cons
         fail_damaged(y, "a position is not a multiple of 1/1024 px inside its pixel");
     }
     const std::size_t first = band.pixel(band.x_begin, y);
-    // The first and the last offset of the row are skipped, because they are already set.
+    // The caller has set the first and the last offset of the row.
     for (std::size_t i = 1; i + 1 < work.offsets.size(); ++i)
         band.offsets[first + i] = base + work.offsets[i];
     check_row(y, expected, band);

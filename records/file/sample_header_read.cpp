@@ -22,8 +22,8 @@ std::map<std::uint32_t, std::string> names_of_manifest(const ExrPart& part, cons
     std::map<std::uint32_t, std::string> names;
     const auto bytes = part.raw("idManifest", "idmanifest");
     if (!bytes) return names;
-    // The attribute holds the expanded size as a uint64, followed by a zlib stream. The OpenEXR library does
-    // not check this size, so the stream is expanded here.
+    // The attribute is the expanded size, as a uint64, followed by a zlib stream. The stream is expanded
+    // here, because the OpenEXR library would not check the size.
     std::uint64_t size = largest_manifest_bytes + 1;
     if (bytes->size() >= sizeof size) std::memcpy(&size, bytes->data(), sizeof size);
     if (size > largest_manifest_bytes) {

@@ -9,14 +9,14 @@
 
 namespace postlens {
 
-/// Interpolates keys as transform_at does: rotations by slerp, translations and scales linearly. The angles
-/// between keys, and the inverses of their sines, are computed in advance.
+/// Interpolates keyframes with the same result as transform_at: rotations by slerp, translations and scales
+/// linearly. The angles between keys, and the inverses of their sines, are computed in advance.
 class MotionPath {
   public:
     MotionPath() = default;
     explicit MotionPath(const std::vector<TransformKey>& keys);
 
-    /// Position and orientation at one instant. A point p has the world position
+    /// Position, orientation and scale at one instant. A point p has the world position
     /// translation + rotation * (scale * p).
     struct Pose {
         glm::dvec3 translation{0};
@@ -39,8 +39,8 @@ class MotionPath {
 
     /// True if the transform changes between two instants.
     [[nodiscard]] bool moves(double open_s, double close_s) const;
-    /// Returns the instants that divide the exposure into intervals: open_s, the keys between open_s and
-    /// close_s, and close_s. They are in ascending order.
+    /// Returns the instants, in ascending order, that divide the exposure at keyframes: open_s, the times of
+    /// the keys between open_s and close_s, and close_s.
     [[nodiscard]] std::vector<double> intervals(double open_s, double close_s) const;
 
   private:

@@ -1,5 +1,5 @@
-// Motion of objects, camera and lights. It is stored in the header of a sample file and gives their poses at
-// any instant.
+// Motion of objects, camera and lights. The header of a sample file stores it, so that poses can be computed
+// for any instant.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The rigid motion of all shapes with the same id. `keys` are keyframes. The transform interpolated between
-/// them at an instant converts points from object space to world space.
+/// The rigid motion of all shapes with the same id. The transform at an instant, interpolated between the
+/// keyframes `keys`, converts points from object space to world space.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
     glm::dvec3 centre_m{0};          ///< centre, in the object's space, of a sphere that encloses the object
@@ -20,8 +20,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that lights a moving scene. The keyframes `keys` transform `place`, which is the
-/// light's position or direction.
+/// A light that moves, or that lights a moving scene. `place` is the position or direction of the light, to
+/// which the transforms of the keyframes `keys` are applied.
 struct LightMotion {
     bool directional = false;  ///< if true, `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position in m, or direction
@@ -38,12 +38,12 @@ struct SceneMotion {
     [[nodiscard]] bool operator==(const SceneMotion&) const = default;
 };
 
-/// Converts the motion to JSON text. motion_of_text() restores exactly equal values from the text. The text
-/// is empty if nothing moves. docs/sample_file.md lists the keys of the JSON.
+/// Converts the motion to JSON text, which is empty if nothing moves. motion_of_text() restores exactly the
+/// same values. docs/sample_file.md lists the members of the JSON objects.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Reads text that motion_text() has written. Throws Error(invalid_input) if the structure of the JSON is
-/// wrong or a value is not valid, for example if times do not increase. The message begins with `source`.
+/// Parses the text of motion_text(). Throws Error(invalid_input) if the JSON has another structure or a value
+/// is not valid, for example if times do not increase. The message begins with `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

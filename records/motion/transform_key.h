@@ -1,4 +1,4 @@
-// Keys of the keyframed motion in scenes, sample files and files of motion paths.
+// Keyframes of the motion in scenes, sample files and files of motion paths.
 #pragma once
 
 #include <glm/glm.hpp>
@@ -7,8 +7,8 @@
 
 namespace postlens {
 
-/// Position and orientation at one instant. Between keys, translation and scale are interpolated linearly,
-/// and rotation is interpolated by slerp.
+/// A keyframe: position, orientation and scale at one instant. Between keyframes, translation and scale are
+/// interpolated linearly, and rotation by slerp.
 struct TransformKey {
     double time_s = 0;
     glm::dvec3 translation{0};
@@ -17,8 +17,8 @@ struct TransformKey {
     [[nodiscard]] bool operator==(const TransformKey&) const = default;
 };
 
-/// Returns the transform at an instant, interpolated between keys. Before the first key and after the last
-/// one, the transform is that of the nearest key.
+/// Returns the transform at an instant, interpolated between keyframes. It is constant before the first
+/// keyframe and after the last.
 [[nodiscard]] glm::dmat4 transform_at(const std::vector<TransformKey>& keys, double time_s);
 
 }  // namespace postlens
