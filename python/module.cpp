@@ -18,8 +18,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command: its JSON report, its exit code, its warnings (code, text, share), and the images
-/// that it did not write to files, with their exposures.
+/// The result of a command: its JSON report, its text, the images that it did not write to files (with their
+/// exposures), its warnings (code, text, share), and its exit code.
 struct Outcome {
     std::string json;
     py::object text;

@@ -1,4 +1,4 @@
-// Runs work in a second thread. The calling thread handles the signals of Python.
+// Runs work in a second thread, while the calling thread handles the signals of Python.
 #pragma once
 
 #include <functional>
@@ -7,22 +7,22 @@
 
 namespace postlens::python {
 
-/// Runs `work` as a job with `threads` threads, and returns when the job has ended. 0 threads means one per
-/// core. `work` runs without the interpreter's lock.
+/// Runs `work` as a job with `threads` threads, or one per core if `threads` is 0. Returns when the job has
+/// ended. `work` runs without the interpreter's lock.
 ///
 /// Meanwhile, the calling thread handles signals and calls progress(fraction, seconds_left), unless
 /// `progress` is None. After `work` has succeeded, the last call is progress(1, 0).
 ///
 /// Exceptions of `work` are thrown again here, with errors of postlens converted to postlens.Error. If
-/// `progress` or a signal handler raises an exception (KeyboardInterrupt), the work is cancelled. The
-/// exception is thrown again when the work has stopped.
+/// `progress` or a signal handler raises an exception (such as KeyboardInterrupt), the work is cancelled, and
+/// the exception is thrown again when the work has stopped.
 void run_job(int threads, const pybind11::object& progress, const std::function<void()>& work);
 
-/// Converts a text to a str of Python. Bytes that are not UTF-8, which occur in names of files, become
+/// Converts a text to a Python str. Bytes that are not valid UTF-8, which may occur in file names, become
 /// surrogates.
 [[nodiscard]] pybind11::object text_of(const std::string& text);
 
-/// Calls `call` in the calling thread. Errors of postlens are converted to postlens.Error.
+/// Calls `call` in the calling thread, and converts errors of postlens to postlens.Error.
 void translated(const std::function<void()>& call);
 
 }  // namespace postlens::python

@@ -18,8 +18,8 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SCENES = os.path.join(HERE, "..", "samples", "scenes", "optics")
-# Focus distances in m, and the window in which images are compared (left, top, right, bottom, as fractions of
-# the frame's size). The window is so far inside the object's silhouette that no lens point sees past the
+# For each scene, the focus distances in m, and the window in which images are compared: left, top, right, bottom, as
+# fractions of the frame's size. The window is so far inside the object's silhouette that no lens point sees past the
 # object there.
 CASES = {
     "flat_mirror": ([1.2, 5.4], (0.22, 0.22, 0.78, 0.78)),

@@ -7,7 +7,7 @@ import subprocess
 import threading
 
 
-# Time, in seconds, that a command has to remove its unfinished output before it is killed.
+# Time, in seconds, in which a stopped command can remove its unfinished output before it is killed.
 ENDING_S = 5.0
 
 
@@ -51,7 +51,7 @@ def run(program, words, folder, cancelled=lambda: False):
     child = subprocess.Popen(
         [program, *words, "--json"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment, cwd=folder,
-        # A message may contain the name of a file, which may consist of any bytes.
+        # A message may contain the name of a file, which need not be valid UTF-8.
         encoding="utf-8", errors="replace",
     )  # fmt: skip
     said = []

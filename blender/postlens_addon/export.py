@@ -13,8 +13,8 @@ from .rendered import rendered
 
 # Types of objects that Blender renders and that have no equivalent in glTF.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# If a matrix differs from the same matrix without shear by at most this, relative to the largest scale, the
-# difference is treated as rounding.
+# A matrix counts as free of shear if removing the shear changes its elements by at most this, relative to its largest
+# scale.
 SHEAR = 1e-5
 
 
@@ -35,7 +35,8 @@ class Copy:
         """Returns the mesh of an object. Objects that share their mesh and materials also share the copy."""
         if key not in self.meshes:
             mesh = self.meshes[key] = bpy.data.meshes.new_from_object(thing)
-            # A material belongs either to the mesh or to the object. The object's slots contain both kinds.
+            # A material belongs either to the mesh or to the object. The slots of the object list both kinds, so the
+            # copied mesh gets all of them.
             for i, slot in enumerate(thing.material_slots):
                 mesh.materials[i] = slot.material and slot.material.original
             if self.layer.material_override:
@@ -73,8 +74,8 @@ class Copy:
             self.add(thing.name, thing.data.original, instance.matrix_world)
 
     def remove(self):
-        # All of them are removed by one call, because each single removal would search the whole file for
-        # users. Removing a scene by itself would also need a window.
+        # One call removes all of these. Separate removals would each search the whole Blender file for users, and the
+        # removal of a scene alone would need a window.
         bpy.data.batch_remove([*self.scene.objects, *self.meshes.values(), self.scene])
 
 
@@ -96,10 +97,10 @@ def rename_nodes(path, names):
 def export(scene, camera, path):
     """Writes a scene to a .glb file as Blender renders it, with only this camera. Returns one line for each kind of
     content that postlens traces differently from Blender."""
-    # After a script has opened a file, the context has no window until Blender handles its next event.
+    # The context has no window if a script has just opened a file. The first window is used then.
     window = bpy.context.window or bpy.context.window_manager.windows[0]
-    # If a 3D view has a local camera, it switches to the camera of the window's scene when that scene
-    # changes.
+    # A 3D view with a local camera switches to the scene's camera when its window shows another scene. These cameras
+    # are restored afterwards.
     spaces = [a.spaces.active for w in bpy.context.window_manager.windows for a in w.screen.areas]
     cameras = [(s, ("camera",)) for s in spaces if s.type == "VIEW_3D" and s.use_local_camera]
     copy = Copy(layer_of(scene))

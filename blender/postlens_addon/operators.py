@@ -13,7 +13,8 @@ IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
 # Seconds between two checks of the work in a window.
 TICK_S = 0.05
-# Events that only move the view. They are passed on while a run has changed the scene for its renders.
+# Events that only move the view. They are passed on to Blender during a run. Most other events are blocked, because a
+# run temporarily changes the scene.
 LOOKING = {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN",
            "TRACKPADZOOM", "MOUSEROTATE", "MOUSESMARTZOOM", "WINDOW_DEACTIVATE"}  # fmt: skip
 # Height of Blender's status bar, in px, at a resolution scale of 1.
@@ -68,7 +69,7 @@ def show(path, can_open=False):
 
     If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # This property distinguishes the image of the add-on from a user's image of the same name.
+    # This property marks the image of the add-on, because a user's image may have the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
@@ -89,7 +90,7 @@ def line_of(error):
     """The message of a failure, as one line."""
     if isinstance(error, OSError) and error.strerror:
         return ": ".join(str(part) for part in (error.filename, error.strerror) if part is not None)
-    # The message of a failed Blender operator ends with the line of Blender's code that called the operator.
+    # The message of a failed Blender operator ends with the location in Blender's code, which is left out.
     lines = [line.strip().removeprefix("Error: ") for line in str(error).splitlines()]
     return next((s for s in reversed(lines) if s and not s.startswith("Location: ")), type(error).__name__)
 
@@ -141,8 +142,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image opens a window. If an earlier image opened one, that window would receive
-            # the Esc key instead of the window in which this operator runs.
+            # Only the last image may open a new window. That window would receive the Esc key instead of the window in
+            # which this operator runs.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

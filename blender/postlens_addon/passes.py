@@ -12,9 +12,8 @@ from . import command
 
 # Types of objects that a camera ray can hit.
 SHAPES = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
-# Largest margin around the frame, as a fraction of the frame's shorter side. The lens may also spread light
-# from beyond this margin into the frame. That light is not rendered, but estimated from the pixels within the
-# margin.
+# Largest margin rendered around the frame, as a fraction of the frame's shorter side. Light that the lens spreads into
+# the frame from beyond this margin is not rendered, but estimated from pixels within the margin.
 WIDEST_MARGIN = 0.25
 # Smallest radius of a circle of confusion, px, at which the surfaces behind a blurred edge become visible.
 VISIBLE_RADIUS_PX = 1.0
@@ -38,8 +37,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again. Without muting, this would replace the values that the body has
-    # set.
+    # A render evaluates the animation again, which would replace the values that the body sets. The animation of these
+    # properties is therefore muted.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:
@@ -110,7 +109,7 @@ def pinhole(scene, camera, film, vectors):
         (render, ("resolution_x", "resolution_y", "resolution_percentage", "use_motion_blur", "filepath", "use_stamp",
                   "use_file_extension", "use_overwrite", "use_compositing", "use_sequencer", "use_single_layer")),
         (render.image_settings, image),
-        # Setting the file format changes this name. If the name has no value, it cannot be restored.
+        # The name of the colour space changes with the file format. It cannot be restored if it is empty.
         (linear, ("name",) if render.image_settings.color_management == "OVERRIDE" and linear.name else ()),
         (data, ("sensor_fit", "sensor_width", "sensor_height", "shift_x", "shift_y")),
         (data.dof, ("use_dof",)),
@@ -119,8 +118,8 @@ def pinhole(scene, camera, film, vectors):
         *((other, ("use",)) for other in scene.view_layers),
     ):  # fmt: skip
         scene.camera = camera
-        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin
-        # changes the length of that side, so the shift is converted.
+        # Blender measures the shift of a camera as a fraction of the larger side of the frame. The margin changes that
+        # side, so the shift is converted to a fraction of the width.
         larger = max(render.resolution_x, render.resolution_y) * render.resolution_percentage / 100
         if data.sensor_fit != "AUTO":
             larger = render.resolution_x if data.sensor_fit == "HORIZONTAL" else render.resolution_y

@@ -12,9 +12,9 @@ from . import camera as cameras
 from . import command, export, passes
 from .rendered import rendered
 
-# Share of the displayed progress of a frame that each of its two renders takes.
+# Fraction of a frame's progress bar for each of the frame's two renders.
 RENDER_SHARE = 0.4
-# Longest time, in seconds, for which `survey` blocks Blender's window before it pauses.
+# Longest time, in seconds, for which `survey` works before it lets Blender's window respond.
 SURVEY_S = 0.1
 
 
@@ -33,10 +33,10 @@ class Job:
     behind_distance_m: float = 0  # 0: the distance at which blur becomes visible
     only_lens_changes: bool = False
     cancelled: object = lambda: False
-    # Whether Blender renders in a thread of its own, so that its window stays responsive.
+    # True if Blender renders in a thread of its own, so that its window stays responsive.
     in_window: bool = False
     progress: object = lambda share, text: None
-    # For each text, the first frame with this warning, or None if it concerns the whole scene.
+    # The text of each warning, and the first frame that caused it, or None if it concerns the whole scene.
     warnings: dict = field(default_factory=dict)
 
     def path(self, name, frame, ending=".exr"):
@@ -49,8 +49,8 @@ class Job:
 
     def run(self, frame, words):
         """Runs a command and keeps its warnings. This generator yields while the command runs."""
-        # The program interprets # and % in a path as placeholders for frame numbers. It therefore runs in the
-        # folder, and is given only the names of the files.
+        # The program interprets # and % in a path as placeholders for frame numbers. The path of the folder may contain
+        # such characters, so the program runs in the folder and gets only file names.
         folder = os.path.join(self.folder, "")
         names = [word.removeprefix(folder) for word in words]
         said = yield from command.run(self.program, names, self.folder, self.cancelled)

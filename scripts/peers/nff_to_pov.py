@@ -20,12 +20,12 @@ import sys
 
 RASTER_PX = 512
 MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD scenes require
-# With `filter`, POV-Ray multiplies diffuse and ambient light by 1 - T, where T is the transmittance. To
+# POV-Ray multiplies the diffuse and ambient light of a pigment with `filter` by 1 - T, where T is the transmittance. To
 # cancel this factor, the output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Rounding to the file's six digits may make two edges of a convex polygon turn the wrong way. This is the
-# largest accepted sine of such a turn.
+# Rounding to the six digits of the file may make two edges of a convex polygon turn slightly the wrong way. This is the
+# largest accepted sine of the angle of such a turn.
 LARGEST_REFLEX = 1e-4
 
 
@@ -205,8 +205,7 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # Triangles are written separately, because POV-Ray takes longer to render them as a single
-                # mesh.
+                # POV-Ray renders separate triangles faster than a mesh of them.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:

@@ -27,8 +27,8 @@ from mathutils import Euler, Matrix, Quaternion, Vector
 OUTLINE_PX = 0.01  # a hundredth of the width of the box filter: the error is at most 1 % of an edge's contrast
 MOTION_PX = 0.01
 POSES_LOG2 = 7  # Cycles' limit: 2^7 intervals in the frame
-# Cycles 3.4 samples times from a table of 256 entries. For a box curve, the times cover only this fraction of
-# the frame. With --whole-frame, the error is not corrected.
+# Cycles 3.4 chooses the times of samples from a table of 256 entries. With a box-shaped shutter curve, these times
+# cover only this fraction of the frame. The exposure is corrected for this, unless --whole-frame is given.
 SHUTTER_COVERED = 254 / 256
 LARGEST_ICOSPHERE = 8  # 330,000 triangles
 
@@ -183,8 +183,8 @@ def checker(nodes, links, table, emission):
             made.inputs[1].default_value = value
         return made
 
-    # Cells may be infinitely long along an axis. The coordinate along such an axis is multiplied by 0.
-    # Blender's Checker Texture node is not used, because it shifts the borders of the cells.
+    # Cells may be infinitely long along an axis, whose coordinate is then multiplied by 1 / infinity = 0. Blender's
+    # Checker Texture node is not used, because it shifts the borders of the cells.
     shares = [1 / x for x in triple(needed(what, table, "size_m"))]
     at = nodes.new("ShaderNodeTexCoord").outputs["Object"]
     at = node("ShaderNodeVectorMath", at, triple(table.get("offset_m", 0)), "SUBTRACT").outputs["Vector"]
@@ -469,8 +469,8 @@ def parse(words):
     parser.add_argument("--focus", type=float, metavar="M")
     parser.add_argument("--shutter", type=pair(":", float), metavar="OPEN:CLOSE")
     parser.add_argument("--whole-frame", action="store_true", help="do not make up for SHUTTER_COVERED")
-    # Images by the default sampler of Cycles (pmj) need more samples than those by Sobol points to be free of
-    # bias (README.md).
+    # Images by Cycles' default sampler (pmj) need more samples to be free of bias than those by Sobol points
+    # (README.md).
     parser.add_argument("--sampler", choices=["sobol", "pmj"], default="sobol")
     parser.add_argument("--passes", action="store_true", help="a multi-layer file, with the pass Depth")
     parser.add_argument("--threads", type=int, default=0)
