@@ -72,8 +72,8 @@ struct Place {
 };
 
 std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place& place) {
-    // Many programs expect an OpenEXR image to have alpha. An image without alpha therefore gets the alpha 1,
-    // as half floats to save space.
+    // Many programs expect an OpenEXR image to have alpha. An image without alpha is therefore written with
+    // an alpha of 1, stored as half floats.
     const std::vector<float> rgba = image.alpha.empty() ? std::vector<float>() : with_alpha(image);
     const std::vector<Imath::half> ones(rgba.empty() ? static_cast<std::size_t>(image.width) : 0,
                                         Imath::half(1.0F));

@@ -155,7 +155,7 @@ int rows_per_chunk(ChunkCompression compression) {
 bool inflate_zlib(ByteView packed, std::span<std::uint8_t> raw) {
     libdeflate_decompressor* d = libdeflate_alloc_decompressor();
     if (d == nullptr) throw std::bad_alloc();
-    // Without a pointer for the actual size (null), libdeflate fails unless it fills the output exactly.
+    // With a null pointer for the actual size, libdeflate fails unless it fills the output exactly.
     const auto result =
         libdeflate_zlib_decompress(d, packed.data(), packed.size(), raw.data(), raw.size(), nullptr);
     libdeflate_free_decompressor(d);
@@ -192,7 +192,7 @@ bool ChunkCodec::decompress(ChunkCompression compression, ByteView packed, std::
     } else {
         if (!decompressor_) decompressor_.reset(libdeflate_alloc_decompressor());
         if (!decompressor_) throw std::bad_alloc();
-        // Without a pointer for the actual size (null), libdeflate fails unless it fills the output exactly.
+        // With a null pointer for the actual size, libdeflate fails unless it fills the output exactly.
         if (libdeflate_zlib_decompress(decompressor_.get(), packed.data(), packed.size(), scratch_.data(),
                                        scratch_.size(), nullptr) != LIBDEFLATE_SUCCESS) {
             return false;

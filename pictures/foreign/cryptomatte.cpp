@@ -167,8 +167,8 @@ bool has_its_ids(const nlohmann::json& manifest) {
 }
 
 /// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names, so the
-/// JSON may be invalid, or names may be misread and no longer have the hashes that the ids state. Such
-/// manifests are escaped. All others are returned unchanged.
+/// JSON may be invalid, or names may be misread and no longer have the hashes that the ids state. In such
+/// manifests, the names are escaped. All other manifests are returned unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

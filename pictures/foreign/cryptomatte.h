@@ -58,7 +58,7 @@ struct ManifestObject {
 [[nodiscard]] std::optional<std::vector<std::string>> manifest_names(const std::string& manifest);
 
 /// Returns the id of a name according to the specification: MurmurHash3 (x86, 32 bits, seed 0). If the hash
-/// is a denormal, infinite or NaN when read as a float, the lowest bit of its exponent is flipped.
+/// is zero, denormal, infinite or NaN when read as a float, the lowest bit of its exponent is flipped.
 [[nodiscard]] std::uint32_t cryptomatte_id(std::string_view name);
 
 }  // namespace postlens

@@ -73,9 +73,9 @@ struct ForeignPicture {
         0};                            ///< where each pixel's stack begins, row by row, and the last one ends
     std::vector<StackSample> samples;  ///< from near to far within each stack
     /// Pixels that show several surfaces, in ascending order, and the fractions that the surfaces cover,
-    /// largest first. Fractions below 1 % are omitted. The sample of a mixed pixel has the id of the surface
-    /// with the largest fraction. Both lists are empty if the image has neither a Cryptomatte nor depths that
-    /// are means of two depths.
+    /// largest first. The sample of a mixed pixel has the id of the surface with the largest fraction.
+    /// Fractions below 1 % in a Cryptomatte are omitted. Both lists are empty if the image has neither a
+    /// Cryptomatte nor depths that are means of two depths.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)

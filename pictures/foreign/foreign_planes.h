@@ -21,10 +21,10 @@ using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::si
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the value of a channel for each pixel of part `onto`, row by row. The value is `otherwise` where
-/// `part` has no pixel. However, if `part` ends at a border of the display window, its outermost values are
-/// repeated beyond this border. If `converts` is true, the channel contains integers, which are converted to
-/// floats. Throws Error(out_of_memory).
+/// Returns the value of a channel for each pixel of part `onto`, row by row. Where `part` has no pixel, the
+/// value is `otherwise`, with one exception: if `part` ends at a border of the display window, its outermost
+/// values are repeated beyond this border. If `converts` is true, the channel contains integers, which are
+/// converted to floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

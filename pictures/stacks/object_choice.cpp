@@ -86,9 +86,9 @@ std::array<StackSample, 2> divided(const StackSample& s, float share) {
     return out;
 }
 
-/// Chooses samples of a stack (the samples of a pixel), at the depth of its nearest sample, until they cover
-/// a given fraction of the pixel. A sample that covers too much is divided in two. The object is reused for
-/// all pixels to avoid allocations.
+/// Chooses which samples of a stack (the samples of a pixel) belong to an object, until they cover a given
+/// fraction of the pixel. Only samples at the depth of the nearest sample are chosen. A sample that covers
+/// too much is divided in two. One MaskedStack is reused for all pixels to avoid allocations.
 class MaskedStack {
   public:
     explicit MaskedStack(std::uint16_t mask) : mask_(mask) {}

@@ -67,8 +67,8 @@ std::string header_checksum(const SampleHeader& h) {
     for (const double v : h.key_times_s) bytes.number(v);
     bytes.optional(h.sufficient.shutter_open_s);
     bytes.optional(h.sufficient.shutter_close_s);
-    // The format got the fields below later. The checksum includes them only if they are present, so that the
-    // checksums of older files remain valid.
+    // The fields below are later additions to the format. The checksum includes them only if they are
+    // present, so that the checksums of older files remain valid.
     if (h.has_bend) bytes.number<std::uint8_t>(1);
     const auto later = [&bytes](std::uint8_t tag, const std::optional<double>& value) {
         if (!value) return;

@@ -23,8 +23,9 @@ namespace postlens {
 inline constexpr std::array<std::string_view, 6> transform_keys{
     "translate_m", "rotate_degrees", "rotate_axis", "quaternion", "scale", "matrix"};
 
-/// Reads a constant transform from a table: either the product translate * rotate * scale of the keys for
-/// these, or the key `matrix`. Returns the identity if the table has none of transform_keys.
+/// Reads a constant transform from a table: either the key `matrix`, or the keys for translation, rotation
+/// and scale, which are combined as translate * rotate * scale. Returns the identity if the table has none of
+/// transform_keys.
 [[nodiscard]] glm::dmat4 read_transform(const TomlTable& table, double metres_per_unit);
 
 /// Reads the keyframes in the array `keys` of a table, which must be in order of time. Returns an empty list
