@@ -31,7 +31,7 @@ template <typename Value>
 [[nodiscard]] inline float luminance(const float* rgb) {
     return luminance(rgb[0], rgb[1], rgb[2]);
 }
-/// Returns the luminance in double precision, for sums.
+/// Returns the luminance in double precision, to avoid rounding errors in sums.
 [[nodiscard]] inline double exact_luminance(const float* rgb) {
     return luminance(static_cast<double>(rgb[0]), static_cast<double>(rgb[1]), static_cast<double>(rgb[2]));
 }

@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Functions that receive the records. Each of them may be empty.
+/// Functions that receive the records. Each of them may be empty, that is, not wanted.
 struct RecordsRead {
     /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
     /// in order from top to bottom.

@@ -34,7 +34,7 @@ struct SampleHeader {
     Projection projection = Projection::perspective;
     double film_distance_mm = 0;  ///< from the pinhole to the film; perspective only
     double pixel_pitch_mm = 0;    ///< on the film; for an orthographic camera, size of a pixel in the scene
-    double focal_length_mm = 0;   ///< nominal F, the default of `focus`
+    double focal_length_mm = 0;   ///< nominal focal length, the default of the command `focus`
     std::optional<double> f_number;
     std::optional<double> focus_m;  ///< may be infinite
     std::optional<double> exposure_s;
@@ -50,8 +50,8 @@ struct SampleHeader {
 
     double exposure_stops = 0;  ///< white has the radiance 2^-exposure_stops; records store radiance
     std::optional<double> auto_exposure_stops;  ///< result of `--exposure auto` for this scene and camera
-    std::optional<double> lumens_per_watt;      ///< the scene's photometric lights are divided by this
-    std::optional<double> metres_per_unit;      ///< unit of lengths in the scene; absent in older files
+    std::optional<double> lumens_per_watt;  ///< factor by which the scene's photometric lights were divided
+    std::optional<double> metres_per_unit;  ///< unit of lengths in the scene; absent in older files
 
     std::string scene_name;
     std::string scene_sha256;

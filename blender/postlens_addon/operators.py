@@ -11,7 +11,7 @@ from . import command, pictures
 
 IMAGE = "postlens"
 FAILURES = (cameras.CameraError, command.CommandError, RuntimeError, OSError)
-# Seconds between two checks of the work in a window.
+# Interval, in seconds, at which an operator in a window continues its work.
 TICK_S = 0.05
 # Events that only move the view. They are passed on to Blender during a run. Most other events are blocked, because a
 # run temporarily changes the scene.
@@ -204,7 +204,7 @@ class Pictures:
         finally:
             if not more:
                 self.finish()
-        # The timers of other operators cause the same events.
+        # A timer event is passed on, because it may be that of another operator.
         return {"PASS_THROUGH" if more else "FINISHED"}
 
     def finish(self):

@@ -133,7 +133,7 @@ def pinhole(scene, camera, film, vectors):
         settings = render.image_settings
         settings.file_format, settings.color_mode = "OPEN_EXR_MULTILAYER", "RGBA"
         settings.color_depth, settings.exr_codec = "32", "ZIP"
-        # The scene's own output may have another colour space.
+        # The output settings of the scene may state another colour space.
         settings.color_management = "FOLLOW_SCENE"
         # If this setting were True, Blender would render only the layer that the window shows.
         render.use_single_layer = False

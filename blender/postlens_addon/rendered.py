@@ -50,12 +50,12 @@ def rendered(scene, look):
 
     class Engine(bpy.types.RenderEngine):
         bl_idname, bl_label = "POSTLENS_LOOK", "postlens"
-        bl_use_custom_freestyle = True  # so that Blender draws no lines either
+        bl_use_custom_freestyle = True  # otherwise Blender would draw Freestyle lines
 
         def render(self, depsgraph):
             try:
                 found.append(look(depsgraph))
-            except Exception as error:  # Blender would print it and go on
+            except Exception as error:  # Blender would print the error and continue
                 errors.append(error)
 
     names = ("engine", "resolution_x", "resolution_y", "resolution_percentage", "use_compositing", "use_sequencer",

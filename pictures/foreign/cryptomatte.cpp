@@ -178,7 +178,7 @@ std::string as_json(std::string manifest) {
     return unescaped->dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// Largest manifest file that is read.
+/// Largest size of a manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
 /// Returns the text of a manifest that is stored in a file of its own, in the folder of the image

@@ -70,7 +70,7 @@ struct ForeignPicture {
     /// any side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
-        0};                            ///< where each pixel's stack begins, row by row, and the last one ends
+        0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
     /// Pixels that show several surfaces, in ascending order, and the fractions that the surfaces cover,
     /// largest first. The sample of a mixed pixel has the id of the surface with the largest fraction.

@@ -82,7 +82,7 @@ struct SampleFileReader::Impl {
     void replace_lost_rows();
     void count_records();
     void check_record_count() const;
-    /// Reads one row into `work.row`.
+    /// Reads a row of records into `work.row`.
     void read_alone(std::size_t instant, int y, Workplace& work) const;
     /// Makes the records that replace a lost (unreadable) row, and stores them in `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;

@@ -27,7 +27,7 @@ struct PackedRow {
     explicit PackedRow(int width, RecordChannels channels) : bytes(width, channels) {}
     ScanlineBytes bytes;
     Bytes packed_counts, packed_data;
-    ByteView counts, data;  ///< bytes for the file, packed or not
+    ByteView counts, data;  ///< bytes for the file, compressed if that makes them smaller
     std::uint64_t data_bytes = 0;
     ScanlineFacts facts;
 };

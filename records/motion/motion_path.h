@@ -26,7 +26,7 @@ class MotionPath {
             return translation + rotation * (scale * p);
         }
         [[nodiscard]] glm::dvec3 direction(const glm::dvec3& v) const { return rotation * (scale * v); }
-        /// The inverse of `point`. The point p is in world coordinates.
+        /// Inverse of `point`: p is in world coordinates.
         [[nodiscard]] glm::dvec3 unmoved_point(const glm::dvec3& p) const {
             return unmoved_direction(p - translation);
         }
