@@ -65,7 +65,7 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// The position of an image within a larger image, and the size of that larger image.
+/// The position of an image within the whole image, and the size of the whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;
@@ -97,7 +97,7 @@ std::uint64_t write_exr(const OutputFile& file, const Image& image, const Place&
     if (!image.made_by.empty()) exr.texts.emplace_back(made_by_attribute, image.made_by);
     exr.pixel_bytes = (rgba.empty() ? 3 : 4) * sizeof(float);
     exr.row_bytes = exr.pixel_bytes * static_cast<std::size_t>(image.width);
-    // RLE, the run-length encoding, does not make float channels smaller, so the file is not compressed.
+    // The file is not compressed, because RLE (run-length encoding) does not make float channels smaller.
     exr.compression = ChunkCompression::none;
     if (const double stops = image.exposure_stops.value_or(0); stops != 0)
         exr.texts.emplace_back(exposure_attribute, fmt::format("{}", stops));
@@ -143,7 +143,7 @@ void check_image_path(const fs::path& path) {
              "{}: unknown kind of image (got ending \"{}\"; expected exr, png, tif or jpg)", path.string(),
              path.extension().string());
     }
-    // If the library is missing, the error is reported here, before the image is computed.
+    // Loading the library here reports a missing library before the image is computed.
     if (format == Format::tiff || format == Format::jpeg) (void)picture_library();
 }
 
@@ -231,7 +231,7 @@ OpenedImage open_image(const fs::path& path) {
     return out;
 }
 
-/// Returns the pixels of the display window. Those that the file does not store are black.
+/// Returns the image of the display window. Pixels that the file does not store are black.
 Image in_display_window(const OpenedImage& file, const Image& stored, const std::string& name) {
     const PictureLayout& spec = file.in->layout();
     const std::int64_t shift_x = std::int64_t{spec.x} - file.x, shift_y = std::int64_t{spec.y} - file.y;
@@ -269,7 +269,7 @@ Image read_image(const fs::path& path, PictureValues values) {
     const int channels = spec.channels.size() >= 3 ? 3 : 1;
     const bool srgb = spec.colour_space == "sRGB" || (!spec.floating_point && spec.colour_space != "Linear");
     Image image(spec.width, spec.height);
-    // Grey values are read into the first third of the array, and then expanded to RGB in place.
+    // Grey values are read into the first third of the array, and expanded to RGB below.
     if (const std::string problem = file.in->read(channels, image.rgb.data()); !problem.empty())
         fail(ExitCode::invalid_input, "{}: cannot read ({})", path.string(), reason_of(problem));
     if (channels == 1) {
@@ -279,7 +279,7 @@ Image read_image(const fs::path& path, PictureValues values) {
         }
     }
     if (srgb) std::transform(image.rgb.begin(), image.rgb.end(), image.rgb.begin(), linear_from_srgb);
-    // The value 1 is white in sRGB formats. Their exposure is unknown unless an attribute states it.
+    // In sRGB formats, the value 1 is white. The exposure is unknown unless the attribute states it.
     if (!spec.exposure.empty()) {
         const double stops = stops_of_text(spec.exposure, path.string());
         if (srgb || !spec.floating_point) {

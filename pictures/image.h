@@ -24,7 +24,7 @@ struct Image {
     /// `rgb` is radiance times 2^exposure_stops. The exposure is absent if it is unknown, as in PNG, TIFF or
     /// JPEG files that other programs wrote.
     std::optional<double> exposure_stops = 0.0;
-    /// An additional channel with one value per pixel, to which the exposure is not applied.
+    /// An additional channel with one value per pixel. The exposure does not affect these values.
     struct Plane {
         std::string name;
         std::vector<float> values;

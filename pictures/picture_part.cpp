@@ -25,7 +25,7 @@ constexpr const char* checksum_key = "checksum";
 constexpr const char* exposure_key = "exposure_stops";
 constexpr int most_side_px = 1 << 20;
 
-/// Returns a checksum of all values of an image, in the order in which they are stored in memory.
+/// Returns a checksum of all values of an image, in the order in which the image stores them.
 std::string checksum(const Image& image) {
     Checksum sum;
     const auto add = [&](const std::vector<float>& values) {

@@ -1,5 +1,5 @@
-// The sRGB transfer curve, which converts scene-linear values to the encoded values of 8-bit images and back,
-// and the luminance of a colour with sRGB primaries.
+// The sRGB transfer curve, which converts between scene-linear values and the encoded values of 8-bit images.
+// Also the luminance of a colour with sRGB primaries.
 #pragma once
 
 #include <cmath>

@@ -14,8 +14,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The records of one instant of a file. Each column is a numpy view of these records, which keeps their
-/// memory alive.
+/// The records of one instant of a file. The columns are numpy views of the records. Each view keeps the
+/// memory of the records alive.
 class Records {
   public:
     explicit Records(RecordBand band) : band_(std::move(band)) {}

@@ -1,4 +1,4 @@
-// Writes a sample file of lower resolution for the same frame, from which a preview can be made quickly.
+// Writes a smaller sample file of the same frame, from which a preview is quick to make.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Estimates how many records of a file lie exactly at pixel corners, at the frame's own instant. The
-/// estimate is extrapolated from at most 32 rows, which are evenly spaced.
+/// Estimates how many records of the frame's own instant lie exactly at pixel corners. The estimate is
+/// extrapolated from at most 32 rows, which are spread evenly over the file.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file

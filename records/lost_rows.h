@@ -25,18 +25,19 @@ struct LostRows {
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
-/// As stand_in_for_row, but returns the records that replace row y as a band.
+/// Like stand_in_for_row, but returns the records that replace row y as a band.
 [[nodiscard]] RecordBand stand_in_row(const RecordBand* above, int x_begin, int x_end, int y);
 
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.
 [[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
 
 /// Groups the lost rows of an instant into runs of consecutive rows, and appends these runs to `runs`. `lost`
-/// has a flag for each row, beginning with row y_begin.
+/// has one flag per row, beginning with row y_begin.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 
-/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". A long list is shortened.
+/// Formats runs of lost rows as text, for example "rows 12-19, 40-47". Only the first runs of a long list are
+/// named.
 [[nodiscard]] std::string rows_text(std::span<const LostRows> runs);
 
 }  // namespace postlens

@@ -9,12 +9,12 @@
 namespace postlens {
 namespace {
 
-/// Width of a pixel in steps of 1 / position_steps px. The smallest leaf (undivided cell) of the quadtree is
-/// one step wide.
+/// Width of a pixel in steps of 1 / position_steps px. The smallest quadtree leaf (undivided cell) is one
+/// step wide.
 constexpr int pixel_steps = position_steps;
 
-/// Position within a pixel, in steps from its upper-left corner. Positions on the right and lower edges have
-/// the coordinate pixel_steps.
+/// Position within a pixel, in steps from its upper-left corner. The right and lower edges are at
+/// pixel_steps.
 struct Place {
     int u = 0, v = 0;
 };
@@ -40,7 +40,8 @@ void for_each_leaf(Place at, int size, const HasSample& has_sample, const Leaf& 
 }
 
 /// Calls on_sample(first_record, count) for every point sample of layer 0 (what the pinhole sees) in pixel
-/// (x, y), sorted by y, then by x. Throws if there is no sample at the pixel's upper-left corner.
+/// (x, y). The samples are sorted by y, then by x. Throws if the pixel has no sample at its upper-left
+/// corner.
 template <typename OnSample>
 void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sample) {
     const std::size_t k = band.pixel(x, y);
@@ -52,8 +53,8 @@ void for_each_sample(const RecordBand& band, int x, int y, const OnSample& on_sa
         records[begin].y != static_cast<float>(y)) {
         fail_missing(x, y, {});
     }
-    // Most pixels have a single sample. The records are sorted by position, so this is the case if the first
-    // and the last one have the same position.
+    // Most pixels have a single sample. Records are sorted by position, so a pixel has only one sample if its
+    // first and its last record have the same position.
     if (records[begin].x == records[end - 1].x && records[begin].y == records[end - 1].y) {
         on_sample(begin, end - begin);
         return;

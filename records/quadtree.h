@@ -1,5 +1,5 @@
-// Reconstructs the quadtree of each pixel from the positions of the pixel's samples. The quadtree determines
-// the weights of the samples in the pinhole image.
+// Rebuilds the quadtree of each pixel from the positions of the pixel's samples. The quadtree determines the
+// weights of the samples, and thus the pinhole image.
 #pragma once
 
 #include <array>

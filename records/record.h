@@ -46,8 +46,8 @@ class NodePath {
         }
         return true;
     }
-    /// Returns the path as text: one letter per bounce, R for reflected or T for transmitted, for example
-    /// "RTT". The text is "primary" for a path without a bounce.
+    /// Returns one letter per bounce (R for reflected, T for transmitted), for example "RTT". Returns
+    /// "primary" for an empty path.
     [[nodiscard]] std::string text() const;
 
     friend constexpr bool operator==(NodePath, NodePath) = default;

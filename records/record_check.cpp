@@ -14,7 +14,8 @@ bool is_dyadic(float position, int pixel) {
            static_cast<float>(pixel) + offset == position;
 }
 
-/// x - x is 0 if x is finite, and NaN otherwise, so one comparison tests all three values.
+/// The difference x - x is 0 if x is finite, and NaN otherwise. One comparison can thus test all three
+/// values.
 bool all_finite(float a, float b, float c) {
     return (a - a) + (b - b) + (c - c) == 0;
 }

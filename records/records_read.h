@@ -1,5 +1,5 @@
-// Callbacks that receive the records while a file is read, so that several purposes can share one pass over
-// the file.
+// Callbacks that receive records while a file is read. Several purposes can thus share one pass over the
+// file.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@ namespace postlens {
 /// Functions that receive the records. Each of them may be empty, that is, not wanted.
 struct RecordsRead {
     /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
-    /// in order from top to bottom.
+    /// from top to bottom.
     std::function<void(const RecordBand& band, int y_begin, int y_end)> rows;
     /// Receives rows y_begin to y_end - 1 of pixels, which `band` contains, and the leaves (undivided cells)
     /// of their quadtrees (see find_leaves). Each row is passed once. Several threads may call this function

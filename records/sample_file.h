@@ -19,8 +19,8 @@ namespace postlens {
 
 enum class RecordCompression { none, rle, zips };
 
-/// Summary of one scanline of records. The file stores it separately, so that it can be read without the
-/// records.
+/// Summary of one scanline of records. The file stores the summary, so that it is available without reading
+/// the records.
 struct ScanlineFacts {
     std::uint32_t records = 0;
     float nearest_z = std::numeric_limits<float>::infinity();  ///< finite z' only; infinity if none
@@ -46,7 +46,7 @@ class SampleFileWriter {
     /// from -overscan to width + overscan. At the frame's own instant, the rows of the pinhole image are
     /// computed as well.
     void write(const RecordBand& band);
-    /// Starts the next instant of the header's `key_times_s`, beginning with its top row. Throws
+    /// Starts the next instant in the header's `key_times_s`, beginning with the top row. Throws
     /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
     void next_instant();
     /// Completes the file and moves it to its path. Returns the size of the file in bytes.
@@ -116,16 +116,16 @@ class SampleFileReader {
     /// Reads rows y_begin to y_end - 1 of an instant, in canonical order (canonical_before). Verifies the
     /// checksum and the values of each row. Rows can be read in any order. Reuses the memory of `band`.
     void read(int y_begin, int y_end, RecordBand& band, std::size_t instant = 0) const;
-    /// Returns the damaged rows that were replaced, by instant and then from top to bottom. The list is empty
+    /// Returns the damaged rows that were replaced, by instant and from top to bottom. The list is empty
     /// without Damage::salvage.
     [[nodiscard]] std::span<const LostRows> lost_rows() const;
     /// Returns the times of the keys (further recorded instants) that were removed because all their rows are
     /// damaged.
     [[nodiscard]] std::span<const double> lost_instants_s() const;
-    /// Returns the pinhole image, which is part 0 of the file. Throws if this part is damaged, even with
-    /// Damage::salvage. The image can still be computed from the records.
+    /// Returns the pinhole image, which is part 0 of the file. Throws if part 0 is damaged, even with
+    /// Damage::salvage. The image can then be computed from the records instead.
     [[nodiscard]] Image picture() const;
-    /// Returns true if the file is an OpenEXR file with the version attribute of postlens sample files.
+    /// Returns true if the file is an OpenEXR file with the version attribute of postlens.
     [[nodiscard]] static bool is_sample_file(const std::filesystem::path& path);
 
   private:

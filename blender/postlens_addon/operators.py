@@ -69,7 +69,7 @@ def show(path, can_open=False):
 
     If no image editor is open and `can_open` is true, opens the view that Blender's preferences choose for renders.
     """
-    # This property marks the image of the add-on, because a user's image may have the same name.
+    # This property distinguishes the image of the add-on from a user's image of the same name.
     image = next((i for i in bpy.data.images if i.get(IMAGE)), None)
     if image is None:
         image = bpy.data.images.load(path)
@@ -142,8 +142,8 @@ class Pictures:
             return False
         if found:
             self.count += 1
-            # Only the last image may open a new window. That window would receive the Esc key instead of the window in
-            # which this operator runs.
+            # Only the last image opens a window. If an earlier image opened one, that window would receive
+            # the Esc key instead of the window in which this operator runs.
             is_last = self.count == len(self.job.frames)
             show(found[1], can_open=self.job.in_window and is_last)
         return True

@@ -15,7 +15,7 @@
 namespace postlens {
 
 /// A regular file opened for reading. Functions that fail throw Error(invalid_input) with the name of the
-/// file. Several threads may read from the same object at the same time.
+/// file. Several threads may read at the same time.
 class InputFile {
   public:
     explicit InputFile(const std::filesystem::path& path);

@@ -38,11 +38,11 @@ class ExrOutput {
     void write_flat_chunk(int part, int y, ByteView data);
     /// Writes the next chunk of a deep part. y is the first scanline of the chunk.
     void write_deep_chunk(int part, int y, ByteView counts, ByteView data, std::uint64_t unpacked_data_bytes);
-    /// Writes the table of chunk positions into the space reserved for it and closes the file. Returns the
+    /// Writes the table of chunk positions into the place reserved for it and closes the file. Returns the
     /// size of the file in bytes.
     std::uint64_t finish();
-    /// Returns the XXH3 hash of the file, after finish(). Returns empty if the file was not written from
-    /// front to back.
+    /// Returns the XXH3 hash of the file after finish(). Returns empty if the file was not written from front
+    /// to back.
     [[nodiscard]] std::optional<std::uint64_t> checksum() const;
 
   private:

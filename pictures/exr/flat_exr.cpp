@@ -22,7 +22,8 @@ Imf::Header header_of(const FlatExr& picture) {
         return Imath::Box2i(Imath::V2i(w.x_min, w.y_min), Imath::V2i(w.x_max, w.y_max));
     };
     Imf::Header out(box(picture.display), box(picture.data));
-    // Imf::Compression and ChunkCompression both use the numbers of the file format, so a cast is enough.
+    // Imf::Compression and ChunkCompression use the same numbers (those of the file format), so a cast is
+    // enough.
     out.compression() = static_cast<Imf::Compression>(picture.compression);
     for (const auto& [name, text] : picture.texts) out.insert(name.c_str(), Imf::StringAttribute(text));
     for (const FlatExr::Channel& c : picture.channels)

@@ -46,7 +46,7 @@ bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     return p.use == PartUse::picture && p.view == file.parts()[own].view;
 }
 
-/// Finds a part of the OpenEXR file that has the channel, beginning with the part of the colours (`own`).
+/// Finds a part of the OpenEXR file that has the channel. The part with the colours is searched first.
 std::optional<std::size_t> part_with(const ForeignFile& file, std::size_t own, const std::string& channel) {
     const auto parts = file.parts();
     if (may_hold(file, own, own) && parts[own].has(channel)) return own;
@@ -142,8 +142,8 @@ std::size_t end_of_name(const std::string& manifest, std::size_t begin) {
     return std::string::npos;
 }
 
-/// Parses a manifest in which quotation marks and backslashes in names are not escaped. A name ends where
-/// text in the form of an id follows. Returns empty if the text is not such a manifest.
+/// Reads a manifest in which quotation marks and backslashes in names are not escaped. A name ends where text
+/// in the form of an id follows. Returns empty if the text is not such a manifest.
 std::optional<nlohmann::json> unescaped_manifest(const std::string& manifest) {
     if (!manifest.starts_with("{\"")) return std::nullopt;
     auto objects = nlohmann::json::object();
@@ -181,8 +181,8 @@ std::string as_json(std::string manifest) {
 /// Largest size of a manifest file that is read.
 constexpr std::uintmax_t most_manifest_bytes = 64U << 20U;
 
-/// Returns the text of a manifest that is stored in a file of its own, in the folder of the image
-/// (Cryptomatte allows no other folder). Returns an empty text if the file cannot be read.
+/// Returns the text of a manifest that is stored in its own file. The file must be in the folder of the
+/// image, because Cryptomatte allows no other folder. Returns empty if the file cannot be read.
 std::string text_beside(const std::string& image, const std::string& name) {
     namespace fs = std::filesystem;
     if (fs::path(name).filename() != fs::path(name)) return "";

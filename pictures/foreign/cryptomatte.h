@@ -1,4 +1,4 @@
-// Cryptomatte channels, which state which surfaces a pixel shows and how much of the pixel each of them
+// Cryptomatte channels. They state which surfaces a pixel shows, and how much of the pixel each surface
 // covers.
 #pragma once
 

@@ -40,8 +40,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::vector<DeepSample> volumes, out;
     for (const DeepSample& s : samples) (is_volume(s) ? volumes : out).push_back(s);
     if (volumes.empty()) return;
-    // The fixed order makes the result, including rounding errors, independent of the order of samples in the
-    // file.
+    // Sorting makes the result, including rounding errors, independent of the order of samples in the file.
     std::sort(volumes.begin(), volumes.end(), [](const DeepSample& a, const DeepSample& b) {
         const auto key = [](const DeepSample& s) {
             // NaN cannot be ordered, so the bits of the colours are compared.

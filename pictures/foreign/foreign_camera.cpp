@@ -26,7 +26,7 @@ std::optional<double> attribute(const ForeignFile& file, std::size_t part, const
     return value && usable(*value) ? value : std::nullopt;
 }
 
-/// Converts a matrix for row vectors (p' = p M) to a glm matrix for column vectors.
+/// Converts a matrix for row vectors, p' = p M, to a glm matrix for column vectors.
 glm::dmat4 transposed(const Matrix44& m) {
     glm::dmat4 out;
     std::size_t i = 0;
@@ -41,7 +41,8 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
     if (camera && ndc) {
         if (const auto tangent = half_width_tangent(*camera, *ndc)) return tangent;
     }
-    // The OpenEXR library writes a screenWindowWidth of 1 by default, so a value of 1 carries no information.
+    // The OpenEXR library writes a screenWindowWidth of 1 by default, so a width of 1 means that it is not
+    // known.
     const auto width = attribute(file, part, "screenWindowWidth");
     if (width && *width != 1) return *width / 2;
     return std::nullopt;
@@ -52,7 +53,7 @@ std::optional<double> view_of(const ForeignFile& file, std::size_t part) {
 std::optional<double> half_width_tangent(const Matrix44& world_to_camera, const Matrix44& world_to_ndc) {
     const glm::dmat4 camera = transposed(world_to_camera);
     if (!(std::abs(glm::determinant(camera)) > 1e-12)) return std::nullopt;
-    // For column vectors, ndc = projection * (point in camera space). glm addresses elements as
+    // For column vectors, ndc = projection * (point in camera space). glm stores elements as
     // projection[column][row].
     const glm::dmat4 projection = transposed(world_to_ndc) * glm::inverse(camera);
     const double x = std::abs(projection[0][0]), w = std::abs(projection[2][3]);

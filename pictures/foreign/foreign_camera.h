@@ -15,7 +15,7 @@ enum class DepthAlong {
     ray,   ///< Z is the distance from the camera's centre
 };
 
-/// Settings from the user. An absent value is read from the file's attributes or assumed.
+/// Settings from the user. A value that is absent is read from the file's attributes or assumed.
 struct ForeignCameraChoice {
     std::optional<double> film_width_mm, film_distance_mm, focal_length_mm, metres_per_unit;
     std::optional<DepthAlong> depth_along;
@@ -30,8 +30,8 @@ struct ForeignCamera {
     double focal_length_mm = 50;   ///< of the lens that focuses the image
     double metres_per_unit = 1;    ///< metres per unit of Z
     DepthAlong depth_along = DepthAlong::axis;
-    /// True if neither the file nor the user states the film distance. The film distance is then equal to the
-    /// focal length that the user states, or has its default value.
+    /// True if neither the file nor the user states the film distance. The film distance is then the focal
+    /// length that the user states, or the default.
     bool film_distance_from_focal_length = false;
     std::optional<double> f_number, focus_m;
     /// One text for each value that is assumed because neither the file nor the user states it.

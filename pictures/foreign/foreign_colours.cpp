@@ -48,7 +48,7 @@ bool holds_data(const ForeignFile& file, std::size_t part, const std::string& la
            has_any_word(words, {"depth", "zdepth", "vrayzdepth", "worlddepth", "uv"});
 }
 
-/// Returns the priority of a layer as the source of colours; lower is better.
+/// Returns the priority of a layer as the source of colours. Lower is better.
 int rank(const ForeignFile& file, std::size_t part, const std::string& layer) {
     if (holds_data(file, part, layer)) return data_rank;
     if (layer.empty()) return 0;

@@ -15,16 +15,15 @@ namespace postlens {
 
 class ForeignDepths {
   public:
-    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity
-    /// there.
+    /// Distances of at least this value mean that nothing was hit. Renderers write 1e9, 1e10 or infinity.
     static constexpr float nothing_z = 1e9F;
 
     /// `encoding` is absent if the values are distances.
     explicit ForeignDepths(const std::optional<DepthEncoding>& encoding) : encoding_(encoding) {}
 
     [[nodiscard]] float distance(float value) const { return encoding_ ? encoding_->distance(value) : value; }
-    /// Returns true if a distance is that of a surface. Nothing was hit if the distance is 0, NaN, or at
-    /// least `nothing_z`.
+    /// Returns true if a distance is that of a surface. A distance of 0, NaN, or `nothing_z` and more means
+    /// that nothing was hit.
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }

@@ -33,7 +33,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of up to this many pixels (16384 x 16384) is accepted whatever the size of the file.
+/// A display window of up to this many pixels (16384 x 16384) is accepted for a file of any size.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);
@@ -175,8 +175,8 @@ void ForeignFile::open(const fs::path& path, PartUse use) {
     opened.name = name;
     opened.first_part = first;
     {
-        // Checks the headers before the OpenEXR library reads them. This check needs no more memory than the
-        // size of the headers.
+        // The headers are checked before the OpenEXR library reads them. This check needs no more memory than
+        // the size of the headers.
         const InputFile file(path);
         if (!is_openexr(path)) fail(ExitCode::invalid_input, "{}: cannot read (not an OpenEXR file)", name);
         opened.bytes = file.size();

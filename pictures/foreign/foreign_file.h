@@ -55,7 +55,7 @@ struct ChannelSampling {
 struct DeepRows {
     int y_begin = 0, y_end = 0;            ///< file coordinates
     std::span<const std::uint32_t> count;  ///< samples of each pixel, row by row
-    /// For each channel, the values of all samples: first those of the first pixel, then those of the next.
+    /// Values of each channel. The samples of one pixel are adjacent, followed by those of the next pixel.
     /// Integers are stored as their bits.
     std::vector<std::span<const float>> values;
 };
@@ -86,7 +86,8 @@ class ForeignFile {
     /// Returns true if a separate file was attached for this pass.
     [[nodiscard]] bool has_own_file(PartUse use) const;
 
-    /// Return an attribute of a part, or empty if the part has no attribute of that name and type.
+    /// These functions return an attribute of a part. They return empty if the part has no attribute of that
+    /// name and type.
     [[nodiscard]] std::optional<double> number(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<std::array<double, 2>> pair(std::size_t part, const char* name) const;
     [[nodiscard]] std::optional<Matrix44> matrix(std::size_t part, const char* name) const;
@@ -100,7 +101,7 @@ class ForeignFile {
     /// stored in floats.
     void read_flat(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(int y, std::span<const float* const> values)>& take) const;
-    /// Reads a deep part from top to bottom, and passes one band of rows at a time to `take`.
+    /// Reads a deep part from top to bottom. `take` receives one band of rows at a time.
     void read_deep(std::size_t part, std::span<const std::string> channels,
                    const std::function<void(const DeepRows&)>& take) const;
     /// Returns the type of a channel's values, or `half` if the part has no channel of that name.
@@ -112,7 +113,7 @@ class ForeignFile {
     /// Reads a subsampled channel of a flat part. Returns one value per pixel of the data window, row by row.
     /// Values are interpolated bilinearly. Pixels beyond the last stored value repeat it.
     [[nodiscard]] std::vector<float> read_sampled(std::size_t part, const std::string& channel) const;
-    /// Returns true if the compression of the part may turn equal 32-bit floats into different ones.
+    /// Returns true if the part's lossy compression may turn equal 32-bit floats into different ones.
     [[nodiscard]] bool loses_bits(std::size_t part) const;
 
   private:
@@ -125,10 +126,11 @@ class ForeignFile {
     std::unique_ptr<Impl> impl_;
 };
 
-/// A list of channels to read, without duplicates. The number of a channel is its index in this list.
+/// A list of channels to read, without duplicates. A channel's number is its index among the values that are
+/// read.
 class ChannelList {
   public:
-    /// Adds a channel unless the list contains it already. Returns its number, or empty for an empty name.
+    /// Adds a channel unless it is already in the list. Returns its number, or empty for an empty name.
     std::optional<std::size_t> add(const std::string& name);
     [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
 

@@ -1,4 +1,4 @@
-// Implementation of ForeignFile: the files as opened by the OpenEXR library, and functions for both flat and
+// Implementation of ForeignFile: the open files of the OpenEXR library, and functions used for both flat and
 // deep parts.
 #pragma once
 

@@ -30,7 +30,8 @@ struct StackSample {
     [[nodiscard]] float spread_inverse_z() const { return moved_inverse_z < 0 ? inverse_z : moved_inverse_z; }
 };
 
-/// A stack of samples counts as opaque if its transmittance is at most this, because alphas are rounded.
+/// A stack counts as opaque if its transmittance is at most this. It need not be 0, because alphas are
+/// rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the combined transmittance of the samples behind the last opaque sample, or of all samples if none
@@ -43,8 +44,8 @@ inline constexpr double opaque_transmittance = 1e-3;
 /// no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
-/// A pixel that shows several surfaces, according to its Cryptomatte, or because its depth is a mean of two
-/// depths.
+/// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
+/// two depths.
 struct MixedPixel {
     std::size_t pixel = 0;             ///< index of the pixel's stack
     std::size_t first = 0, count = 0;  ///< range in ForeignPicture::shares
@@ -53,8 +54,8 @@ struct MixedPixel {
 struct SurfaceShare {
     std::uint32_t id = 0;  ///< 0 for a surface without id, such as the sky
     float share = 0;       ///< fraction of the pixel; the fractions of a pixel add up to 1
-    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Set only if depths, not ids, distinguish
-    /// the surfaces of the pixel.
+    /// Inverse depth of this surface, 1/m; 0 means infinitely far. Set only if the surfaces are distinguished
+    /// by depth instead of by id.
     std::optional<float> inverse_z;
 };
 
@@ -66,8 +67,8 @@ struct ForeignRepair {
 
 struct ForeignPicture {
     int width = 0, height = 0;  ///< size of the raster, px: the display window without overscan
-    /// The file stores the pixels [x_begin, x_end) x [y_begin, y_end), which may extend beyond the raster on
-    /// any side.
+    /// The stored pixels are [x_begin, x_end) x [y_begin, y_end). They may extend beyond the raster on any
+    /// side.
     int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;
     std::vector<std::uint64_t> offsets{
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
@@ -116,8 +117,9 @@ struct ForeignPicture {
     [[nodiscard]] Image flattened() const;
     /// Returns true if all pixels of the display window are opaque.
     [[nodiscard]] bool is_opaque() const;
-    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half, or
-    /// infinity if it stays below. Throws Error(wrong_arguments) outside the stored pixels.
+    /// Returns the depth, in metres, at which the composited alpha at a raster position reaches one half.
+    /// Returns infinity if alpha stays below one half. Throws Error(wrong_arguments) outside the stored
+    /// pixels.
     [[nodiscard]] double depth_at(double x, double y) const;
 };
 

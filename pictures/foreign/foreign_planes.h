@@ -1,4 +1,4 @@
-// Reads channels that belong to other parts or files, at the pixels of the part with the colours.
+// Reads channels of other parts and other files at the pixels of the part with the colours.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +47,8 @@ class JoinedChannels {
     std::optional<std::size_t> add(std::size_t part, const std::string& name, float otherwise,
                                    ChannelUse use = ChannelUse::number);
     [[nodiscard]] const std::string& name(std::size_t number) const { return channels_[number].name; }
-    /// Reads all rows from top to bottom. Calls take(y, values) for each row, with one pointer per channel.
+    /// Reads all rows from top to bottom. `take(y, values)` receives one row at a time, with a pointer for
+    /// each channel.
     void read(const std::function<void(int y, std::span<const float* const> values)>& take) const;
 
   private:

@@ -1,4 +1,4 @@
-// Determines from its Cryptomatte which surfaces each pixel of a flat image shows.
+// Determines which surfaces each pixel of a flat image shows, using the Cryptomatte of the image.
 #pragma once
 
 #include <cstddef>

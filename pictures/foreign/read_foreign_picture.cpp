@@ -137,8 +137,8 @@ class Reader {
 
     float checked_alpha(float a) {
         if (a >= 0 && a <= 1) return a;
-        // Tolerance without a warning: an alpha that is a sum of rounded values may lie slightly outside 0 to
-        // 1.
+        // An alpha may be outside 0 to 1 by this much without a warning, because it may be a sum of rounded
+        // values.
         constexpr float rounding = 2e-3F;
         if (!(a >= -rounding && a <= 1 + rounding)) ++bad_alphas_;
         return std::isnan(a) ? 1 : std::clamp(a, 0.0F, 1.0F);
@@ -168,8 +168,8 @@ class Reader {
         std::vector<float> depths, covered;
         depths.reserve(pixels());
         covered.reserve(pixels());
-        // Memory is reserved in advance so that the lists are not copied when they grow. The amount is
-        // limited, because the header of a damaged file may state more pixels than the file contains.
+        // The memory is reserved in advance so that the lists are not copied when they grow. The reserved
+        // size is limited, because a damaged file may claim more pixels than it contains.
         constexpr std::size_t most_at_once = std::size_t{1} << 22;
         out_.offsets.reserve(std::min(pixels(), most_at_once) + 1);
         make_room(std::min(pixels(), most_at_once));

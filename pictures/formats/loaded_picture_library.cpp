@@ -1,4 +1,4 @@
-// Implements picture_library() for programs that load OpenImageIO only when they need it.
+// Implements picture_library() for programs that load OpenImageIO when they first need it.
 #include <dlfcn.h>
 #include <filesystem>
 
@@ -23,8 +23,8 @@ fs::path own_file() {
     return fs::read_symlink("/proc/self/exe", ec);
 }
 
-// Searches for the module in all folders above the file that contains this code, so that the build folder and
-// the installation can be moved.
+// Searches for the module in the folders above the file that contains this code, so that both the build
+// folder and the installation can be moved.
 fs::path module_path() {
     const fs::path first = own_file().parent_path().parent_path();
     std::error_code ec;

@@ -47,8 +47,8 @@ class PictureReader {
     [[nodiscard]] virtual std::string read(int channels, float* to) = 0;
 };
 
-/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as
-/// texts, which may have several lines.
+/// An image library. The library and its readers throw only std::bad_alloc. They return other errors as text,
+/// which may have several lines.
 class PictureLibrary {
   public:
     PictureLibrary() = default;

@@ -34,8 +34,7 @@ class ExrReader : public PictureReader {
         const auto count = static_cast<std::size_t>(channels);
         const std::size_t pixel_bytes = count * sizeof(float);
         const std::size_t row_bytes = pixel_bytes * static_cast<std::size_t>(layout_.width);
-        // The OpenEXR library expects the address of pixel (0, 0) of the file, even if this pixel is not
-        // stored.
+        // The OpenEXR library addresses pixels by their coordinates in the file, which need not begin at 0.
         const std::ptrdiff_t shift = layout_.x * static_cast<std::ptrdiff_t>(pixel_bytes) +
                                      layout_.y * static_cast<std::ptrdiff_t>(row_bytes);
         try {

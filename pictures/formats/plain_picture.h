@@ -1,4 +1,4 @@
-// Reads common image files by the OpenEXR library and libpng, which every program links. This avoids loading
+// Reads common image files with OpenEXR and libpng, which every program links. This avoids loading
 // OpenImageIO, which takes 0.3 s (pictures/formats/picture_library.h).
 #pragma once
 

@@ -55,8 +55,8 @@ float last_opaque(std::span<const StackSample> stack) {
     return last;
 }
 
-/// Returns true if a stack of samples contains the surface of `s`: a sample at the same depth, and of the
-/// same id if both have ids.
+/// Returns true if a stack has a sample of the same surface as `s`. Such a sample is at the same depth and,
+/// if both samples have ids, has the same id.
 bool shows(std::span<const StackSample> stack, const StackSample& s) {
     const float near = s.inverse_z * (1 + same_depth), far = s.inverse_z * (1 - same_depth);
     const auto first = std::partition_point(stack.begin(), stack.end(),
@@ -79,8 +79,8 @@ int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;
 }
 
-/// Joins the manifests of two Cryptomattes, which list the names and ids of objects. If both contain a name,
-/// its id in `front` is kept.
+/// Joins the manifests (lists of object names) of the Cryptomattes of both images. If a name is in both
+/// manifests, its id in `front` is kept.
 std::string both_manifests(const std::string& front, const std::string& back) {
     if (front.empty()) return back;
     const auto of_back = manifest_objects(back);

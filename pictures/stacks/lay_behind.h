@@ -1,5 +1,5 @@
-// Adds a second image of the same camera, which shows surfaces that the first image hides, behind the first
-// image.
+// Adds a second image of the same camera behind a first one. The second image shows surfaces that are hidden
+// in the first image.
 #pragma once
 
 #include <string>

@@ -74,8 +74,8 @@ std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::stri
          choice.object, expected);
 }
 
-/// Divides a sample into two samples at the same depth. The first one, the fraction `share` of the original,
-/// belongs to the object.
+/// Divides a sample into two samples at the same depth. The first one belongs to the object and is the
+/// fraction `share` of the original sample.
 std::array<StackSample, 2> divided(const StackSample& s, float share) {
     std::array<StackSample, 2> out{s, s};
     const float rest = (1 - share) / (1 - share * s.alpha);
@@ -112,9 +112,9 @@ class MaskedStack {
     [[nodiscard]] const std::vector<std::uint8_t>& chosen() const { return chosen_; }
 
   private:
-    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel,
-    /// and returns the fraction that is not covered yet. Considers only samples at the depth of the nearest
-    /// sample, because these are parts of one surface.
+    /// Chooses samples for which `wanted` returns true, until they cover the fraction `share` of the pixel.
+    /// Returns the fraction that is left to cover. Only samples at the depth of the nearest sample are
+    /// considered, because they are parts of one surface.
     template <typename Wanted>
     float take(float share, const Wanted& wanted) {
         float left = 1;
@@ -165,8 +165,8 @@ std::vector<std::uint8_t> choose_by_mask(ForeignPicture& picture, const std::vec
     MaskedStack masked(number);
     for (int y = picture.y_begin; y < picture.y_end; ++y) {
         for (int x = picture.x_begin; x < picture.x_end; ++x) {
-            // An object may continue beyond the border of the raster, where the mask ends. The outermost
-            // values of the mask are repeated there.
+            // The mask ends at the border of the raster, but an object may continue beyond the border. The
+            // outermost values of the mask are therefore repeated there.
             const auto column = static_cast<std::size_t>(std::clamp(x, 0, picture.width - 1)),
                        row = static_cast<std::size_t>(std::clamp(y, 0, picture.height - 1));
             masked.choose(picture.stack(x, y), mask[row * static_cast<std::size_t>(picture.width) + column]);

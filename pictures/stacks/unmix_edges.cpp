@@ -16,18 +16,18 @@ namespace {
 /// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is used if
 /// depths are means of two depths, because the filter that caused this has mixed the neighbours as well.
 constexpr int reach_px = 2, reach_of_means_px = 5;
-/// The depths of neighbouring pixels of one surface differ by at most this relative amount.
+/// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
 
-/// Clamps a value to the range of float, which the computed colour of a surface in a very bright pixel may
-/// exceed.
+/// Clamps a value to the range of float. The computed colour of a surface in a very bright pixel may exceed
+/// this range.
 float within_float(double value) {
     constexpr double most = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(value, -most, most));
 }
 
-/// The part of a pixel that shows one surface. Its colour (premultiplied by alpha) and alpha are those of a
-/// pixel that shows only this surface.
+/// The part of a pixel that shows one surface. The colour and alpha are those that a pixel would have if it
+/// showed only this surface. The colour is premultiplied by alpha.
 struct Portion {
     std::uint32_t id = 0;
     double share = 0;
@@ -89,8 +89,8 @@ class Unmixer {
         return is_empty(pixel) ? 0 : static_cast<double>(p_.samples[p_.offsets[pixel]].inverse_z);
     }
 
-    /// Calls visit(pixel, squared distance in px) for all pixels within `reach` px. Raster pixels that the
-    /// image does not store count as empty, and are visited with the index `unstored`.
+    /// Calls visit(pixel, squared distance) for the pixels within `reach` px. Raster pixels that the image
+    /// does not store count as empty. They are visited with the index `unstored`.
     template <typename Visit>
     void around(std::size_t pixel, int reach, const Visit& visit) const {
         const auto width = static_cast<std::size_t>(width_);

@@ -1,4 +1,4 @@
-// Converts one scanline of records to bytes and back. These bytes are stored in a chunk of the deep OpenEXR
+// Converts one scanline of records to bytes and back. The bytes are stored in a chunk of the deep OpenEXR
 // file, and the scanline's checksum is computed from them.
 #pragma once
 
@@ -11,15 +11,15 @@
 
 namespace postlens {
 
-/// Returns the number of bytes per record before compression, which depends on the optional channels of the
-/// file.
+/// Returns the number of bytes per record before compression. The number depends on which optional channels
+/// the file has.
 [[nodiscard]] std::size_t bytes_per_record(RecordChannels channels);
 
 /// The bytes of a scanline before compression, in little-endian order:
 /// - y as int32;
 /// - for each pixel, the number of records up to and including that pixel, as uint32;
-/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, of which some
-///   are optional. Each has one value per record, pixel by pixel.
+/// - the channels B G R W.bend W.xx W.xy W.yx W.yy Z id layer mark node.path sample.x sample.y, sorted by
+///   name. Each has one value per record, pixel by pixel.
 class ScanlineBytes {
   public:
     ScanlineBytes(int width, RecordChannels channels) : width_(width), channels_(channels) {}
@@ -35,9 +35,9 @@ class ScanlineBytes {
     /// the counts decrease, or if the total is not the number of records given to `prepare`.
     [[nodiscard]] bool unpack_offsets(std::span<std::uint32_t> offsets) const;
     /// Unpacks the records in the order of the file. `offsets` is the result of `unpack_offsets`. If the file
-    /// has no channel for W, then W is the identity divided by z'. Without their channels, the layer, w_bend
-    /// and the mark are 0. Returns false if a position within a pixel is not one of the multiples of 1/1024
-    /// px from 0 to 1023/1024.
+    /// has no channel for W, then W is the identity divided by z'. The layer, w_bend and the mark are 0 if
+    /// their channels are absent. Returns false if a position within the pixel is not a multiple of 1/1024 px
+    /// from 0 to 1023/1024.
     [[nodiscard]] bool unpack_records(int x_begin, std::span<const std::uint32_t> offsets,
                                       std::span<Record> records) const;
 

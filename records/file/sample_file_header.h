@@ -19,7 +19,7 @@ inline constexpr int largest_extent_px = 262144;
 void check_sample_header(const SampleHeader& header, const std::string& file);
 
 /// Returns the checksum of all header fields as sixteen hexadecimal digits. docs/sample_file.md lists the
-/// bytes over which it is computed.
+/// bytes from which it is computed.
 [[nodiscard]] std::string header_checksum(const SampleHeader& header);
 
 /// Returns the OpenEXR headers of all parts, in the order of the file.

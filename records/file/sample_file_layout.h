@@ -1,5 +1,5 @@
-// The parts of a sample file: their names, channels and windows. The parts named `scanlines` contain a
-// summary of each row of records.
+// The parts of a sample file: their names, channels and windows. The parts named `scanlines` hold a summary
+// of each row of records.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace postlens::layout {
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};
-/// Returns the index of a part in the file. Part 0 is the picture. Each recorded instant adds two parts: its
+/// Returns the index of a part in the file. Part 0 is the picture. Two parts for each instant follow: its
 /// records and its scanlines.
 [[nodiscard]] inline int part_index(Part part, std::size_t instant) {
     return static_cast<int>(part) + (part == picture_part ? 0 : 2 * static_cast<int>(instant));
@@ -34,8 +34,8 @@ struct PartPlace {
     if (index == 0) return {picture_part, 0};
     return {index % 2 == 1 ? records_part : scanlines_part, (index - 1) / 2};
 }
-/// Returns the name of a part: "picture", "records" or "scanlines". For the i-th key (further recorded
-/// instant), counted from 1, the names are "records.k<i>" and "scanlines.k<i>".
+/// Returns the name of a part: "picture", "records" or "scanlines". The parts of the i-th key (further
+/// recorded instant), where i starts at 1, are named "records.k<i>" and "scanlines.k<i>".
 [[nodiscard]] std::string part_name(const PartPlace& place);
 /// Compression of the chunks of records.
 [[nodiscard]] ChunkCompression codec_of(RecordCompression compression);
@@ -66,12 +66,12 @@ struct ScanlineRow {
     std::uint64_t picture_checksum = 0;
 
     [[nodiscard]] std::array<std::uint8_t, byte_count> bytes(int y) const;
-    /// Reads row y from its bytes. Returns empty if the checksum of the row does not match.
+    /// Reads row y from its bytes. Returns an empty value if the checksum of the row does not match.
     [[nodiscard]] static std::optional<ScanlineRow> from_bytes(ByteView bytes, int y);
 };
 
 /// Returns the checksum (XXH3, 64 bits, seed 0) of a row of the pinhole image before compression. `planes`
-/// contains the floats of the row: first all B, then all G, then all R.
+/// holds the floats of the row: first all B, then all G, then all R.
 [[nodiscard]] std::uint64_t picture_row_checksum(ByteView planes);
 
 }  // namespace postlens::layout

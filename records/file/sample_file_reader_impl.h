@@ -15,8 +15,8 @@
 namespace postlens {
 namespace layout {
 
-/// Location in the file of a scanline of records: a packed block of record counts, followed by a packed block
-/// of data. Positions and sizes are in bytes.
+/// Location in the file of a scanline of records. It consists of two packed blocks: the record counts,
+/// followed by the data. Positions and sizes are in bytes.
 struct DeepChunk {
     std::uint64_t counts_at = 0, counts_bytes = 0, data_bytes = 0;
 };
@@ -86,7 +86,7 @@ struct SampleFileReader::Impl {
     void read_alone(std::size_t instant, int y, Workplace& work) const;
     /// Makes the records that replace a lost (unreadable) row, and stores them in `work.stand_ins`.
     void find_stand_ins(std::size_t instant, int y, Workplace& work) const;
-    /// Copies the records that replace the lost row y into the band, beginning at the index `base`.
+    /// Copies the records that replace row y into the band. The first of them gets the index `base`.
     void place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                          RecordBand& band) const;
     /// Returns the position and the size, in bytes, of the data in the flat chunk that begins at `at`. Throws

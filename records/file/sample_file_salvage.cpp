@@ -9,7 +9,8 @@ namespace postlens {
 
 using namespace layout;
 
-/// Marks the rows that cannot be read as lost, and clears their summaries.
+/// Finds the rows that cannot be read. Each of them is marked as lost, and its summary becomes that of an
+/// empty row.
 void SampleFileReader::Impl::find_lost_rows() {
     for (std::size_t i = 0; i < instants.size(); ++i) {
         Instant& of = instants[i];
@@ -34,8 +35,8 @@ void SampleFileReader::Impl::find_lost_rows() {
     }
 }
 
-/// Removes instants without a readable row. In the other instants, determines how many records replace each
-/// lost (unreadable) row.
+/// Removes each instant that has no readable row. In the other instants, counts the records that replace each
+/// lost row.
 void SampleFileReader::Impl::replace_lost_rows() {
     const auto nothing_left = [](const Instant& of) {
         return std::find(of.lost.begin(), of.lost.end(), 0) == of.lost.end();
@@ -82,7 +83,7 @@ void SampleFileReader::Impl::find_stand_ins(std::size_t instant, int y, Workplac
 void SampleFileReader::Impl::place_stand_ins(std::size_t instant, int y, std::uint32_t base, Workplace& work,
                                              RecordBand& band) const {
     find_stand_ins(instant, y, work);
-    // The number of records that replace the row changes only if the file has changed since it was opened.
+    // The number of replacement records may be different if the file has changed since it was opened.
     if (work.stand_ins.size() != instants[instant].facts[row_index(y)].records)
         fail_damaged(y, "the file changed while it was read");
     std::copy(work.stand_ins.begin(), work.stand_ins.end(), band.records.begin() + base);

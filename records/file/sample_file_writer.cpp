@@ -19,8 +19,8 @@ namespace {
 
 using namespace layout;
 
-/// Number of rows that are packed in parallel before they are written: few enough to limit memory, and enough
-/// to keep all threads busy.
+/// Number of rows that are packed in parallel before they are written. The number is small enough to limit
+/// memory, and large enough to keep all threads busy.
 constexpr int rows_per_batch = 64;
 
 struct PackedRow {
@@ -208,7 +208,7 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);
     });
-    // Each block of image rows is written as soon as it is complete, so that the order of chunks in the file
+    // Image blocks are written as soon as their rows are complete. The order of chunks in the file therefore
     // does not depend on the height of the bands.
     const int block_rows = rows_per_chunk(picture_codec);
     for (std::size_t i = 0; i < count; ++i) {

@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Collects the bytes over which the header's checksum is computed. docs/sample_file.md lists them.
+/// Collects the bytes from which the header's checksum is computed. docs/sample_file.md lists their order.
 class HeaderBytes {
   public:
     template <typename T>
@@ -67,7 +67,7 @@ std::string header_checksum(const SampleHeader& h) {
     for (const double v : h.key_times_s) bytes.number(v);
     bytes.optional(h.sufficient.shutter_open_s);
     bytes.optional(h.sufficient.shutter_close_s);
-    // The fields below are later additions to the format. The checksum includes them only if they are
+    // The fields below were added to the format later. They are included in the checksum only if they are
     // present, so that the checksums of older files remain valid.
     if (h.has_bend) bytes.number<std::uint8_t>(1);
     const auto later = [&bytes](std::uint8_t tag, const std::optional<double>& value) {

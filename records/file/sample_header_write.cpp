@@ -44,7 +44,7 @@ Imath::M44d imath_of(const glm::dmat4& m) {
 }
 
 /// Adds standard OpenEXR attributes, in single precision, for other programs. The reader of sample files
-/// ignores them, because the own attributes of postlens have double precision.
+/// ignores them and uses postlens's own attributes, which are in double precision.
 void add_standard_attributes(Imf::Header& out, const SampleHeader& header) {
     const auto add_float = [&](const char* name, double value) {
         out.insert(name, Imf::FloatAttribute(static_cast<float>(value)));

@@ -42,8 +42,8 @@ MotionPath::MotionPath(const std::vector<TransformKey>& keys) {
         v.scale = a.scale;
         v.scale_step = b.scale - a.scale;
         v.from = a.rotation;
-        // The rotation takes the shorter way, as in glm::slerp. Angles whose sine is too small for a division
-        // are interpolated linearly.
+        // Like glm::slerp, this turns in the direction of the smaller angle. Angles too small to divide by
+        // their sine are interpolated linearly.
         double cosine = glm::dot(a.rotation, b.rotation);
         v.to = cosine < 0 ? -b.rotation : b.rotation;
         cosine = std::abs(cosine);

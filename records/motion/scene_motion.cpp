@@ -26,7 +26,7 @@ json json_of(const std::vector<TransformKey>& keys) {
     return out;
 }
 
-/// Reads values from JSON and reports all errors in the same form.
+/// Reads values from JSON, and reports all errors in the same form.
 class Reader {
   public:
     explicit Reader(const std::string& source) : source_(source) {}

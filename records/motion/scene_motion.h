@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The rigid motion of all shapes with the same id. The transform at an instant, interpolated between the
-/// keyframes `keys`, converts points from object space to world space.
+/// The rigid motion of all shapes with the same id. `keys` are keyframes. The transform interpolated between
+/// them at an instant converts points from object space to world space.
 struct ObjectMotion {
     std::vector<TransformKey> keys;  ///< in ascending order; constant before the first and after the last
     glm::dvec3 centre_m{0};          ///< centre, in the object's space, of a sphere that encloses the object
@@ -42,8 +42,8 @@ struct SceneMotion {
 /// same values. docs/sample_file.md lists the members of the JSON objects.
 [[nodiscard]] std::string motion_text(const SceneMotion& motion);
 
-/// Parses the text of motion_text(). Throws Error(invalid_input) if the JSON has another structure or a value
-/// is not valid, for example if times do not increase. The message begins with `source`.
+/// Reads text that motion_text() has written. Throws Error(invalid_input) if the structure of the JSON is
+/// wrong or a value is not valid, for example if times do not increase. The message begins with `source`.
 [[nodiscard]] SceneMotion motion_of_text(const std::string& text, const std::string& source);
 
 }  // namespace postlens

@@ -205,7 +205,8 @@ class Scene:
             elif entity in ("s", "c"):
                 self.add(curved(tokens, entity))
             elif entity in ("p", "pp"):
-                # POV-Ray renders separate triangles faster than a mesh of them.
+                # Triangles are written separately, because POV-Ray takes longer to render them as a single
+                # mesh.
                 for triangle in triangles(tokens, entity == "pp"):
                     self.add(triangle)
             else:
