@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Throws if a flag is given a value, for example --breathing=false. CLI11 ignores the value of a flag that
-// calls a function, so that this example would set the flag.
+// Throws if a flag has a value, for example --breathing=false. If a flag has a callback, CLI11 would ignore
+// the value, so this example would turn breathing on.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;
@@ -169,7 +169,7 @@ ParsedCommand parse_command_line(std::vector<std::string> arguments, const InPro
     if (state->common.dry_run && app.get_subcommands().front()->get_name() != "sweep")
         state->common.run = [work = dry_run_of(app, *state)] { return dry_run(work); };
     ParsedCommand out = state->common;
-    // The function shares ownership of the parser's state, because it reads its options from there.
+    // The lambda keeps `state` alive, because the command reads its options from `state` when it runs.
     out.run = [state] { return state->common.run(); };
     return out;
 }

@@ -24,8 +24,8 @@
 
 namespace postlens {
 
-/// A warning, as `--json` lists it. `share` is the fraction of pixels that are affected, from 0 to 1, or 0 if
-/// it is not known.
+/// A warning of a command. `share` is the fraction of the pixels that it affects, from 0 to 1, or 0 if the
+/// fraction is not known.
 struct Warning {
     std::string code;
     std::string text;
@@ -43,12 +43,13 @@ struct CommandResult {
     nlohmann::ordered_json json = nlohmann::ordered_json::object();  ///< without seconds and warnings
     std::string text;  ///< human-readable; may have several lines
     std::vector<Warning> warnings;
-    /// The image, cut to the crop, if the command does not write it to a file. `render --halves` adds two
-    /// more images, each made from one half of the samples.
+    /// The image that the command has made. If --crop is given, it is only that part of the image. It is
+    /// missing if the command has written the image to a file. `render --halves` adds two more images, each
+    /// made from one half of the samples.
     std::vector<Image> pictures;
-    /// For each pixel, the fraction of its colour that traced rays have computed, from 0 to 1. The rest comes
-    /// from the sample file's records. Only set by `focus` and `shoot`, if they have a scene and no output
-    /// file.
+    /// Fraction of each pixel's colour that comes from traced rays, from 0 to 1. The rest comes from the
+    /// records of the sample file. Only set by `focus` and `shoot`, if a scene is given and the image is not
+    /// written to a file.
     std::vector<float> ray_share;
     ExitCode exit_code = ExitCode::ok;
 };
@@ -56,8 +57,8 @@ struct CommandResult {
 class KeptFrame;
 struct OpenFrame;
 
-/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, the exposure is that of
-/// the sample file, or 0 stops for a scene.
+/// The option `--exposure`: a number of stops, or `auto`. If the option is not given, both members have their
+/// default values, and the command chooses the exposure, for example that of the sample file.
 struct ExposureOption {
     std::optional<double> stops;
     bool automatic = false;
@@ -92,7 +93,8 @@ struct LensOptions {
     Framing framing = Framing::keep;
 };
 
-/// The scene in which the methods `hybrid` and `auto` trace rays, and its units.
+/// The scene into which a command traces rays. `explain` is the name of an image to write. Its colours show
+/// how each pixel was made.
 struct RetraceOptions {
     std::optional<std::string> scene, explain;
     std::optional<double> metres_per_unit;  ///< if absent, the sample file's value
@@ -112,8 +114,8 @@ struct ForeignOptions {
     ObjectEffects objects;
     std::optional<ObjectChoice> matte;  ///< object that the lens blurs; if absent, the whole image is blurred
     FocusPasses passes;
-    /// Returns the names of files that may differ between frames: the images of `behind`, and the masks of
-    /// objects.
+    /// Returns pointers to the file names that may differ from frame to frame: the images of `behind`, and
+    /// the mask images that select objects.
     [[nodiscard]] std::vector<std::string*> files();
     /// Returns true if a pixel may have several samples at different depths, which must be composited.
     [[nodiscard]] bool stacks() const {
@@ -135,7 +137,8 @@ struct FocusOptions {
     DepthModel depth_model = DepthModel::ray_differentials;
     std::optional<int> depths;
     std::optional<int> views;  ///< if absent, default_lens_views, or default_shutter_views with a shutter
-    /// PSNR in dB that the method `auto` tries to reach. It may be absent (takes_usual_method).
+    /// PSNR that the method `auto` tries to reach, in dB. If it is absent, `auto` either uses a default of 40
+    /// dB, or selects a faster method (takes_usual_method).
     std::optional<double> target_db;
     RetraceOptions retrace;
     ForeignOptions foreign;
@@ -145,8 +148,8 @@ struct FocusOptions {
     bool strict = false;
     bool salvage = false;  ///< read the undamaged rows of a damaged sample file
 
-    /// Returns true if `auto` stands for `layers` or `scatter`, depending on the contents of the file
-    /// (usual_method). This is so if no target PSNR, scene or explanation image is given.
+    /// Returns true if the method `auto` only selects `layers` or `scatter`, depending on the contents of the
+    /// file (usual_method). It does so if the user gives no target PSNR, no scene and no --explain.
     [[nodiscard]] bool takes_usual_method() const {
         return method == FocusMethod::automatic && !target_db && !retrace.scene && !retrace.explain;
     }
@@ -156,7 +159,8 @@ struct MergeOptions {
     std::vector<std::string> parts;
     std::string output;
     bool partial = false;
-    /// Runs a command that does no work itself, but joins the results of several machines (core/share.h).
+    /// Runs a command, given as words, in a mode that only joins the results of earlier runs (`Join`). An
+    /// example is a sweep whose images were made by several machines.
     std::function<CommandResult(std::vector<std::string> words, Join join)> run_words;
 };
 
@@ -171,7 +175,8 @@ struct ImageOptions {
 
 struct ShootOptions {
     FocusOptions focus;  ///< only methods lightfield, hybrid and auto
-    /// If absent, the exposure is the one that the sample file states, beginning at the frame's instant.
+    /// Interval in which the shutter is open. If it is absent, the shutter opens at the instant of the frame,
+    /// and stays open as long as the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
@@ -196,12 +201,13 @@ struct MotionBlurOptions {
     std::optional<SharedWork> shared;
     std::string input, output, made_by;
     std::shared_ptr<KeptFrame> kept;  ///< as in FocusOptions
-    /// If absent, the exposure is the one that the sample file states, beginning at the frame's instant.
+    /// Interval in which the shutter is open. If it is absent, the shutter opens at the instant of the frame,
+    /// and stays open as long as the sample file states.
     std::optional<TimeSpan> shutter;
     std::string curve = "box";  ///< box, triangle or a file
     std::optional<std::string> paths;
-    /// The scene of a sample file. Rays into it replace samples whose colour cannot be found from the
-    /// records, for example because a surface was not recorded.
+    /// The scene of the sample file. If it is given, rays replace samples whose colour cannot be found from
+    /// the records, for example because a surface was not recorded.
     RetraceOptions retrace;
     std::optional<double> target_db;  ///< with a scene: PSNR in dB that `auto` tries to reach
     VectorChoice vectors;             ///< for images of other programs
@@ -233,9 +239,11 @@ struct CompareCommandOptions {
     std::optional<std::string> map, side_by_side;  ///< images to write
     std::optional<double> flip_white;
     CompareLimits limits;
-    /// The file name for the map of error causes, and the sample file that the map requires.
+    /// File name for an image that shows the cause of each pixel's error, and the sample file from which the
+    /// tested image was made. Either both are given or neither.
     std::optional<std::string> map_causes, frame;
-    /// The scene of the sample file. Rays into it show what causes each error. `explain` is not used here.
+    /// The scene of the sample file. If it is given, rays help to find the causes of errors. Its member
+    /// `explain` is not used.
     RetraceOptions retrace;
     ExposureOption exposure;  ///< if absent, the exposure of the reference
     LensOptions lens;         ///< lens with which the image was made, for the map of error causes
@@ -264,43 +272,47 @@ struct CompareCommandOptions {
 /// Throws Error(wrong_arguments) if `options` has options that apply only to images of other programs.
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input);
 
-/// Returns how the reader treats a damaged file. With --salvage, it reads the undamaged rows.
+/// Returns how to read a damaged sample file. With --salvage, only its undamaged rows are read. Otherwise,
+/// damage is an error.
 [[nodiscard]] inline Damage damage_rule(bool salvage) {
     return salvage ? Damage::salvage : Damage::refuse;
 }
-/// Returns the open sample file of a command. This is `kept` if it is set. Otherwise, `input` is opened.
-/// Colours are read at the given exposure.
+/// Returns the open sample file of a command. If `kept` is set, the file is already open. Otherwise, the file
+/// `input` is opened. Colours are read at the given exposure.
 [[nodiscard]] std::shared_ptr<OpenFrame> open_frame(const std::string& input,
                                                     const std::shared_ptr<KeptFrame>& kept,
                                                     const std::optional<double>& exposure_stops,
                                                     Damage damage);
-/// Adds a warning `salvaged`, which lists the lost rows, if the file is damaged. Adds a warning `part` if the
-/// file contains only one machine's share of a divided trace.
+/// If the sample file is damaged, adds a warning `salvaged`, which lists the lost rows. If it is only one
+/// machine's share of a divided trace, adds a warning `part`.
 void warn_of_missing_rows(const SampleFileReader& file, std::vector<Warning>& out);
 /// Adds a warning `part` if an image file contains only one machine's share of a divided image.
 void warn_of_part(const std::string& picture, std::vector<Warning>& out);
 
-/// Returns the value of an option, or the value in the file if the option is absent. Throws
-/// Error(wrong_arguments) if both are absent. The error message calls the file `file`.
+/// Returns `asked`, the value of an option. If it is absent, returns `named`, the value that the file states.
+/// Throws Error(wrong_arguments) if both are absent. `file` is the word for the file in the error message,
+/// for example "sample file".
 [[nodiscard]] double asked_or_named(const std::optional<double>& asked, const std::optional<double>& named,
                                     const char* option, const char* file);
 
-/// Settings of the lens. resolve_lens takes each value from the options, or from the sample file if the
-/// option is absent. It throws Error(wrong_arguments) if neither has the value.
+/// The lens of an image and its focus distance. resolve_lens takes each value from the options, or from the
+/// sample file if the option is absent. It throws Error(wrong_arguments) if neither states the value.
 struct ResolvedLens {
     ThinLens lens;
     double focus_m = 1;
 };
 [[nodiscard]] ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& file);
 
-/// Reads a lens prescription. Each of the prescription's notes becomes a warning with the code `lens`.
+/// Reads a lens prescription. Each message of the reader to the user becomes a warning with the code `lens`.
 [[nodiscard]] Prescription read_lens(const std::filesystem::path& path, std::vector<Warning>& warnings);
-/// Copies the focal length of a lens prescription to `lens`, and also its f-number if `lens` has none. Throws
-/// Error(wrong_arguments) if `lens` already has a focal length.
+/// Sets the focal length of `lens` to that of the lens prescription in `impulse`, and also the f-number if
+/// `lens` has none. Throws Error(wrong_arguments) if the user has given a focal length, because it would
+/// contradict the prescription.
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
-/// Returns the exposure time `asked`, or that of the file if `asked` is empty. If `from_frame` is set,
-/// `asked` is relative to the frame's instant. Throws Error(wrong_arguments) if there is no exposure time.
+/// Returns the interval in which the shutter is open. This is `asked`, or the interval in the file if `asked`
+/// is empty. If `from_frame` is set, the times in `asked` begin at the frame's instant. Throws
+/// Error(wrong_arguments) if neither is given.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
 /// Adds a warning if the lens has a larger aperture, or the shutter a longer interval, than the sample file
@@ -308,12 +320,15 @@ void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vect
 void check_sufficient(const SampleHeader& header, const ThinLens& lens, std::vector<Warning>& out);
 void check_sufficient(const SampleHeader& header, const Exposure& exposure, std::vector<Warning>& out);
 
-/// Runs the hybrid method with the scene of `retrace`, and adds the warnings of the scene. If `retrace` names
-/// an explanation image, writes it. Throws if the scene refers to the output file `picture`.
+/// Makes an image by reprojecting the records (method hybrid). If `retrace` has a scene, rays replace samples
+/// that the records do not determine, and the warnings of the scene are added to `out`. If `retrace.explain`
+/// is set, writes an image that shows how each pixel was made. Throws if the scene refers to the output file
+/// `picture`.
 [[nodiscard]] HybridResult run_hybrid(FocusFrame& frame, HybridSettings settings,
                                       const RetraceOptions& retrace, const std::string& picture,
                                       CommandResult& out);
-/// Returns the numbers that `focus` and `shoot` report for an image made by the hybrid method.
+/// Returns the numbers that `focus` and `shoot` report for the method hybrid: the shares of pixels that were
+/// made in each way, the numbers of rays, and the measured error.
 [[nodiscard]] nlohmann::ordered_json shares_json(const HybridResult& result);
 
 /// Returns the shutter curve "box" or "triangle". Any other word is the name of a file from which the curve

@@ -19,8 +19,8 @@ using postlens::CommandResult;
 using postlens::ExitCode;
 using postlens::ParsedCommand;
 
-/// Writes a text and ends the line. Never throws. `check_output` later reports whether standard output
-/// failed. If standard error fails, there is nowhere to report it.
+/// Writes a text and ends the line. Errors are ignored: `check_output` reports those of standard output
+/// later, and those of standard error cannot be reported.
 void say(std::FILE* where, const std::string& text) {
     if (text.empty()) return;
     std::fputs(text.c_str(), where);
@@ -80,8 +80,8 @@ int run(int argc, char** argv, postlens::Job& process, int& requeue_code) {
 
 int main(int argc, char** argv) {
     take_closed_streams();
-    // The job is static, because a signal may arrive at any time until the process ends. One thread suffices,
-    // because the command runs in a job of its own.
+    // Signals cancel this job. It is static, because a signal may arrive until the process ends. One thread
+    // suffices, because the command itself runs in another job.
     static postlens::Job process({.threads = 1});
     postlens::cancel_on_signals(process);
     // If these signals are ignored, a write beyond a size limit or into a closed pipe fails with an error

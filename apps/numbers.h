@@ -33,11 +33,11 @@ inline constexpr OptionRange f_numbers = above_0, target_decibels{.low = 10, .hi
 /// the user has typed it.
 void check_bounds(std::string_view option, double value, std::string_view text, const OptionRange& bounds);
 
-/// Parses a finite number, or also "inf" if `infinite` is set. This function and the following ones throw
+/// Parses a finite number. With `infinite`, "inf" is accepted too. This function and those below throw
 /// Error(wrong_arguments), which names the option.
 [[nodiscard]] double parse_number(std::string_view option, std::string_view text, bool infinite = false);
-/// Parses an integer. The caller must check the bounds. `bounds` is only used for the error message if the
-/// number does not fit into an int.
+/// Parses an integer. Throws if it does not fit into an int. `bounds` is only used for the error message, so
+/// the caller must check that the integer is within the bounds.
 [[nodiscard]] int parse_whole(std::string_view option, std::string_view text,
                               const OptionRange& bounds = any_value);
 /// Parses a size in px, such as "960x540".

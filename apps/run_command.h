@@ -11,12 +11,12 @@
 
 namespace postlens {
 
-/// Runs the command in the calling thread and for the current job. Adds the running time to the JSON as
+/// Runs the command in the calling thread, as a part of the current job. Adds the running time to the JSON as
 /// `seconds`.
 [[nodiscard]] CommandResult run_timed(const ParsedCommand& command);
 
-/// Parses a command and runs it like run_timed. `words` are the arguments after the name of the program.
-/// Waits while another call uses the file `in_process.kept`.
+/// Parses a command and runs it like run_timed. `words` are the arguments after the name of the program. If
+/// another call uses the open file `in_process.kept`, waits until that call ends.
 [[nodiscard]] CommandResult run_command(std::vector<std::string> words, const InProcess& in_process);
 
 /// Returns the JSON that `--json` prints. It contains the JSON of the result, the peak memory of the process,

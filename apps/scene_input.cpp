@@ -7,8 +7,8 @@
 namespace postlens {
 namespace {
 
-// Returns the unit with which to read the scene of a sample file. Throws if the option asks for another unit
-// than the trace had, because rays in such a scene would not agree with the records.
+// Returns the unit with which to read the scene of a sample file, for example metres per unit. Throws if the
+// user gives another unit than the sample file, because traced rays would then not agree with the records.
 double unit_of(const char* option, const std::optional<double>& asked,
                const std::optional<double>& of_trace) {
     if (asked && of_trace && *asked != *of_trace) {
@@ -32,9 +32,8 @@ Scene read_scene_of_command(const std::string& path, const SceneReadOptions& uni
 Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                          const std::optional<double>& lumens_per_watt, const SampleFileReader& file,
                          const std::vector<std::filesystem::path>& written, CommandResult& out) {
-    // Old versions of postlens did not store these values in the sample file. They read lengths in metres
-    // unless another unit was given. They used the intensities of light sources without conversion, as if 1 W
-    // were 1 lm.
+    // Sample files from old versions of postlens do not state the two units. In these versions, lengths were
+    // in metres unless another unit was given, and 1 W of light counted as 1 lm. The default is therefore 1.
     const SampleHeader& h = file.header();
     Scene scene = read_scene_of_command(
         path,

@@ -9,15 +9,15 @@
 
 namespace postlens {
 
-/// Reads a scene. Adds a warning for everything that the reader has assumed or left out. Throws
+/// Reads a scene. Adds a warning for everything that the reader has assumed, or could not read. Throws
 /// Error(wrong_arguments) if the scene refers to a file in `written`. Also throws the errors of read_scene.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,
                                           CommandResult& out);
 
-/// Reads the scene from which a sample file was traced, and sets the scene's exposure to that of `file`.
-/// Checks and warns like read_scene_of_command. A unit that is not given is taken from the sample file.
-/// Throws Error(wrong_arguments) if a given unit differs from that of the sample file.
+/// Reads the scene from which the sample file `file` was traced, at the exposure of this file. A unit that is
+/// not given has the value that the file states. Throws Error(wrong_arguments) if a given unit differs from
+/// the one in the file. Adds the warnings and throws the errors of read_scene_of_command.
 [[nodiscard]] Scene read_scene_of_file(const std::string& path, const std::optional<double>& metres_per_unit,
                                        const std::optional<double>& lumens_per_watt,
                                        const SampleFileReader& file,

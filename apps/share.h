@@ -58,7 +58,7 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// mark is JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share that a mark describes. Returns an empty value for any other text.
+/// Returns the share that a mark describes, or an empty value if `mark` is not a mark.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
 /// Returns the mark of a share whose result is a set of items, such as the images of a sweep. The mark is
@@ -67,11 +67,11 @@ void remember_digest(const std::string& path, const Scene& scene);
 [[nodiscard]] std::string mark_of_items(const Share& share, const AskedFor& asked,
                                         const std::vector<std::string>& words);
 
-/// Sets `crop` to the rows of the share, and work->mark to the mark for its result file. Does nothing if
-/// `work` is empty.
+/// Sets `crop` to the rows of the share, and work->mark to the text by which `merge` recognises the share's
+/// result. Does nothing if `work` is empty.
 void take_share(std::optional<SharedWork>& work, std::optional<Crop>& crop, int width, int height);
 
-/// Returns the name of the first setting in which two fingerprints differ, with both values. Returns an empty
+/// Returns the first setting in which two fingerprints differ, as its name and both values. Returns an empty
 /// text if the fingerprints are equal.
 [[nodiscard]] std::string first_difference(const nlohmann::ordered_json& got,
                                            const nlohmann::ordered_json& expected);

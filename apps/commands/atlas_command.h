@@ -1,5 +1,5 @@
-// The command `chart --atlas`. It runs the atlas of failure, a collection of scenes in which the methods
-// fail.
+// The command `chart --atlas`. It makes images of a collection of scenes, each of which breaks a method, and
+// shows them on a page.
 #pragma once
 
 #include <string>

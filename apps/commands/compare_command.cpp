@@ -158,7 +158,8 @@ void warn_of_noise(const Comparison& c, const CompareCommandOptions& o, CommandR
                          o.image)});
         return;
     }
-    // A difference of more than four standard errors is very unlikely to be caused by noise alone.
+    // `preference` is the difference between the errors against the two references, in standard errors. A
+    // value above 4 is very unlikely to be caused by noise alone.
     if (c.noise && std::abs(c.noise->preference) > 4) {
         out.warnings.push_back(
             {"unlike_references",
@@ -194,8 +195,9 @@ std::string text_of(const Comparison& c, const CompareCommandOptions& o,
     return text;
 }
 
-// Determines the exposure at which all images are compared. It is the exposure in the options, or else that
-// of the reference, or else that of the image.
+// The exposure at which all images are compared. It is the one that the option states. For `auto`, it is
+// computed from the reference. Without the option, it is the exposure of the reference, or that of the image
+// if the reference states none.
 class Exposer {
   public:
     Exposer(const ExposureOption& asked, const Image& reference, const Image& image)
@@ -216,7 +218,8 @@ class Exposer {
     double stops_;
 };
 
-// Writes the map of error causes. Reports which fraction of the error each cause explains.
+// Writes an image that shows the cause of each pixel's error. Also reports which fraction of the error each
+// cause explains.
 void map_causes(const CompareCommandOptions& o, const Exposer& exposer, CommandResult& out) {
     const SampleFileReader file(*o.frame, Damage::refuse, exposer.stops());
     warn_of_missing_rows(file, out.warnings);
@@ -281,8 +284,7 @@ CommandResult compare_files(const CompareCommandOptions& o) {
     warn_of_noise(c, o, out);
     warn_of_range(c, out);
     if (o.map || o.side_by_side) {
-        // The comparison has freed the images, because it needs most of the memory. They are therefore read
-        // again.
+        // The comparison has freed both images, because it needs much memory. They are therefore read again.
         const Image image = exposer.read(o.image), reference = exposer.read(o.reference);
         if (o.map) write_image(*o.map, error_map(image, reference));
         if (o.side_by_side) {

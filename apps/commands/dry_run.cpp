@@ -27,7 +27,7 @@ struct Cost {
     std::uint64_t memory_bytes = 0;
 };
 
-/// The time of a run in seconds, as a linear function of the number of samples or views.
+/// The predicted time of a command in seconds: a fixed time plus a time for each sample or view.
 struct Line {
     double fixed_s = 0, each_s = 0;
     int measured = 1;  ///< largest number of samples or views that was measured
@@ -46,7 +46,8 @@ std::vector<int> spread(int count, int most) {
     return out;
 }
 
-/// Returns the cost of item i, interpolated linearly between the measured items.
+/// Returns the cost of item i, for example a frame. Its time is interpolated linearly between the nearest
+/// measured items. Its memory is the larger of theirs.
 Cost between(const std::map<int, Cost>& measured, int i) {
     const auto above = measured.lower_bound(i);
     if (above == measured.end()) return measured.rbegin()->second;
@@ -63,8 +64,8 @@ class Measured {
         fs::create_directories(folder_.path());
     }
 
-    /// Throws the errors that the command would report before it starts to work. Errors that also occur when
-    /// the parts are measured are not checked here.
+    /// Throws the errors that can be found without running anything, for example a missing output folder. The
+    /// measurements report all other errors of the command.
     void check() const {
         const fs::path folder = fs::absolute(work_.output).parent_path();
         if (std::error_code none; !fs::is_directory(folder, none))
@@ -92,7 +93,7 @@ class Measured {
         return out;
     }
 
-    /// Returns the command that joins the parts, or null if there is nothing to join.
+    /// Returns the `merge` command that joins the results of all tasks, or null if there is nothing to join.
     [[nodiscard]] Json merge() const {
         if (work_.shares == 1 || work_.frames) return nullptr;
         Json words{"merge"};
@@ -115,8 +116,9 @@ class Measured {
         return work_.by_samples ? of_samples(whole) : of_rows(whole);
     }
 
-    /// Runs the command with the additional words `more` and measures its cost. `amount` replaces the number
-    /// of samples or views if the command has such an option.
+    /// Runs the command and measures its time and memory. `more` contains additional options. `amount`
+    /// replaces the number of samples or views if the command has such a number. `ending` is the extension of
+    /// the output file.
     [[nodiscard]] Cost run(const std::vector<std::string>& more, int amount, const std::string& ending) {
         std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string()};
         for (const std::string& word : work_.words) {
@@ -153,12 +155,12 @@ class Measured {
                     line.empty() ? "--dry-run: a part of the command was ended" : line);
     }
 
-    /// Measures the command with a few samples or views, and again with twice as many. This is repeated with
-    /// larger numbers until the two times clearly differ.
+    /// Fits the predicted time to measurements. The command runs with a few samples or views, and again with
+    /// twice as many. Both numbers are doubled until the two times differ by more than `clear_s`.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
-        // The number is even, because --halves divides the samples into two equal halves.
+        // The number of samples must be even, because --halves divides them into two equal halves.
         int amount = std::min(work_.amount, std::max(2, work_.amount / first_part / 2 * 2));
         Cost a = run(more, amount);
         if (work_.amount_option.empty()) return {a.seconds, 0, 1, a.memory_bytes};
@@ -191,8 +193,8 @@ class Measured {
         for (const int i : some) {
             if (measured.contains(i)) continue;
             const Cost c = run(frame(i), of_middle.measured);
-            // The ratio of this frame's time to the middle frame's was measured with few samples or views. It
-            // is assumed to be the same for the full number.
+            // This frame was measured only with few samples or views. It is assumed that the full number
+            // takes longer by the same factor as for the middle frame.
             const double scale = c.seconds / of_middle.at(of_middle.measured).seconds;
             measured[i] = {scale * of_middle.at(work_.amount).seconds, c.memory_bytes};
         }
@@ -206,8 +208,9 @@ class Measured {
         return out;
     }
 
-    /// Predicts the costs of the tasks of a sweep. A sweep of a single image shows the fixed cost of a task.
-    /// One or two sweeps of several images then show the cost of each image.
+    /// Predicts the cost of each task of a sweep: a fixed time plus a time for each image. A run that makes a
+    /// single image shows the fixed time. One or two runs that make several images show the time for each
+    /// image.
     [[nodiscard]] std::vector<Cost> of_pictures() {
         const int n = work_.pictures, middle = n / 2;
         const auto share = [](int i, int count) {
@@ -242,8 +245,8 @@ class Measured {
     }
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
-        // A share of the samples keeps separate sums for each of its blocks of samples. It therefore needs
-        // more memory than an undivided run.
+        // If the samples are divided among tasks, each task keeps several sums of radiance per pixel, one for
+        // each block of samples. So it needs more memory than an undivided run, which keeps one sum.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;
@@ -257,8 +260,8 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_rows(const Line& whole) {
         constexpr int most_measured = 6;
-        // A share has only some of the rows, so it can be measured with more samples or views in the same
-        // time.
+        // A task makes only some of the rows. So it can be measured with more samples or views than the whole
+        // image, in the same time.
         const int amount = static_cast<int>(
             std::min<std::int64_t>(work_.amount, std::int64_t{whole.measured} * work_.shares));
         std::map<int, Cost> measured;

@@ -13,7 +13,7 @@ namespace postlens {
 
 /// A command for which `--dry-run` predicts the tasks.
 struct DryRun {
-    /// The words of the command, without --share, --dry-run and the output (words_of).
+    /// The words of the command line, without --share, --dry-run and the options that name outputs.
     std::vector<std::string> words;
     std::string output;
     int shares = 1;
@@ -21,16 +21,15 @@ struct DryRun {
     std::optional<std::vector<int>> frames;           ///< shares are frames
     std::function<std::string(int frame)> output_of;  ///< with `frames`: returns the output file of a frame
     int pictures = 0;  ///< for a sweep, the number of its images, which are divided into shares; otherwise 0
-    /// Name of the option that sets the number of samples or views (`amount`), such as --spp. The time
-    /// depends on this number linearly. The name is empty if the command has no such option.
+    /// Name of the option for the number of samples or views, such as --spp. The time of the command is
+    /// assumed to grow linearly with this number. Empty if the command has no such option.
     std::string amount_option;
     int amount = 0;
 };
 
-/// Predicts the tasks and returns them as JSON. Small parts of the command are run in separate processes,
-/// which write only to a temporary folder, and their time and memory are measured. A small part has, for
-/// example, only a few samples or frames. The cost of the whole is computed from these measurements. Throws
-/// the errors of the command.
+/// Predicts the time and memory of each task, and returns them as JSON. For this purpose, it runs and
+/// measures small versions of the command, for example with few samples or a single frame. They run in
+/// separate processes, which write only to a temporary folder. Throws the errors of the command.
 [[nodiscard]] CommandResult dry_run(const DryRun& work);
 
 }  // namespace postlens

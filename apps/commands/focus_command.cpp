@@ -51,9 +51,9 @@ nlohmann::ordered_json json_number(double value) {
 
 void check_sufficient(const SampleHeader& h, const ThinLens& lens, std::vector<Warning>& out) {
     const std::optional<double>& smallest = h.sufficient.smallest_f_number;
-    // The f-number in the sample file is the film distance divided by the diameter of the aperture. The
-    // f-number of the lens is converted to this definition, so that the two can be compared. The focus
-    // distance does not matter here, because it does not change which hidden surfaces a lens sees.
+    // The f-number in the sample file is the film distance divided by the diameter of the aperture. That of
+    // `lens` is its focal length divided by this diameter, so it is converted. The focus distance is not
+    // compared, because it does not change which hidden surfaces a lens sees.
     const double f_number = lens.f_number * h.film_distance_mm / lens.focal_length_mm;
     constexpr double rounding = 1e-9;
     if (!smallest || f_number >= *smallest * (1 - rounding)) return;
@@ -76,10 +76,11 @@ ResolvedLens resolve_lens(const LensOptions& options, const SampleFileReader& fi
 CommandResult run_focus(const FocusOptions& options) {
     check_output(options.output);
     check_target(options.target_db, options.method);
-    // With --salvage, the header may be damaged. The input is then assumed to be a sample file.
+    // With --salvage, a damaged header may hide what kind of file this is. The input is then assumed to be a
+    // sample file.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // If the input is not a sample file, the reader reports below what kind of file it is.
+    // For any other kind of file, units are not checked, because the reader below throws a clearer error.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -89,7 +90,8 @@ CommandResult run_focus(const FocusOptions& options) {
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
-        // A pinhole has no focus distance, so the option --focus is not required.
+        // A pinhole has an infinite f-number, and its focus distance has no effect. Neither option is
+        // required.
         lens_options.f_number = std::numeric_limits<double>::infinity();
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);
@@ -129,8 +131,8 @@ CommandResult run_focus(const FocusOptions& options) {
     FocusResult result;
     HybridResult hybrid;
     nlohmann::ordered_json plan = nullptr;
-    // Several views (reprojections) are useful even for a pinhole if there is a scene. Rays then also show
-    // surfaces that lie between the recorded corners of a pixel.
+    // If there is a scene, even the image of a pinhole is made from several views (reprojections). Their rays
+    // show surfaces that lie between the recorded points, which are the corners of pixels.
     const bool has_views = std::isfinite(lens.lens.f_number) || options.retrace.scene;
     if (method == FocusMethod::automatic && has_views) {
         AutoResult planned = run_auto(frame, {.hybrid = {.focus = settings}, .target_db = options.target_db},
@@ -149,8 +151,9 @@ CommandResult run_focus(const FocusOptions& options) {
     }
     check_sufficient(file.header(), lens.lens, out.warnings);
     for (const FocusWarning& w : result.warnings) out.warnings.push_back({w.code, w.text, w.share});
-    // Warns of samples that are reprojected to wrong positions, because W describes the motion of a node's
-    // image only to first order. With a scene, rays replace these samples, so there is no warning.
+    // Warns of reflected and refracted surfaces that are reprojected to wrong positions. The records describe
+    // the motion of such surfaces over the lens only to first order. With a scene, there is no warning,
+    // because rays replace these samples.
     if (result.method != FocusMethod::pinhole && options.depth_model == DepthModel::ray_differentials &&
         !options.retrace.scene) {
         const SampleHeader& h = file.header();

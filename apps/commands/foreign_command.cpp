@@ -43,8 +43,8 @@ nlohmann::ordered_json channels_json(const ForeignChannels& c) {
     return out;
 }
 
-/// Adds the images of --behind to an image as further layers, nearest first. First, edge pixels that mix
-/// several surfaces are split into those surfaces, so that each surface has its own depth.
+/// Adds the images of --behind as further layers behind `picture`, nearest first. Their edge pixels, which
+/// mix several surfaces, are first split into one sample per surface, so that each surface has its own depth.
 void lay_all_behind(ForeignPicture& picture, const ForeignOptions& options, const ForeignCameraChoice& camera,
                     std::size_t& unmixed) {
     ForeignChoice choice = options.choice;
@@ -94,7 +94,7 @@ void check_passes(const FocusOptions& options) {
     check_exr_path(options.output, "passes");
 }
 
-/// Multiplies the colours by the exposure that the option asks for. Returns this exposure in stops.
+/// Multiplies the colours by the exposure of the option --exposure. Returns this exposure in stops.
 double expose(ForeignPicture& picture, const ExposureOption& asked) {
     const double stops = exposure_of_picture(asked, [&] { return picture.flattened(); });
     if (stops == 0) return 0;
@@ -160,7 +160,8 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // If the input is not a sample file, the reader reports later what kind of file it is.
+    // For any other kind of file, the options are not refused here, because the reader throws a clearer error
+    // later.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
          "{}: not for a sample file, which knows its camera (expected an OpenEXR picture of another program)",
@@ -217,8 +218,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     if (options.impulse.kind == ImpulseKind::lens)
         take_from_prescription(options.impulse, lens, out.warnings);
     ForeignCameraChoice choice = options.foreign.camera;
-    // The focal length of a lens prescription is not used here, because the camera that rendered the image
-    // had another focal length.
+    // The focal length of a lens prescription is not used as that of the camera, because the image was
+    // rendered with another lens.
     if (options.impulse.kind != ImpulseKind::lens) choice.focal_length_mm = lens.focal_length_mm;
     choice.metres_per_unit = options.retrace.metres_per_unit;
     const bool pinhole = options.method == FocusMethod::pinhole;
@@ -229,8 +230,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // The channels of --passes are computed from views (reprojections to lens points), whatever the method
-    // is.
+    // With --passes, the number of views (reprojections to lens points) may be given with any method, because
+    // the additional channels are measured by views.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

@@ -18,7 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Returns the number of layers in the file. Reads all records to find the deepest layer.
+// Returns the number of layers: one for the visible surfaces, plus one for each layer of hidden surfaces
+// behind them. The file does not state this number, so all records are read.
 std::int64_t layers_of(const SampleFileReader& file) {
     constexpr int rows = 64;
     std::uint32_t deepest = 0;

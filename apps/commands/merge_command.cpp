@@ -50,7 +50,7 @@ struct Merged {  // NOLINT(bugprone-exception-escape): as PartFacts, which it ho
     std::vector<int> missing;
 };
 
-/// Returns a black image with the size of the whole image and with the channels of the part.
+/// Returns a black image with the size of the undivided image and the channels of `part`.
 Image whole_of(const NamedPart& part) {
     const ImageSize& size = part.part.whole;
     require_memory(static_cast<std::uint64_t>(size.width) * static_cast<std::uint64_t>(size.height) *
@@ -66,7 +66,7 @@ Image whole_of(const NamedPart& part) {
     return out;
 }
 
-/// Joins parts that are rows of an image. Only one part at a time is in memory.
+/// Joins the files of an image that was divided by rows. Only one file at a time is in memory.
 Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;
@@ -96,8 +96,9 @@ Merged merge_rows(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins parts that contain samples of an image, by adding their sums in the order of the parts. Reads first
-/// the descriptions of all parts, then the sums of one part after the other.
+/// Joins the files of an image that was divided by samples. First reads only the description of each file, to
+/// check that the files fit together. Then adds their sums of radiance, one file at a time, in the order of
+/// the shares.
 Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     Merged out;
     FoundParts found;
@@ -136,8 +137,8 @@ Merged merge_samples(const std::vector<std::string>& names, bool partial) {
     return out;
 }
 
-/// Joins the two half images of a render that was divided by rows. A half image contains an independent half
-/// of the samples. Each part has two separate files for its half images.
+/// Joins the half images of a `render --halves` that was divided by rows. Each of the two half images is made
+/// from an independent half of the samples, and is a separate file in each part.
 std::vector<Image> merge_halves(const std::vector<std::string>& names, bool partial) {
     std::vector<Image> out;
     for (std::size_t h = 0; h < 2; ++h) {

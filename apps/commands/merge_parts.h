@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// Returns the index of the share and the number of shares, which it reads from `mark`, the JSON that
-/// describes a part (mark_of in share.h). Throws Error(invalid_input) if postlens has not written the JSON.
+/// Reads which share of the work a file contains, and the number of shares. `mark` is the JSON that describes
+/// the file (mark_of in share.h). Throws Error(invalid_input) if postlens has not written this JSON.
 [[nodiscard]] Share share_in(const nlohmann::ordered_json& mark, const std::string& name);
 
 /// Description of a part without its contents.
@@ -25,7 +25,7 @@ struct PartFacts {  // NOLINT(bugprone-exception-escape): assertions inside of t
 /// Throws Error(invalid_input) if the two parts come from different commands.
 void check_same_work(const PartFacts& first, const PartFacts& other);
 
-/// Lists the parts that were found, in the order of their shares. Throws Error(invalid_input) if two parts
+/// The files to be joined, in the order of their shares. `add` throws Error(invalid_input) if two files
 /// contain the same share.
 class FoundParts {
   public:
@@ -41,13 +41,13 @@ class FoundParts {
 /// Returns a text such as "0/8, 3/8". A long list is cut short.
 [[nodiscard]] std::string listed(const std::vector<int>& shares, int count);
 
-/// Joins the parts of a trace, which are sample files. The result is the sample file that an undivided trace
+/// Joins the sample files into which a trace was divided. The result is the file that an undivided trace
 /// would write.
 [[nodiscard]] CommandResult merge_traces(const MergeOptions& options);
 
-/// Joins the results that the shares of a sweep or a chart have written into one folder. Each share has
-/// written a table named FOLDER/*.I-of-N.json. These tables are the parts that are joined. The joined result
-/// is written to the same folder.
+/// Joins the results of a sweep or a chart that was divided into shares. All shares have written their
+/// results to the same folder. Each has also written a table *.I-of-N.json, and these tables are the files to
+/// be joined. The joined results are written to the same folder.
 [[nodiscard]] CommandResult merge_items(const MergeOptions& options);
 
 }  // namespace postlens

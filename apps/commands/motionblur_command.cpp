@@ -70,8 +70,8 @@ void refuse_for_pictures(bool given, const char* option, const char* expected = 
          expected);
 }
 
-/// Reports the results that are the same for sample files and for images of other programs: the warnings, the
-/// exit code, and the JSON keys on which scripts rely.
+/// Fills in the results that sample files and images of other programs have in common: the warnings, the exit
+/// code, and the JSON keys that are always present.
 CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& result,
                      std::vector<Warning> warnings = {}) {
     CommandResult out;
@@ -90,7 +90,8 @@ CommandResult report(const MotionBlurOptions& options, const MotionBlurResult& r
     return out;
 }
 
-/// Returns the first line of the human-readable result, for example "FILE: 960x540 px, convolve, more".
+/// Returns the first line of the text for the user, for example "a.exr: 960x540 px, convolve, MORE, 12.5 % of
+/// the pixels touched". MORE stands for the argument `more`.
 std::string headline(const MotionBlurOptions& options, const MotionBlurResult& result,
                      const std::string& more) {
     return fmt::format("{}: {}x{} px, {}, {}{}, {:.1f} % of the pixels touched", options.output,
@@ -151,8 +152,8 @@ CommandResult blur_by_vectors(const MotionBlurOptions& options) {
     return out;
 }
 
-/// Makes motion blur by running `shoot` with a pinhole. Traced rays replace samples whose colour cannot be
-/// found from the records.
+/// Makes motion blur by running `shoot` with a pinhole, because `shoot` can trace rays. Rays replace samples
+/// whose colour cannot be found from the records.
 CommandResult blur_with_rays(const MotionBlurOptions& o) {
     if (!o.retrace.scene)
         fail(ExitCode::wrong_arguments,
@@ -187,7 +188,7 @@ CommandResult blur_with_rays(const MotionBlurOptions& o) {
                        .paths = o.paths,
                        .shutter_from_frame = o.shutter_from_frame};
     shoot.focus.lens = {.f_number = std::numeric_limits<double>::infinity()};
-    // `shoot` requires a focus distance, although it has no effect for a pinhole.
+    // `shoot` requires a focus distance. With a pinhole, any value gives the same image.
     if (!SampleFileReader(o.input, damage_rule(o.salvage)).header().focus_m) shoot.focus.lens.focus_m = 1;
     shoot.focus.views = o.settings.views;
     return run_shoot(shoot);
@@ -217,10 +218,11 @@ void check_sufficient(const SampleHeader& h, const Exposure& e, std::vector<Warn
 
 CommandResult run_motionblur(const MotionBlurOptions& options) {
     check_output(options.output);
-    // With --salvage, the header may be damaged. The input is then assumed to be a sample file.
+    // With --salvage, a damaged header may hide what kind of file this is. The input is then assumed to be a
+    // sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // If the input is not a sample file, the reader reports below what kind of file it is.
+    // For any other kind of file, options are not checked, because the reader below throws a clearer error.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

@@ -10,9 +10,9 @@
 namespace postlens {
 namespace {
 
-// Writes the explanation image. Its colours show how each pixel was computed: scattered (blue), light field
-// (grey) or rays (red). With the method auto, a tile of the light field is brighter if it averages more views
-// (reprojections to a lens point).
+// Writes an image whose colours show how each pixel was made. Blue: by adding the blurred records. Grey: by
+// averaging views (reprojections to lens points). Red: mostly by rays. With the method auto, a brighter grey
+// means more views.
 void write_explanation(const std::string& path, const HybridResult& r, const AutoResult* plan,
                        const std::optional<Crop>& crop) {
     Image out(r.focus.image.width, r.focus.image.height);
@@ -32,8 +32,8 @@ void write_explanation(const std::string& path, const HybridResult& r, const Aut
     write_image(path, out, crop);
 }
 
-// Reads the scene in which rays are traced. Output files are checked first, so that a wrong file name is
-// reported before the long work begins.
+// Reads the scene into which rays are traced, if there is one. First checks the names of the output files, so
+// that a wrong name is reported before the long work begins.
 std::optional<Scene> scene_of(const RetraceOptions& retrace, const SampleFileReader& file,
                               const std::string& picture, CommandResult& out) {
     if (retrace.explain) check_image_path(*retrace.explain);

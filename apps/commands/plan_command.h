@@ -1,4 +1,5 @@
-// Runs the method auto and reports predicted errors, for `focus`, `shoot` and `sweep`.
+// For `focus`, `shoot` and `motionblur`: makes images with a target error (method auto), and reports
+// predicted errors.
 #pragma once
 
 #include "apps/command.h"
@@ -7,12 +8,13 @@
 
 namespace postlens {
 
-/// Runs the method auto with the scene of `retrace`, and adds the warnings of the scene. If `retrace` names
-/// an explanation image, writes it. Sets the exit code if the image does not reach the target PSNR. Throws if
-/// the scene refers to the output file `picture`.
+/// Makes an image with as many views (reprojections to lens points) and rays as the target PSNR needs (method
+/// auto). Adds the warnings of the scene to `out`, and sets the exit code if the target is missed. If
+/// `retrace.explain` is set, writes an image that shows how each pixel was made. Throws if the scene refers
+/// to the output file `picture`.
 [[nodiscard]] AutoResult run_auto(FocusFrame& frame, AutoSettings settings, const RetraceOptions& retrace,
                                   const std::string& picture, CommandResult& out);
-/// Adds the predicted error of an image to the result, as the option `--predict` asks for.
+/// Adds the predicted error of an image to the text and the JSON of the result, for the option --predict.
 void report_prediction(const PredictedError& predicted, CommandResult& out);
 /// Returns the numbers that `--json` lists only for the method auto.
 [[nodiscard]] nlohmann::ordered_json auto_json(const AutoResult& result);

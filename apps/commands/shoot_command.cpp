@@ -19,8 +19,8 @@
 namespace postlens {
 namespace {
 
-/// Warns of shadows, lights and reflections that should move but do not move with the surfaces. A file with
-/// several recorded instants needs no such warning.
+/// Warns of shadows, lighting and reflections that should change while surfaces move, but are shown as
+/// recorded. A file with several recorded instants needs no such warning.
 void warn_of_unseen_motion(const SampleFileReader& file, const FrameMotion& motion, const Exposure& exposure,
                            CommandResult& out) {
     constexpr int rows_at_once = 64;

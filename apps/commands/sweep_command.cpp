@@ -19,8 +19,8 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// Returns the lists of values that the options give. If an option is absent, its list consists of the value
-/// in the sample file.
+/// Returns the values of each setting for which images are made. If an option is absent, the only value is
+/// the one in the sample file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);
@@ -87,8 +87,8 @@ void warn(const SampleHeader& h, const SweepResult& result, std::vector<Warning>
                                    w.worst.text),
                        w.worst.share});
     }
-    // Collects the lens and shutter settings that exceed those for which the file was traced. They are
-    // reported as one warning.
+    // Collects the lenses with a larger aperture, and the shutters with a longer interval, than the file was
+    // traced for. They are reported as one warning.
     std::vector<Warning> insufficient;
     std::size_t pictures = 0;
     for (const SweepRow& row : result.table.rows) {

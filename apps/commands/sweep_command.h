@@ -11,8 +11,8 @@ namespace postlens {
 
 struct SweepOptions {
     std::string input, output;
-    /// Lists of values, as the user has typed them. If a list is absent, the value in the sample file is
-    /// used.
+    /// Lists of values, as the user has typed them. If one of the first three is absent, the value in the
+    /// sample file is used.
     std::optional<std::string> f_number, focal_length, focus, shutter, impulse;
     Impulse modifiers;          ///< squeeze, cats_eye and spherical of every impulse response
     std::string curve = "box";  ///< box, triangle or a file

@@ -17,8 +17,7 @@ namespace postlens {
 
 namespace {
 
-// Adds a warning for each id whose shapes have different motions. The header can store only one motion per
-// id.
+// Warns of ids whose shapes move differently, because a sample file can store only one motion per id.
 void warn_of_motion(const Scene& scene, CommandResult& out) {
     const std::vector<std::uint32_t> apart = ids_that_move_apart(scene);
     if (apart.empty()) return;
@@ -34,8 +33,8 @@ void warn_of_motion(const Scene& scene, CommandResult& out) {
                      ids)});
 }
 
-// Warns if the stated number of recorded instants is too small for the motion during the exposure. Changing
-// light is not considered, because measuring it would require tracing rays.
+// Warns if the user has chosen too few recorded instants (--keys) for the motion while the shutter is open.
+// Changing light is not considered, because measuring it would require tracing rays.
 void warn_of_keys(const Scene& scene, const TraceSettings& settings, CommandResult& out) {
     if (!settings.for_shutter || !settings.keys) return;
     const int keys = *settings.keys;
