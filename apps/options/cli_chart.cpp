@@ -72,7 +72,7 @@ void add_chart_command(CLI::App& root, ParsedCommand& common) {
     common_options(app, common);
     app.callback([=, &app, &common] {
         o->request.join = common.join;
-        // This is read now, because CLI11's option objects no longer exist when the command runs.
+        // CLI11's option objects no longer exist when the command runs, so this flag is read now.
         const bool of_atlas = atlas_option->count() > 0;
         common.run = [=, asked = asked_for(app), words = words_of(app)] {
             if (of_atlas) {

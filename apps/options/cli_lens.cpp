@@ -14,7 +14,7 @@
 namespace postlens {
 namespace {
 
-/// One of several tasks that a command can do, and the options that this task uses.
+/// One of the alternative tasks of a command such as `lens fit`, and the options that this task uses.
 struct Task {
     std::string_view name;
     std::vector<std::string_view> uses;

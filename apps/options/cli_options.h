@@ -29,7 +29,7 @@ CLI::Option* whole(CLI::App& app, const std::string& name, int& to, const std::s
                    const std::string& unit, const OptionRange& bounds);
 CLI::Option* whole(CLI::App& app, const std::string& name, std::optional<int>& to, const std::string& help,
                    const std::string& unit, const OptionRange& bounds);
-/// Adds an option that must be given. Its help text has no default.
+/// Adds an option that must be given. Its help text therefore states no default.
 CLI::Option* required_number(CLI::App& app, const std::string& name, double& to, const std::string& help,
                              const std::string& unit, const OptionRange& bounds, bool infinite = false);
 CLI::Option* required_whole(CLI::App& app, const std::string& name, int& to, const std::string& help,
@@ -41,15 +41,16 @@ inline constexpr OptionRange lens_view_counts{.low = 1, .high = most_lens_views}
 CLI::Option* instants(CLI::App& app, const std::string& name, std::optional<TimeSpan>& to,
                       const std::string& help);
 
-/// Adds the flag --dry-run to a command whose work can be divided.
+/// Adds the flag --dry-run, which predicts time and memory instead of running the command. Only commands
+/// whose work can be divided have this flag.
 void dry_run_option(CLI::App& app, ParsedCommand& to);
 
 inline constexpr OptionRange exposure_bounds{.low = -most_exposure_stops, .high = most_exposure_stops},
     lumens_bounds{.low = 1e-6, .high = 1e6};
 /// Adds --exposure. `absent` is the part of the help text that states the default.
 void exposure_option(CLI::App& app, ExposureOption& to, const std::string& absent);
-/// Adds --lumens-per-watt to a command that reads the scene of a sample file. `when` is the beginning of the
-/// help text.
+/// Adds --lumens-per-watt to a command that reads the scene of a sample file. The help text begins with
+/// `when`, for example "With --scene: ".
 void lumens_option(CLI::App& app, std::optional<double>& to, const std::string& when = "");
 
 void common_options(CLI::App& app, ParsedCommand& to);
@@ -76,12 +77,13 @@ void shutter_options(CLI::App& app, std::optional<TimeSpan>& shutter, std::strin
                      const std::string& absent = "open for an instant");
 
 struct LensFitLimitsOptions;
-/// Adds the options of `lens fit` that find a thin lens (cli_lens_fit.cpp).
+/// Adds those options of `lens fit` that need no lens prescription, for example --pairs (cli_lens_fit.cpp).
 std::shared_ptr<LensFitLimitsOptions> fit_limits_options(CLI::App& app);
 
-/// Adds `lens` and its subcommands (cli_lens.cpp). Their callbacks own the parsed values.
+/// Adds `lens` and its subcommands (cli_lens.cpp). The lambdas that run these subcommands own the parsed
+/// options.
 void add_lens_commands(CLI::App& root, ParsedCommand& common);
-/// Adds `sweep` (cli_sweep.cpp). Its callback owns the parsed values.
+/// Adds `sweep` (cli_sweep.cpp). The lambda that runs it owns the parsed options.
 void add_sweep(CLI::App& root, ParsedCommand& common);
 
 template <typename Enum>

@@ -15,7 +15,6 @@ namespace postlens {
 
 inline constexpr const char* exposure_of_file = "the sample file's; 0 of another program's picture";
 
-// All values that the parser sets. They belong to the parsed command.
 struct CommandOptions {
     ParsedCommand common;
     TraceOptions trace;
@@ -32,7 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options of --frames, after setting `speak` from the common options.
+    /// Returns the options of --frames. Before, sets `speak`, so that a line is printed after each frame
+    /// unless --quiet or --json is given.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;
@@ -52,12 +52,13 @@ void add_merge(CLI::App& root, CommandOptions& s);
 void add_info(CLI::App& root, CommandOptions& s);
 void add_view(CLI::App& root, CommandOptions& s);
 
-/// Adds --share. `what` names, for the help text, the items or rows that are divided into shares if there is
-/// no --frames.
+/// Adds --share. `what` is the part of the help text that names what is divided into shares, for example
+/// "rows of the picture".
 void share_option(CLI::App& app, std::optional<Share>& to, const std::string& what);
-/// Adds --frames and --keep. Also adds --fps if the frames of the command are instants (`in_time`).
+/// Adds --frames, which runs the command for a range of frames, and --keep, which skips finished frames. If
+/// the frames are instants of a scene (`in_time`), also adds --fps.
 void frame_options(CLI::App& app, FrameOptions& to, bool in_time);
-/// Returns the command whose tasks --dry-run predicts, with the options that were parsed.
+/// Returns a description of the parsed command, from which --dry-run predicts the tasks.
 [[nodiscard]] DryRun dry_run_of(CLI::App& app, const CommandOptions& options);
 
 }  // namespace postlens

@@ -12,9 +12,8 @@
 namespace postlens {
 namespace {
 
-// A mark tells what an option means, for example that its value is the name of an input file. CLI11 cannot
-// attach such data to an option. A mark is therefore stored as a validator that has a name and accepts every
-// text.
+// Marks describe the value of an option, for example as the name of an input file. CLI11 options cannot store
+// such a description. A mark is therefore added as a validator, which has a name and accepts every value.
 constexpr const char *read_mark = "reads", *impulse_mark = "reads of impulse", *curve_mark = "reads of curve",
                      *object_mark = "reads of object", *write_mark = "writes";
 
@@ -81,7 +80,8 @@ std::vector<NamedFile> files_of(CLI::App& app) {
                            .path = path,
                            .written = written,
                            .numbered = positional || written,
-                           // In the file name of a scene, # is an ordinary character (frame_commands.cpp).
+                           // In most file names, # stands for a digit of the frame number. In the name of a
+                           // scene, it is an ordinary character.
                            .hashes = option->get_name() != "scene"});
         }
     }
@@ -103,8 +103,8 @@ AskedFor asked_for(CLI::App& root) {
     CLI::App& app = parsed_subcommand(root);
     AskedFor out;
     out.command = app.get_name();
-    // These options do not change the result. They change where or how fast it is computed, and which
-    // messages are printed.
+    // These options do not change the result, only where and how fast it is computed, and which messages are
+    // printed.
     std::vector<std::string> left_out{"--share",   "--threads", "--quiet",        "--json",
                                       "--resume",  "--keep",    "--requeue-code", "--dry-run",
                                       "--restart", "--strict",  "--force"};
@@ -116,8 +116,8 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // Apart from arguments without a name, only these options may name a different file for each frame
-        // (frame_commands.cpp).
+        // With --frames, a different file for each frame may be read by positional arguments and by these
+        // options.
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);

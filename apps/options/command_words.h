@@ -11,27 +11,27 @@
 
 namespace postlens {
 
-/// These functions mark an option whose value is a file name or contains one, such as `image:FILE`. files_of
-/// finds only the files of marked options. If a command writes files, all its options of this kind must
-/// therefore be marked. The functions return the option.
+/// These functions mark an option whose value is a file name or contains one, such as `image:FILE`, and
+/// return the option. All such options of a command that writes files must be marked, because files_of finds
+/// only marked options.
 CLI::Option* reads(CLI::Option* option);
 CLI::Option* reads_of_impulse(CLI::Option* option);
 CLI::Option* reads_of_curve(CLI::Option* option);
 CLI::Option* reads_of_object(CLI::Option* option);
 CLI::Option* writes(CLI::Option* option);
-/// Returns the innermost subcommand that was parsed, such as `lens psf`. Returns `app` itself if there is
-/// none.
+/// Returns the innermost subcommand of the command line, which is `psf` for `lens psf`. Returns `app` if
+/// there is no subcommand.
 [[nodiscard]] CLI::App& parsed_subcommand(CLI::App& app);
-/// Returns the files that are named by the marked options of the parsed subcommand.
+/// Returns the files that the parsed subcommand reads and writes, as named by its marked options.
 [[nodiscard]] std::vector<NamedFile> files_of(CLI::App& app);
 /// Throws Error(wrong_arguments) if an option of the parsed subcommand has an empty value. The cause may be a
 /// shell variable that is not set. An output with an empty name would otherwise be computed but not written.
 void refuse_empty_values(CLI::App& app);
-/// Returns the options of the parsed subcommand and the files that it reads.
+/// Returns the options and input files that determine the result of the parsed subcommand.
 [[nodiscard]] AskedFor asked_for(CLI::App& root);
 
-/// Returns the words of the command line, without --share, --dry-run, --json and the options that name
-/// outputs.
+/// Returns the words of the command line, from which the command can be run again. Leaves out --share,
+/// --dry-run, --json, --restart and the options that name outputs.
 [[nodiscard]] std::vector<std::string> words_of(CLI::App& app);
 
 }  // namespace postlens

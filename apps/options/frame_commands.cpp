@@ -41,8 +41,8 @@ ImageSize raster_of(const std::string& input, bool salvage, int overscan_px) {
             display.y_max - display.y_min + 1 - 2 * overscan_px};
 }
 
-/// Limits a command without --frames to its share of the rows. Sets the crop to these rows, and the mark by
-/// which `merge` recognises the result.
+/// Limits a command to its share of the rows of the image, by setting the crop. Also sets the mark by which
+/// `merge` recognises the result. Does nothing with --frames, because a share then consists of whole frames.
 void divide(const FrameOptions& frames, const std::string& output, std::optional<SharedWork>& shared,
             std::optional<Crop>& crop, const std::function<ImageSize()>& raster) {
     if (!frames.shared || frames.frames) return;
@@ -56,8 +56,9 @@ bool decides_by_errors(const FocusOptions& o) {
     return o.method == FocusMethod::automatic && !o.takes_usual_method();
 }
 
-/// Throws if --share is given and `decides` is true. `decides` means that the method auto measures errors,
-/// for which it needs the whole image.
+/// Throws if --share would divide an image that must be made as a whole. This is an image with --explain, or
+/// one for which the method auto measures errors (`decides`). With --frames, a share consists of whole
+/// frames, so nothing is thrown.
 void refuse_shared_target(const FrameOptions& frames, bool decides, const RetraceOptions& retrace) {
     if (!frames.shared || frames.frames) return;
     if (decides) {
@@ -100,7 +101,8 @@ ExposureOption exposure_of_first_file(const FrameOptions& frames, const Exposure
     });
 }
 
-/// Returns the separate files in the options that contain depths, ids and motion vectors of an image.
+/// Returns the names of the separate files that contain the depths, ids and motion vectors of an image. A
+/// name is empty if there is no such file.
 std::vector<std::string> passes_of(const ForeignChoice& choice, const VectorChoice& vectors = {}) {
     return {choice.depth_file.string(), choice.ids_file.string(), vectors.file.string()};
 }
@@ -118,7 +120,8 @@ ForeignChoice of_first(const FrameOptions& frames, ForeignChoice choice) {
     return choice;
 }
 
-/// Returns the struct that contains the exposure and `made_by`. This is `options` or its member `focus`.
+/// Returns the struct that contains the exposure and `made_by`: the member `focus` if `options` has one,
+/// otherwise `options`.
 template <typename Options>
 auto& image_of(Options& options) {
     if constexpr (requires { options.focus; }) {
@@ -128,8 +131,8 @@ auto& image_of(Options& options) {
     }
 }
 
-/// Runs a command once for each frame of --frames, or once without --frames. Before each run, `adapt` changes
-/// the options for the frame.
+/// Runs a command once for each frame of --frames, or once without --frames. `adapt` sets the file names and
+/// times of a frame in the options before its run.
 template <typename Options, typename Adapt>
 CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, const Options& options,
                          CommandResult (*run)(const Options&), const Adapt& adapt) {
@@ -145,8 +148,8 @@ CommandResult each_frame(const FrameOptions& frames, const FrameFiles& names, co
     if (frames.asked_for) {
         range.asked_for = [&](int frame) {
             nlohmann::ordered_json out = frames.asked_for(frame);
-            // The exposure `auto` is computed from the first frame, so it is added to the fingerprint of
-            // every frame.
+            // The exposure `auto` is computed from the first frame and changes all frames. It therefore
+            // becomes part of the stored description of how a frame was made.
             if (const auto& stops = image_of(options).exposure.stops) out["exposure_stops"] = *stops;
             return out;
         };

@@ -44,8 +44,8 @@ bool taken(std::string_view& text, char c) {
     return true;
 }
 
-/// Returns the length of the placeholder at the beginning of the text, and its number of digits. Both are 0
-/// if the text does not begin with a placeholder.
+/// Returns the length of the placeholder, such as %04d, at the beginning of the text, and its number of
+/// digits. Returns two zeros if the text does not begin with a placeholder.
 std::pair<std::size_t, int> place_of_number(std::string_view text) {
     if (text.starts_with("%d")) return {2, 1};
     const bool zeros = text.size() >= 4 && text[0] == '%' && text[1] == '0' && text[2] >= '1' &&
@@ -62,7 +62,8 @@ bool is_whole(const fs::path& path) {
             const Image image = read_image(path);
             return image.width > 0;
         }
-        // Rows are written in order, so the file is complete if the last row of each instant can be read.
+        // Rows are written in order. So the file is complete if the last row can be read, for each recorded
+        // instant.
         const SampleFileReader file(path);
         RecordBand band;
         for (std::size_t i = 0; i < file.instants(); ++i) file.read(file.y_end() - 1, file.y_end(), band, i);
@@ -79,26 +80,26 @@ bool all_whole(const FrameFiles& files) {
     return is_whole(halves[0]) && is_whole(halves[1]);
 }
 
-/// Returns the fingerprint of a command (its options and inputs) as text. Invalid UTF-8 is replaced, because
-/// an option may contain any bytes.
+/// Returns the fingerprint of a command (its options and inputs) as JSON text. Options may contain any bytes,
+/// so invalid UTF-8 is replaced.
 std::string text_of(const nlohmann::ordered_json& made_by) {
     return made_by.is_null() ? ""
                              : made_by.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
-/// Returns the first setting of the output that differs from the command, because the output must then be
-/// made again. Returns an empty text if all settings agree.
+/// Returns why an existing output must be made again: the first setting in its file that differs from the
+/// command. Returns an empty text if all settings agree.
 std::string why_again(const fs::path& output, const nlohmann::ordered_json& made_by) {
     const std::string stated = read_made_by(output);
     const auto json = nlohmann::ordered_json::parse(stated, nullptr, false);
     if (!json.is_object()) return "its file does not say how";
-    // `made_by` is converted to text and back, so that invalid UTF-8 is replaced in the same way as in the
-    // file.
+    // The settings in the file were written by `text_of`, which replaces invalid UTF-8. The same is done
+    // here, so that equal settings compare equal.
     return first_difference(json, nlohmann::ordered_json::parse(text_of(made_by)));
 }
 
-/// Collects the warnings of all frames. If several frames have a warning with the same code, only the first
-/// warning is listed, with the number of other frames.
+/// Collects the warnings of all frames. Of the warnings with the same code, only the first is listed, with
+/// the number of other frames that have this warning.
 class WarningsOfAll {
   public:
     void add(int frame, const std::vector<Warning>& warnings) {

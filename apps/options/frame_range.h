@@ -17,8 +17,8 @@ namespace postlens {
 [[nodiscard]] std::vector<int> parse_frames(std::string_view option, std::string_view text);
 
 /// A file name with placeholders for the frame number. A placeholder is %d, or for example %04d for 4 digits
-/// with leading zeros. If `hashes` is set and there is no such placeholder, a run such as #### in the last
-/// part of the path also stands for 4 digits.
+/// with leading zeros. If the name contains neither and `hashes` is set, a run of # in the last part of the
+/// path is a placeholder. Each # then stands for a digit.
 class FrameName {
   public:
     FrameName(std::string_view text, bool hashes);
@@ -26,7 +26,8 @@ class FrameName {
     [[nodiscard]] std::string of(int frame) const;
 
   private:
-    /// The text around the placeholders, with one entry more than there are placeholders.
+    /// The text before, between and after the placeholders. There is one entry more than there are
+    /// placeholders.
     std::vector<std::string> words_;
     std::vector<int> digits_;  ///< least number of digits of each placeholder
 };
@@ -37,15 +38,16 @@ struct FrameOptions {
     std::optional<double> fps;  ///< for trace and render; 24 if absent
     bool keep =
         false;  ///< skip a frame if its output is complete and was made from the same inputs and options
-    /// Returns the fingerprint (AskedFor) of the command for one frame, which is written to the frame's file.
+    /// Returns the options and inputs that determine the result for one frame (its fingerprint). They are
+    /// written to the frame's file.
     std::function<nlohmann::ordered_json(int frame)> asked_for;
-    /// The share of the work that this machine does. With --frames, it consists of every N-th frame.
-    /// Otherwise, it is a part of the image.
+    /// The share of the work that this machine does: every N-th frame with --frames, otherwise a part of the
+    /// image.
     std::optional<SharedWork> shared;
     bool speak = false;  ///< print a line after each frame
 };
 
-/// The files of one frame, or the names of these files with placeholders.
+/// The files of one frame. For a range of frames, their names contain placeholders for the frame number.
 struct FrameFiles {
     std::string input, output;
     std::optional<std::string> explain;  ///< explanation image to write

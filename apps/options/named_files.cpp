@@ -37,7 +37,7 @@ void refuse_shared_files(const std::vector<NamedFile>& files, const std::optiona
             continue;
         }
         const FrameName name(file.path, file.hashes);
-        // A name without a placeholder means the same file in every frame.
+        // Without a placeholder, the file is the same in every frame, so it is added only once.
         if (!name.has_number()) {
             seen.add(file, file.path);
             continue;

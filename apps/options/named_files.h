@@ -1,5 +1,5 @@
-// The files that a command line names. A file that is written must not be read, and must not be written
-// twice.
+// The files that a command line names. Checks that no file is both read and written, and that no file is
+// written twice.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@ struct NamedFile {
     bool numbered = false, hashes = false;
 };
 
-/// Throws Error(wrong_arguments) if a file that is written occurs twice in `files`, for any frame of a range.
+/// Throws Error(wrong_arguments) if a file that is written has a second use, in any frame of `frames`.
 void refuse_shared_files(const std::vector<NamedFile>& files, const std::optional<std::vector<int>>& frames);
 
 }  // namespace postlens
