@@ -60,7 +60,7 @@ struct LensFitOptions {
 [[nodiscard]] CommandResult run_lens_fit(const LensFitOptions& options);
 
 /// Returns the settings of a lens through which rays are traced. If `focus_m` is absent, the lens is focused
-/// at the distance in the prescription, or else at infinity.
+/// at the distance that the prescription states, or at infinity if it states none.
 [[nodiscard]] TracedLensSettings traced_lens_settings(const PrescriptionOptions& options,
                                                       double film_radius_mm);
 

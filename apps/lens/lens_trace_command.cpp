@@ -111,8 +111,8 @@ struct FieldCurves {
     std::vector<double> deg, film_mm, distortion_percent, pupil_share, illumination;
 };
 
-/// Returns the area in mm^2 of the entrance pupil through which light from a point on the axis passes. The
-/// areas of other field points are divided by this area.
+/// Returns the area, in mm^2, of that part of the entrance pupil through which light from a point on the axis
+/// passes. It is the reference for the areas of points off the axis.
 double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
     PupilMesh mesh;
     return traced.impulse(depth_m, dvec2(0), rays, mesh) ? mesh.passing_area_mm2 : 0;
@@ -121,7 +121,8 @@ double axis_area_mm2(const TracedLens& traced, double depth_m, int rays) {
 FieldCurves field_curves(const TracedLens& traced, double depth_m, double film_radius_mm) {
     constexpr int rays = 129;
     FieldCurves out;
-    // The scale of an image without distortion is computed from a chief ray close to the axis.
+    // `scale` is the image height, in mm, per tangent of the field angle. It is measured close to the axis,
+    // where there is no distortion.
     constexpr double small = 1e-4;
     const double scale = chief_height(traced, depth_m, small) / small;
     double edge = film_radius_mm / scale;

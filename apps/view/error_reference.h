@@ -1,4 +1,5 @@
-// Traces a reference in a limited time. The viewer needs it for its map of error causes.
+// Traces a reference image in a limited time. The viewer compares its image with this reference to find the
+// causes of errors.
 #pragma once
 
 #include <functional>
@@ -25,8 +26,8 @@ struct ErrorReference {
 /// an image with the given number of rays per pixel, which is even.
 [[nodiscard]] ErrorReference trace_error_reference(const std::function<HalvedImage(int spp)>& trace);
 
-/// Excludes noise from the error of `image`. If a pixel of the image and the reference differ by at most
-/// three standard deviations of the noise, that pixel of the reference is set to the image's colour. Throws
+/// Prevents noise of the reference from counting as an error of `image`. Where a pixel differs from the
+/// reference by at most three standard deviations of the noise, the reference gets the pixel's colour. Throws
 /// Error(invalid_input) if the sizes differ.
 void take_out_noise(ErrorReference& reference, const Image& image);
 

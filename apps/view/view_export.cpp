@@ -46,7 +46,7 @@ Image shrunk(const Image& from, int by) {
 }
 
 /// Returns focus distances in metres, from near to far. They are quantiles of the depths of all pixels, so
-/// that they are dense where most of the image is. A distance may be infinite.
+/// most of them lie at depths that many pixels show. A distance may be infinite.
 std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     std::sort(inverse.begin(), inverse.end(), std::greater<>());
     std::vector<double> out;
@@ -59,8 +59,8 @@ std::vector<double> focus_distances(std::vector<float> inverse, int count) {
     return out;
 }
 
-/// Returns the depth map on which the user clicks. It is a quarter as wide and high as the image. The value
-/// 255 stands for the greatest inverse depth.
+/// Returns a grey image of inverse depths, from which the page finds the depth of a clicked position. The
+/// value 255 stands for `greatest`. The image is a quarter as wide and high as the frame.
 EncodedPicture depth_map(const std::vector<float>& inverse, int width, int height, float greatest) {
     constexpr int by = 4;
     EncodedPicture out(std::max(1, width / by), std::max(1, height / by));

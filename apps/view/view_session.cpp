@@ -63,12 +63,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Returns the reply to a request for an image, in the format of ViewSession::picture.
+/// Returns the reply to a request for an image: a JSON text followed by the pixels as half floats
+/// (ViewSession::picture).
 ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // The page draws only the noise of each tile of the light field. The rest of the plan is not sent.
+        // Of the method auto's plan, the page draws only the noise of each tile (square of the image). The
+        // rest is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -87,7 +89,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     return out;
 }
 
-/// Runs `focus` or `shoot` on an open sample file. Returns the duration in seconds.
+/// Runs `focus` or `shoot` on the open sample file `kept`, after waiting for other users of this file.
+/// Returns the running time in seconds, without the wait.
 double run_kept(const std::vector<std::string>& words, const std::shared_ptr<KeptFrame>& kept,
                 CommandResult& result) {
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true, .kept = kept});
@@ -108,7 +111,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// The options in picture_options() with which the causes of an error can be found.
+/// Of these options, those that the page may set when it requests the causes of the image's error.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -150,8 +153,8 @@ double number_of(const ViewParameters& parameters, const std::string& name) {
     return value;
 }
 
-/// Converts the name of a method in the result of a command. The name `auto` becomes `hybrid`, because with a
-/// scene both methods work in the same way.
+/// Returns the method with this name, or an empty value if there is none. The name `auto` means `hybrid`
+/// here, because both methods reproject the records and trace rays into the scene.
 std::optional<FocusMethod> method_of(const std::string& name) {
     for (const FocusMethod method : {FocusMethod::scatter, FocusMethod::layers, FocusMethod::lightfield,
                                      FocusMethod::hybrid, FocusMethod::pinhole}) {
@@ -169,7 +172,8 @@ std::string option(const std::string& name, const std::string& value) {
 ViewSession::ViewSession(ViewOptions options)
     : options_(std::move(options)), frame_(open_viewed_frame(options_.input)), facts_(frame_->facts()) {
     if (!options_.scene) return;
-    // The digest of the scene is compared if the file states it. Only sample files do.
+    // The scene must be the one from which the frame was traced. This is checked by the SHA-256 that sample
+    // files state. Images of other programs state none.
     const Json of_scene = run_info({.input = *options_.scene}).json;
     constexpr const char* key = "scene_sha256";
     if (facts_.contains(key) && facts_[key] != of_scene.at(key)) {
@@ -236,8 +240,8 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         check_value(name, value);
         words.push_back(option(name, value));
     }
-    // The raster, the field of view and the exposure are those of the frame, even if those of the scene
-    // differ.
+    // The image has the raster, the field of view and the exposure of the frame, even if those of the scene
+    // differ. So the two can be compared.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {
@@ -320,9 +324,9 @@ ViewReply ViewSession::depths() {
     });
 }
 
-/// Returns the image that `picture` makes with these parameters. If the last image was made with the same
-/// parameters, it is returned again. A new image is made from a newly opened file, so that other requests for
-/// images need not wait.
+/// Returns the image that `picture` makes with these parameters. If the last image had the same parameters,
+/// it is returned again. Otherwise, the command opens the file itself. It does not use the shared open file,
+/// so other requests need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});

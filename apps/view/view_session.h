@@ -49,32 +49,33 @@ class ViewSession {
     /// float per pixel follows: the fraction of the pixel's colour that comes from rays.
     [[nodiscard]] ViewReply picture(const ViewParameters& parameters);
     /// Returns a quick image in the format of `picture`, made from fewer records (ViewedFrame::coarse). Each
-    /// of its pixels is as wide as "by" pixels of the frame. The number "by" is in the JSON. The parameters
-    /// crop and focus-at are refused. Images of other programs are refused too.
+    /// of its pixels is as wide as "by" pixels of the frame, where "by" is a number in the JSON. Refuses the
+    /// parameters crop and focus-at, and images of other programs.
     [[nodiscard]] ViewReply coarse_picture(const ViewParameters& parameters);
-    /// Returns an image that `render` makes of the scene, in the format of `picture`. Cancels only older
-    /// requests for such images.
+    /// Returns an image of the scene made by `render`, that is, only by rays, in the format of `picture`.
+    /// Cancels older requests for images by `render`, but no other requests.
     [[nodiscard]] ViewReply rays(const ViewParameters& parameters);
-    /// Returns what a pixel shows (ViewedFrame::pixel). The parameters are x and y in px, and those of the
-    /// lens.
+    /// Returns what a pixel shows (ViewedFrame::pixel). The parameters are the position, x and y in px, and
+    /// the lens: f-number, focal-length and focus.
     [[nodiscard]] ViewReply pixel(const ViewParameters& parameters);
     /// Returns the ids of all pixels (32 bits each), followed by the inverse focus distances of all pixels
     /// (half floats, in 1/m). See ImageDepths.
     [[nodiscard]] ViewReply depths();
-    /// Finds the causes of error in the image that `picture` makes with the same parameters, by comparison
-    /// with an image made by rays (find_error_causes). The body begins with a JSON text, like that of
-    /// `picture`. One byte per pixel follows, the pixel's ErrorCause. The JSON lists "causes" in the order of
-    /// ErrorCause, each with "name", "colour" (sRGB) and "error_share".
+    /// Finds the cause of each pixel's error in the image that `picture` makes with the same parameters. For
+    /// this purpose, it makes a reference image by rays (find_error_causes). The body begins with a JSON
+    /// text, like that of `picture`. One byte per pixel follows, the ErrorCause. The JSON lists the causes in
+    /// the order of ErrorCause, each with "name", "colour" (sRGB) and "error_share".
     [[nodiscard]] ViewReply causes(const ViewParameters& parameters);
     /// Cancels the work of `causes`.
     [[nodiscard]] ViewReply drop_causes();
-    /// Returns the file that the command would write. The parameter `format` is png or exr.
+    /// Returns the image as a file, as `focus` or `shoot` would write it. The parameter `format` is png or
+    /// exr.
     [[nodiscard]] ViewReply save(const ViewParameters& parameters);
     /// Cancels all work.
     void stop();
 
   private:
-    /// A kind of request, of which only one runs at a time.
+    /// State of one kind of request. Of each kind, only one request runs at a time.
     struct Slot {
         std::mutex making;
         std::mutex mutex;  ///< guards `current`
@@ -89,8 +90,8 @@ class ViewSession {
     [[nodiscard]] ViewReply made(Slot& slot, const std::function<ViewReply()>& make);
     [[nodiscard]] std::vector<std::string> words_of(const ViewParameters& parameters,
                                                     const std::string& input) const;
-    /// Returns the words of the `render` command for the same lens. Leaves out parameters that `render` does
-    /// not have.
+    /// Returns the words of a `render` command with the same lens and shutter. Leaves out parameters that
+    /// `render` does not have.
     [[nodiscard]] std::vector<std::string> ray_words_of(const ViewParameters& parameters) const;
     [[nodiscard]] std::shared_ptr<const MadeImage> image_of(const ViewParameters& parameters);
     [[nodiscard]] CauseMap causes_of(const ViewParameters& parameters, const MadeImage& made,

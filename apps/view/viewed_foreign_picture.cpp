@@ -23,7 +23,8 @@ Json distance_json(double inverse_m) {
 
 class ViewedForeignPicture : public ViewedFrame {
   public:
-    /// Reads the image like `focus` without further options, so that depths agree with those of --focus-at.
+    /// Reads the image with the default options of `focus`, so that the page shows the depths that --focus-at
+    /// uses.
     ViewedForeignPicture(const std::string& input, Json info)
         : facts_(std::move(info)), picture_(read_foreign_picture(input, {}, {})) {
         unmix_edges(picture_);
@@ -72,7 +73,8 @@ class ViewedForeignPicture : public ViewedFrame {
         std::vector<Seen> by_light;
         double left = 1, all = 0;
         for (const StackSample& s : picture_.stack(x, y)) {
-            // The tiny multiple of alpha sorts black samples by how much of the pixel they cover.
+            // A black sample emits no light. The tiny multiple of its alpha sorts black samples by how much
+            // of the pixel they cover.
             const auto alpha = static_cast<double>(s.alpha);
             const double luminance = exact_luminance(std::array<float, 3>{s.r, s.g, s.b}.data());
             by_light.push_back({&s, left * std::max(1e-12 * alpha, luminance)});
@@ -123,8 +125,8 @@ class ViewedForeignPicture : public ViewedFrame {
         return node;
     }
 
-    /// Returns the name of an object in the manifest, or else its id as the file states it. Returns an empty
-    /// text for the id 0, which is no object.
+    /// Returns the name of an object, or its id as a text if the image has no name for it. Returns an empty
+    /// text for the id 0, which means no object.
     [[nodiscard]] std::string name_of(std::uint32_t id) const {
         if (id == 0) return "";
         if (const auto found = names_.find(id); found != names_.end()) return found->second;

@@ -26,27 +26,28 @@ class ViewedFrame {
     /// - width and height;
     /// - pixel_pitch_mm, film_distance_mm and focal_length_mm, from which the page computes circles of
     ///   confusion;
-    /// - f_number, focus_m and nearest_m, which are null if they are unknown. A focus at infinity is the text
-    ///   "inf".
+    /// - f_number, focus_m and nearest_m (the smallest depth), which are null if they are unknown. A focus at
+    ///   infinity is the text "inf".
     [[nodiscard]] virtual nlohmann::ordered_json facts() const = 0;
     [[nodiscard]] virtual ImageDepths depths() const = 0;
-    /// Returns the contents of the pixel at a raster position. "nodes" lists the nodes, sorted by their share
-    /// of the pixel's light. Each node has "share", "id", "name", "z_m" and, if the lens is known, "coc_px".
-    /// "clicked" tells what a click on the pixel focuses on. It has "name" and "focus_m", where null means
-    /// infinity. It is null if the file stores nothing at this pixel. Throws Error(wrong_arguments) if the
-    /// position or the lens is out of range.
+    /// Returns what the pixel at a raster position shows, as JSON. "nodes" lists the surfaces that are seen
+    /// there, also by reflection or refraction, sorted by their share of the pixel's light. Each has "share",
+    /// "id", "name", "z_m" and, if the lens is known, "coc_px". "clicked" is the surface on which a click
+    /// focuses. It has "name" and "focus_m", where null means infinity. It is null if the file stores nothing
+    /// there. Throws Error(wrong_arguments) if the position or the lens is out of range.
     [[nodiscard]] virtual nlohmann::ordered_json pixel(double x, double y, const LensOptions& lens) const = 0;
-    /// Returns the open sample file for parse_command_line, or null for another program's image.
+    /// Returns the sample file, which stays open for further images, or null for another program's image.
     [[nodiscard]] virtual std::shared_ptr<KeptFrame> kept() const { return nullptr; }
-    /// An open sample file. Its pixels are `by` times as wide and as high as those of the frame.
+    /// A sample file for quick images of the frame. Its pixels are `by` times as wide and as high as those of
+    /// the frame.
     struct Records {
         std::string input;
         std::shared_ptr<KeptFrame> kept;
         int by = 1;
     };
-    /// Returns a temporary file with fewer records of the frame, for quick images (write_coarser_file). A
-    /// frame with few records needs no such file, and its own file is returned. Throws Error(wrong_arguments)
-    /// for another program's image.
+    /// Returns a temporary file with fewer records than the frame, for quick images (write_coarser_file).
+    /// Returns the frame's own file if it has few records. Throws Error(wrong_arguments) for another
+    /// program's image.
     [[nodiscard]] virtual Records coarse() const = 0;
 };
 

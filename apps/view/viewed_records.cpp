@@ -17,7 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// The nodes of all samples of a pixel that have the same object and path, combined into one.
+/// All hits of a pixel's samples on the same object, by the same sequence of reflections and refractions,
+/// combined into one.
 struct MergedNodes {
     double light = 0, inverse_depth = 0;
     const Json* first = nullptr;
@@ -84,8 +85,8 @@ class ViewedRecords : public ViewedFrame {
             Json node = *s->first;
             node.erase("rgb");
             node["share"] = s->light / all;
-            // Null means infinity. It is also used if the inverse distance is negative, because no lens can
-            // then focus on the node.
+            // Null means that the surface is in focus at infinity. If the inverse distance is negative, no
+            // lens can focus on the surface, and null is used as well.
             node["focus_m"] = inverse > 0 ? Json(1 / inverse) : Json(nullptr);
             node["behind_infinity"] = inverse < 0;
             out["nodes"].push_back(std::move(node));
