@@ -15,7 +15,7 @@ struct CompareSettings {
     /// A second, independent render of the reference (`--noise`). The difference between `noise` and the
     /// reference shows how noisy the reference is.
     std::filesystem::path noise = {};
-    /// The pinhole picture (`--pinhole`). If it is given, the error is also computed for only those pixels
+    /// The pinhole picture (`--pinhole`). If it is given, the error is also computed for those pixels alone
     /// that the lens changes.
     std::filesystem::path pinhole = {};
     std::filesystem::path map = {};  ///< PNG file to write, with the error in colours (`--map`).
@@ -59,9 +59,9 @@ struct CompareResult {
                                     const std::filesystem::path& reference,
                                     const CompareSettings& settings = {}, Job* job = nullptr);
 
-/// Compares two pictures in memory. The pictures are passed on as temporary .exr files. Alpha and planes are
-/// not compared. Throws the errors of the other `compare`, and Error(cannot_write) if a temporary file cannot
-/// be written.
+/// Compares two pictures in memory, by writing them to temporary .exr files. Alpha and planes (additional
+/// channels) are not compared. Throws the errors of the other `compare`, and Error(cannot_write) if a
+/// temporary file cannot be written.
 /// @param image The picture whose error is measured.
 /// @param reference The picture that is taken to be correct.
 /// @param settings Further pictures, limits and maps.

@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <string>
 
-/// The project's namespace. Programs should use only `postlens::api`, which contains everything that the
-/// installed headers declare.
+/// The namespace of the project. Programs should use only the namespace `postlens::api`, which contains
+/// everything that the installed headers declare.
 namespace postlens {}
 
 /// The public interface: the commands of `postlens` as functions.
@@ -34,8 +34,8 @@ enum class ExitCode {
     cannot_write = 4,   ///< A file cannot be written. No part of it remains.
     /// The work needs more memory than is available. In most cases, this is found before the work begins.
     out_of_memory = 5,
-    /// The picture is complete, but its PSNR is below `target_db`. With `--strict`, this code also means that
-    /// there was a warning.
+    /// The picture is complete, but its PSNR is below `target_db`. If `--strict` is given, this code can also
+    /// mean that there was a warning.
     shortfall = 6,
     interrupted = 130,  ///< The job was cancelled.
 };

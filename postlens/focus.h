@@ -34,8 +34,9 @@ struct FocusSettings {
     std::filesystem::path scene = {};
     std::optional<Crop> crop = {};        ///< Makes only this part (`--crop`).
     std::optional<double> exposure = {};  ///< In stops, -100 to 100 (`--exposure`). Default: the file's.
-    /// Additional channels, which are computed only for a picture of another program (`--passes`): "coc",
-    /// "sides", "cryptomatte", "error".
+    /// Additional channels (`--passes`), only for a picture of another program: "coc" (circle of confusion),
+    /// "sides" (what lies in front of, in and behind the focus), "cryptomatte", "error" (noise of the
+    /// picture).
     std::vector<std::string> passes = {};
     /// Further options of `postlens focus`, such as {"--depth-model=path", "--exposure=auto"}.
     std::vector<std::string> options = {};
@@ -50,7 +51,8 @@ struct FocusResult {
     double focal_length_mm = 0;   ///< Focal length that was used, mm.
     double f_number = 0;          ///< F-number that was used; infinite for a pinhole.
     double focus_distance_m = 0;  ///< Focus distance that was used, m. It may be infinite.
-    /// Diameter of the widest circle of confusion, in px. It may be infinite. `shoot` does not set it.
+    /// Diameter of the widest circle of confusion, in px. It may be infinite. It is empty in a result of
+    /// `shoot`.
     std::optional<double> largest_coc_px = {};
     /// PSNR against the exact picture, in dB, as measured by rays while the picture is made. It is empty
     /// without `scene`, and infinite if the rays found no error.

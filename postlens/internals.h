@@ -41,8 +41,8 @@ struct Internals {
 /// Rethrows the current exception as an Error of the public interface.
 [[noreturn]] void rethrow_as_error();
 
-/// Runs `work` for `job` and returns its result. If `job` is null, `work` runs for the job of the process.
-/// Throws only Error.
+/// Runs `work` with the threads, progress and cancellation of `job`, and returns its result. If `job` is
+/// null, those of the process are used. Throws only Error.
 template <typename Work>
 auto guarded(Job* job, const Work& work) -> decltype(work()) {
     try {
@@ -61,8 +61,8 @@ class Words {
     Words(std::initializer_list<std::string> command) : words_(command) {}
     /// Adds the path of a frame, and `--salvage` if the frame was opened with it.
     void add(const Frame& frame);
-    /// Adds the name of a file, without an option. If the path is empty, the error message calls the file
-    /// `what`.
+    /// Adds a file name as an argument without an option. Throws if the path is empty. The error message then
+    /// calls the file `what`, for example "reference".
     void add_file(const char* what, const std::filesystem::path& path);
 
     void add(const char* option, const std::optional<double>& value);

@@ -24,8 +24,8 @@ struct LensSettings {
     /// Focuses on the surface that the pinhole sees at this position (`--focus-at`). It cannot be combined
     /// with `focus_distance_m`.
     std::optional<Position> focus_at = {};
-    /// Whether the focal length F determines the field of view (`--framing`). With "keep", the default, it
-    /// does not. With "lens", the film is at the distance F from the lens.
+    /// Whether the focal length F determines the field of view (`--framing`). With "keep", the default, the
+    /// field of view is independent of F. With "lens", the film is at the distance F from the lens.
     std::string framing = {};
     /// If true, the field of view changes with the focus distance s (`--breathing`). The film is then at the
     /// image distance V = F s / (s - F) [Potmesil & Chakravarty 1981, eq. 1].
@@ -71,7 +71,8 @@ struct DepthOfField {
 /// Returns the circle of confusion of a point. The film is at the distance V = F s / (s - F) from the lens,
 /// where F is the focal length and s the focus distance [Potmesil & Chakravarty 1981, eq. 3]. Throws
 /// Error(wrong_arguments) if a value is out of range.
-/// @param lens Focal length, f-number and focus distance, which are all required. Other members are ignored.
+/// @param lens Focal length, f-number and focus distance, which are all required. Other members must not be
+/// set.
 /// @param depth_m Depth of the point along the optical axis, in m, more than 0. It may be infinite.
 /// @param film The film.
 /// @param job Threads, progress and cancellation. If null, the call uses one thread per core.
@@ -90,8 +91,9 @@ struct DepthOfField {
 
 /// Settings of `impulse_response`.
 struct ResponseSettings {
-    /// Lens and focus distance, which are required. `focus_at`, `framing`, `breathing` and lens prescriptions
-    /// are ignored.
+    /// The lens. Its focal length, f-number and focus distance are required. `focus_at`, `framing`,
+    /// `breathing`, `cats_eye` and lens prescriptions must not be used, because the point is on the axis of a
+    /// thin lens.
     LensSettings lens = {};
     /// Depth of the point in m, more than 0 (`--depth`). It is required.
     std::optional<double> depth_m = {};

@@ -24,8 +24,8 @@ struct ShootSettings {
     std::filesystem::path paths = {};
     /// "lightfield" (default), "hybrid" or "auto" (`--method`).
     std::string method = {};
-    /// Number of views to average, each from its own lens point and at its own instant (`--views`). Default:
-    /// 128.
+    /// Number of views that are averaged (`--views`). A view is the picture from one lens point at one
+    /// instant. Default: 128.
     std::optional<int> views = {};
     /// PSNR that the method "auto" tries to reach, in dB, from 10 to 80 (`--target-db`).
     std::optional<double> target_db = {};

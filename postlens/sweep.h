@@ -11,9 +11,9 @@
 namespace postlens::api {
 
 /// Settings of `sweep`. The first five members are lists of values, and `sweep` makes one picture for every
-/// combination of them. If a list is empty, the value in the file is used. In the order of the pictures, the
-/// focus distance changes fastest, followed by the f-number, the focal length, the shutter and the impulse
-/// response.
+/// combination of them. If one of the first three lists is empty, the value in the file is used. In the order
+/// of the pictures, the focus distance changes fastest, followed by the f-number, the focal length, the
+/// shutter and the impulse response.
 struct SweepSettings {
     std::vector<double> f_number = {};  ///< F-numbers, more than 0. Infinity means a pinhole (`--f-number`).
     std::vector<double> focal_length_mm = {};   ///< Focal lengths, mm, more than 0 (`--focal-length`).

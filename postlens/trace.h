@@ -11,7 +11,8 @@
 
 namespace postlens::api {
 
-/// Lets the command choose a number, such as the number of hidden layers (`auto` on the command line).
+/// Value of a setting such as `hidden_layers`, with which the command chooses a number itself (`auto` on the
+/// command line).
 inline constexpr int automatic = -1;
 
 /// Settings of `trace`.
@@ -22,16 +23,16 @@ struct TraceSettings {
     std::optional<double> time_s = {};
     /// Smallest f-number of the pictures that will be made from the file, more than 0 (`--for-f-number`).
     std::optional<double> for_f_number = {};
-    /// Focus distance of these pictures, in m (`--for-focus`), which an `automatic` overscan depends on. It
-    /// is more than 0 and may be infinite.
+    /// Focus distance of the pictures that will be made from the file, in m, more than 0 (`--for-focus`). It
+    /// may be infinite. It is used to choose an `automatic` overscan.
     std::optional<double> for_focus_distance_m = {};
     /// Time interval that contains the exposures of all pictures that will be made from the file
     /// (`--for-shutter`).
     std::optional<Shutter> for_shutter = {};
-    /// True if all pictures will be made with rays into the scene (`--for-rays`). Fewer records are then
-    /// traced.
+    /// True if all pictures made from the file will also use rays into the scene (`--for-rays`). Fewer
+    /// records then suffice.
     bool for_rays = false;
-    /// Largest number of recursive subdivisions of a pixel into 2x2 cells, from 0 to 8 (`--subdivide`). The
+    /// How many times a pixel may be divided into 2x2 cells, recursively, from 0 to 8 (`--subdivide`). The
     /// default is 2. With `for_f_number`, it is 3 at the borders of objects. With `for_rays`, it is 1.
     std::optional<int> subdivide = {};
     /// A cell is divided if the contrast between its corners exceeds this value, 0 or more (`--threshold`).
@@ -54,7 +55,8 @@ struct TraceSettings {
 struct TraceResult {
     std::uint64_t records = 0;  ///< Number of records in the file.
     std::uint64_t bytes = 0;    ///< Size of the file in bytes.
-    /// Number of rays through the pinhole. The JSON also has the numbers of all other rays.
+    /// Number of rays through the pinhole. The JSON of `report` also has the numbers of other rays, such as
+    /// shadow rays.
     std::uint64_t eye_rays = 0;
     int overscan_px = 0;  ///< Pixels traced beyond each border of the picture.
     Report report = {};   ///< Report of `postlens trace`.

@@ -46,7 +46,7 @@ let depths = null;   // {ids, inverse}
 let causes = null;   // causes of the error of `causes.picture`: {picture, rgba, report}
 let generation = 0;  // serial number of the latest request
 let firstUnderWay = false, refining = false;
-// Time of the input that arrived while the first, coarse image was being made. It is 0 if there was none.
+// Time, in ms, of the first input that arrived while the coarse image was being made. It is 0 if there was none.
 let again = 0;
 const timings = [];  // for benchmarks: {views, input, answered, painted}
 window.postlens = { timings, state: () => ({ shown, other, depths, causes, lens, frame, generation, working: firstUnderWay || refining }) };
@@ -125,7 +125,8 @@ async function refocus(input = performance.now()) {
     if (mine !== generation) return;  // a newer request has replaced this one during its refinement
     firstUnderWay = refining = false;
     if (picture) {
-      // If the user copies or saves while the quick image is shown, the final image is used instead.
+      // The options are used when the user copies or saves the image. Those of a quick image are replaced by the
+      // options of the final image.
       shown = { ...picture, options: isQuick ? { ...options, ...all.at(-1) } : asked };
       if (!isQuick) settled = shown;
       const answered = performance.now();
@@ -237,8 +238,7 @@ async function findCauses() {
     const buffer = await answer.arrayBuffer(), { report, begin } = parseReport(buffer);
     if (causesOf !== picture) return;
     const bytes = new Uint8Array(buffer, begin, report.width * report.height), rgba = new Uint8Array(4 * bytes.length);
-    // A pixel with an error is drawn as a mixture: 3/4 is the colour of the cause (alpha 191), and 1/4 is the
-    // image.
+    // The colour of the cause is drawn over the image. An alpha of 191 (of 255) leaves a quarter of the image visible.
     for (let k = 0; k < bytes.length; ++k) if (bytes[k] > 0) rgba.set([...report.causes[bytes[k]].colour, 191], 4 * k);
     causes = { picture, rgba, report };
   } catch (error) {
@@ -298,7 +298,7 @@ function valuesOf(p, k) {
 
 /** CoC diameter per difference of inverse depths, px m: the diameter of the aperture times the film distance in px. */
 function cocPerInverse() {
-  // A picture that does not state its camera is assumed to have a film distance equal to the focal length
+  // If a picture does not state its film distance, the film distance is assumed to equal the focal length
   // (docs/inputs.md).
   const filmDistance = frame.film_distance_from_focal_length ? lens.focalLength : frame.film_distance_mm;
   return lens.focalLength / lens.fNumber * filmDistance / 1000 / frame.pixel_pitch_mm;
