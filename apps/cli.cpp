@@ -17,8 +17,8 @@
 namespace postlens {
 namespace {
 
-// Throws if a flag has a value, for example --breathing=false. If a flag has a callback, CLI11 would ignore
-// the value, so this example would turn breathing on.
+// Throws if a flag has a value. If the flag has a callback, CLI11 would ignore the value, so that
+// --breathing=false would turn breathing on.
 void check_flags(const CLI::App& command, std::span<const std::string> words) {
     for (const std::string& word : words) {
         if (word == "--") return;

@@ -311,8 +311,8 @@ struct ResolvedLens {
 void take_from_prescription(const Impulse& impulse, LensOptions& lens, std::vector<Warning>& warnings);
 
 /// Returns the interval in which the shutter is open. This is `asked`, or the interval in the file if `asked`
-/// is empty. If `from_frame` is set, the times in `asked` begin at the frame's instant. Throws
-/// Error(wrong_arguments) if neither is given.
+/// is empty. If `from_frame` is set, the times in `asked` are relative to the frame's instant. Throws
+/// Error(wrong_arguments) if neither interval is given.
 [[nodiscard]] Exposure resolve_exposure(const std::optional<TimeSpan>& asked, const SampleHeader& header,
                                         bool from_frame = false);
 /// Adds a warning if the lens has a larger aperture, or the shutter a longer interval, than the sample file

@@ -20,8 +20,8 @@ struct Delivery {
     std::optional<SharedWork> shared;
 };
 
-/// Writes the image to its file, or adds it to the result if there is no file. Also adds the crop, the
-/// exposure and a warning about it to the result (report_picture).
+/// Writes the image to its file, or adds it to the result if there is no file. Also reports the crop and the
+/// exposure of the image (report_picture).
 void deliver(Image image, const Delivery& to, CommandResult& out);
 
 /// Adds the crop and the exposure of an image to the result. Adds a warning if the image is too bright or too

@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Reads a scene. Adds a warning for everything that the reader has assumed, or could not read. Throws
+/// Reads a scene. Adds a warning for everything that the reader assumes or leaves out. Throws
 /// Error(wrong_arguments) if the scene refers to a file in `written`. Also throws the errors of read_scene.
 [[nodiscard]] Scene read_scene_of_command(const std::string& path, const SceneReadOptions& units,
                                           const std::vector<std::filesystem::path>& written,

@@ -58,7 +58,8 @@ void remember_digest(const std::string& path, const Scene& scene);
 /// mark is JSON with the share, the crop of the whole image, and the fingerprint of the command.
 [[nodiscard]] std::string mark_of(const SharedWork& work, const std::optional<Crop>& crop);
 
-/// Returns the share that a mark describes, or an empty value if `mark` is not a mark.
+/// Returns the share that a mark (the JSON in the result file of a share) describes. Returns an empty value
+/// if the text is no such JSON.
 [[nodiscard]] std::optional<Share> share_of_mark(const std::string& mark);
 
 /// Returns the mark of a share whose result is a set of items, such as the images of a sweep. The mark is

@@ -15,8 +15,8 @@ struct CompareSettings {
     /// A second, independent render of the reference (`--noise`). The difference between `noise` and the
     /// reference shows how noisy the reference is.
     std::filesystem::path noise = {};
-    /// The pinhole picture (`--pinhole`). If it is given, the error is also computed for those pixels alone
-    /// that the lens changes.
+    /// The pinhole picture (`--pinhole`). If it is given, a separate error is computed for the pixels that
+    /// the lens changes.
     std::filesystem::path pinhole = {};
     std::filesystem::path map = {};  ///< PNG file to write, with the error in colours (`--map`).
     std::filesystem::path side_by_side =

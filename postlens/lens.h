@@ -92,8 +92,7 @@ struct DepthOfField {
 /// Settings of `impulse_response`.
 struct ResponseSettings {
     /// The lens. Its focal length, f-number and focus distance are required. `focus_at`, `framing`,
-    /// `breathing`, `cats_eye` and lens prescriptions must not be used, because the point is on the axis of a
-    /// thin lens.
+    /// `breathing`, `cats_eye` and lens prescriptions must not be set.
     LensSettings lens = {};
     /// Depth of the point in m, more than 0 (`--depth`). It is required.
     std::optional<double> depth_m = {};

@@ -156,7 +156,8 @@ class Measured {
     }
 
     /// Fits the predicted time to measurements. The command runs with a few samples or views, and again with
-    /// twice as many. Both numbers are doubled until the two times differ by more than `clear_s`.
+    /// twice as many. Both numbers are doubled until the two times differ by more than `clear_s`, or until
+    /// the full number is reached.
     [[nodiscard]] Line line(const std::vector<std::string>& more) {
         constexpr int first_part = 16;
         constexpr double clear_s = 0.15;
@@ -246,7 +247,7 @@ class Measured {
 
     [[nodiscard]] std::vector<Cost> of_samples(const Line& whole) {
         // If the samples are divided among tasks, each task keeps several sums of radiance per pixel, one for
-        // each block of samples. So it needs more memory than an undivided run, which keeps one sum.
+        // each block of samples. So it needs more memory than an undivided run, which has a single block.
         const ImageSize size = read_image_size(output_);
         const int blocks =
             (sample_blocks(work_.shares, work_.amount, halves()) + work_.shares - 1) / work_.shares;

@@ -80,7 +80,8 @@ CommandResult run_focus(const FocusOptions& options) {
     // sample file.
     if (!options.salvage && is_foreign(options.input)) return focus_foreign(options);
     refuse_foreign_options(options.foreign, options.input);
-    // For any other kind of file, units are not checked, because the reader below throws a clearer error.
+    // Units are checked only for sample files. For other kinds of file, the reader below throws a clearer
+    // error.
     if (SampleFileReader::is_sample_file(options.input)) check_units(options.retrace);
     const Damage damage = damage_rule(options.salvage);
     const auto open = open_frame(options.input, options.kept,
@@ -90,8 +91,8 @@ CommandResult run_focus(const FocusOptions& options) {
     check_crop(options.crop, file.header().width, file.header().height);
     LensOptions lens_options = options.lens;
     if (options.method == FocusMethod::pinhole) {
-        // A pinhole has an infinite f-number, and its focus distance has no effect. Neither option is
-        // required.
+        // A pinhole has an infinite f-number, and its focus distance has no effect. So neither --f-number nor
+        // --focus is required.
         lens_options.f_number = std::numeric_limits<double>::infinity();
         if (!lens_options.focus_m && !lens_options.focus_at)
             lens_options.focus_m = file.header().focus_m.value_or(1.0);

@@ -160,7 +160,7 @@ std::string ForeignOptions::given() const {
 
 void refuse_foreign_options(const ForeignOptions& options, const std::string& input) {
     const std::string given = options.given();
-    // For any other kind of file, the options are not refused here, because the reader throws a clearer error
+    // Options are refused only for sample files. For other kinds of file, the reader throws a clearer error
     // later.
     if (given.empty() || !SampleFileReader::is_sample_file(input)) return;
     fail(ExitCode::wrong_arguments,
@@ -230,8 +230,8 @@ CommandResult focus_foreign(const FocusOptions& options) {
     const bool unplanned = options.takes_usual_method();
     const UsualMethod usual = usual_method_of_foreign_picture();
     const FocusMethod method = unplanned ? usual.method : options.method;
-    // With --passes, the number of views (reprojections to lens points) may be given with any method, because
-    // the additional channels are measured by views.
+    // Most channels of --passes are measured from several views (reprojections to lens points). If such a
+    // channel is wanted, the number of views may be given with any method.
     check_counts(options.depths, options.foreign.passes.by_views() ? std::nullopt : options.views, method);
     check_crop(options.crop, picture.width, picture.height);
     const double f_number =

@@ -222,7 +222,8 @@ CommandResult run_motionblur(const MotionBlurOptions& options) {
     // sample file.
     if (!options.salvage && is_foreign(options.input)) return blur_by_vectors(options);
     const VectorChoice& v = options.vectors;
-    // For any other kind of file, options are not checked, because the reader below throws a clearer error.
+    // Options are checked only for sample files. For other kinds of file, the reader below throws a clearer
+    // error.
     if (SampleFileReader::is_sample_file(options.input)) {
         if (v.channels || v.scale || v.offset || !v.file.empty() || options.foreign.given()) {
             fail(ExitCode::wrong_arguments,

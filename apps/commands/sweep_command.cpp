@@ -19,8 +19,8 @@ std::vector<double> only(const std::optional<double>& value) {
     return value ? std::vector<double>{*value} : std::vector<double>{};
 }
 
-/// Returns the values of each setting for which images are made. If an option is absent, the only value is
-/// the one in the sample file.
+/// Returns the values of each setting for which images are made. If --f-number, --focus or --focal-length is
+/// absent, its only value is the one in the sample file.
 SweepAxes axes_of(const SweepOptions& o, const SampleHeader& h) {
     SweepAxes out;
     out.f_numbers = o.f_number ? f_number_list("--f-number", *o.f_number) : only(h.f_number);

@@ -31,8 +31,8 @@ struct CommandOptions {
     FrameOptions frames;
     std::optional<Share> share;
     MergeOptions merge;
-    /// Returns the options of --frames. Before, sets `speak`, so that a line is printed after each frame
-    /// unless --quiet or --json is given.
+    /// Sets `speak`, so that a line is printed after each frame unless --quiet or --json is given. Then
+    /// returns the options of --frames.
     [[nodiscard]] const FrameOptions& asked_frames() {
         frames.speak = !common.quiet && !common.json;
         return frames;

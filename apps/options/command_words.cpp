@@ -116,8 +116,8 @@ AskedFor asked_for(CLI::App& root) {
             std::find(left_out.begin(), left_out.end(), name) != left_out.end())
             continue;
         const bool scene = name == "SCENE" || name == "--scene";
-        // With --frames, a different file for each frame may be read by positional arguments and by these
-        // options.
+        // With --frames, only positional arguments and these options may name a different input file for each
+        // frame.
         const std::set<std::string> passes{"--depth-file", "--ids-file",   "--vectors-file", "--behind",
                                            "--holdout",    "--keep-sharp", "--focus-offset", "--matte"};
         const bool numbered = option->get_positional() || passes.contains(name);

@@ -69,8 +69,8 @@ ViewReply picture_reply(const CommandResult& result, double seconds) {
     const Image& image = result.pictures.front();
     Json json = result.json;
     if (json.contains("plan")) {
-        // Of the method auto's plan, the page draws only the noise of each tile (square of the image). The
-        // rest is not sent.
+        // The page draws only one part of the plan of the method auto: the noise of each tile (a square of
+        // the image). The rest is not sent.
         Json noise = Json::array();
         for (const Json& tile : json["plan"]["tiles"]) noise.push_back(tile["noise_mse"]);
         json["tiles"] = {
@@ -111,7 +111,7 @@ const std::set<std::string_view>& picture_options() {
     return names;
 }
 
-/// Of these options, those that the page may set when it requests the causes of the image's error.
+/// Those of picture_options() that the page may set when it requests the causes of an image's error.
 const std::set<std::string_view>& cause_options() {
     static const std::set<std::string_view> names{"f-number", "focus", "focal-length", "impulse",  "shutter",
                                                   "method",   "views", "depths",       "target-db"};
@@ -241,7 +241,7 @@ std::vector<std::string> ViewSession::ray_words_of(const ViewParameters& paramet
         words.push_back(option(name, value));
     }
     // The image has the raster, the field of view and the exposure of the frame, even if those of the scene
-    // differ. So the two can be compared.
+    // differ. So it can be compared with images of the frame.
     const int width = facts_["width"].get<int>();
     words.push_back(option("size", fmt::format("{}x{}", width, facts_["height"].get<int>())));
     const auto add = [&](const char* name, double value) {
@@ -325,8 +325,8 @@ ViewReply ViewSession::depths() {
 }
 
 /// Returns the image that `picture` makes with these parameters. If the last image had the same parameters,
-/// it is returned again. Otherwise, the command opens the file itself. It does not use the shared open file,
-/// so other requests need not wait.
+/// it is returned again. Otherwise, the file is opened anew, so that other requests, which use the shared
+/// open file, need not wait.
 std::shared_ptr<const ViewSession::MadeImage> ViewSession::image_of(const ViewParameters& parameters) {
     const std::vector<std::string> words = words_of(parameters, options_.input);
     const ParsedCommand command = parse_command_line(words, {.pictures_stay = true});
