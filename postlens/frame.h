@@ -64,9 +64,9 @@ struct Records {
     /// times film distance / pixel pitch, in px. For a surface that is seen directly, W is the identity
     /// divided by z' [Igehy 1999].
     std::vector<float> w = {};
-    /// Error of the matrix W, in 1/m^2. It is more than 0 if the node's image does not move linearly with the
-    /// lens point. It is infinite if other lens points do not see the node by the same reflections and
-    /// transmissions.
+    /// Error of the matrix W, in 1/m^2, caused by motion of the node's image that is not linear in the lens
+    /// point. It is 0 if W is exact, or if its error was not measured. It is infinite if other lens points do
+    /// not see the node by the same reflections and transmissions.
     std::vector<float> w_bend = {};
 };
 
