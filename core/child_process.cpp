@@ -32,8 +32,8 @@ ChildResult run_child(const std::vector<std::string>& words, const std::filesyst
     if (error != 0) return {.exit_code = 127};
     int status = 0;
     rusage usage{};
-    // Polls for cancellation at short intervals. A signal that reaches only this process then also ends the
-    // child.
+    // Checks for cancellation at short intervals. If a signal reaches only this process and not the child,
+    // the child is ended as well.
     constexpr std::chrono::milliseconds between_looks(2);
     for (bool cancelled = false;;) {
         const pid_t ended = wait4(pid, &status, cancelled ? 0 : WNOHANG, &usage);

@@ -17,8 +17,8 @@ namespace {
 
 thread_local Job* current_job = nullptr;
 
-/// Raises TBB's thread limit to the largest number of threads that any existing job has. Otherwise TBB would
-/// limit every job to one thread per core. A job with fewer threads has its own TBB arena, which limits it.
+/// Raises TBB's thread limit to the largest number of threads that any existing job has. By default, TBB
+/// limits every job to one thread per core. Jobs with fewer threads are limited by their own TBB arenas.
 class WidestJob {
   public:
     void add(int threads) {

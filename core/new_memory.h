@@ -1,4 +1,4 @@
-// Allocates large vectors, whose memory is first written to by all threads together.
+// Allocates large vectors, and lets all threads share the work of the first access to their memory.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,9 @@
 
 namespace postlens {
 
-/// Does the same as values.reserve(count), but makes the first access to new memory faster. The system clears
-/// each page of new memory when it is first written to, which takes longer than filling the page. If the
-/// vector is empty, this function lets all threads write to its new memory, so that they share the work. Use
-/// it for vectors that will be filled completely.
+/// Does the same as values.reserve(count). If the vector is empty, all threads also write to its new memory.
+/// The system clears each new page when it is first written to, which takes longer than filling the page, so
+/// sharing this work saves time. Use this function for vectors that will be filled completely.
 template <typename T>
 void reserve_by_all(std::vector<T>& values, std::size_t count) {
     constexpr std::size_t page_bytes = 4096, task_bytes = std::size_t{1} << 21;

@@ -34,13 +34,13 @@ void request_huge_pages(std::uintptr_t begin, std::uintptr_t end) {
 /// Number of huge pages in the address space. Addresses have 47 bits (x86-64) or 48 bits (ARM).
 constexpr std::size_t huge_pages = std::size_t{1} << (48 - 21);
 
-/// One bit for each huge page in which a block has ended. The array takes 16 MB of addresses, but the system
-/// provides memory only for the parts that are written to.
+/// One bit for each huge page. It is set if an allocated block has ended in this page. The array takes 16 MB
+/// of address space, but the system provides memory only for the parts that are written to.
 std::array<std::atomic<std::uint64_t>, huge_pages / 64> reached;
 
-/// Requests huge pages for the addresses that follow a block, where malloc will place the next blocks. It
-/// does so once for each huge page in which a block ends. The request must come early: malloc writes to the
-/// memory behind each block, and the first write to an address decides the size of its page.
+/// Requests huge pages for the addresses after a block, where malloc will place the next blocks. This is done
+/// once for each huge page in which a block ends. It must be done early: malloc writes to the memory behind
+/// each block, and the first write to an address decides the size of its page.
 void request_what_follows(std::uintptr_t block_end) {
     constexpr std::uintptr_t pages_ahead = 8;
     const std::uintptr_t page = block_end / huge_page_bytes;
@@ -51,7 +51,7 @@ void request_what_follows(std::uintptr_t block_end) {
     request_huge_pages(page * huge_page_bytes, (page + 1 + pages_ahead) * huge_page_bytes);
 }
 #else
-/// A module must not change the heaps of the program that loaded it.
+/// Does nothing, because a module must not change the heaps of the program that loaded it.
 void request_what_follows(std::uintptr_t /*block_end*/) {}
 #endif
 

@@ -11,8 +11,8 @@ namespace {
 [[maybe_unused]] const bool heaps_grow_far = [] {
 #ifdef __GLIBC__
     constexpr int MB = 1 << 20;
-    // These are the largest values that glibc allows. With them, a thread's heap keeps its memory instead of
-    // returning it to the system. Its huge pages need not be requested again.
+    // The largest values that glibc allows. With them, a thread's heap keeps its memory instead of returning
+    // it to the system, so huge pages need not be requested again.
     mallopt(M_TOP_PAD, 64 * MB);
     mallopt(M_MMAP_THRESHOLD, 32 * MB);
     // By default, glibc returns unused memory at the end of the heap as soon as it exceeds 128 KB.

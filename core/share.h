@@ -16,7 +16,7 @@ struct Share {
 };
 
 /// Whether a run computes missing items, or only joins the results that earlier runs left in the folder. Each
-/// of the earlier runs made one share.
+/// of the earlier runs made one share (part of the work).
 enum class Join {
     no,      ///< computes missing items
     whole,   ///< throws an error if an item is missing

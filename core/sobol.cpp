@@ -22,8 +22,8 @@ struct Polynomial {
 constexpr std::array<Polynomial, 4> polynomials{
     {{1, 0, {1, 0, 0}}, {2, 1, {1, 3, 0}}, {3, 1, {1, 3, 1}}, {3, 2, {1, 1, 1}}}};
 
-/// Returns the direction numbers of the Sobol sequence, with their bits reversed. A point is the exclusive or
-/// of those elements k for which bit k of the point's index is set.
+/// Returns the direction numbers of a dimension of the Sobol sequence, with their bits reversed. A Sobol
+/// point is the exclusive or of the direction numbers k for which bit k of the point's index is set.
 constexpr Directions directions(int dimension) {
     Directions v{};
     if (dimension == 0) {  // van der Corput sequence: the index's bits, mirrored
@@ -76,8 +76,8 @@ const std::array<SplitTable, sobol_dimensions>& split_tables() {
     return tables;
 }
 
-/// Dimension 1 of the Sobol sequence. It is the product of the bits of the index and Pascal's triangle modulo
-/// 2. This matrix is a product of five simple matrices, and each line below multiplies by one of them.
+/// Returns dimension 1 of the Sobol sequence: the product of the bits of the index and Pascal's triangle
+/// modulo 2. This matrix is a product of five simple matrices, and each line below multiplies by one of them.
 [[gnu::always_inline]] inline std::uint32_t pascal(std::uint32_t x) {
     x ^= (x >> 1) & 0x55555555U;
     x ^= (x >> 2) & 0x33333333U;
@@ -112,8 +112,9 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// The words of 16 consecutive samples, or of one sample. If `first` is a multiple of 16, the indices of the
-/// samples differ only in their lowest four bits. The word of sample i is then low[i] ^ high.
+/// Table entries for the words of 16 consecutive samples, or of one sample. If `first` is a multiple of 16,
+/// the indices of the samples differ only in their lowest four bits. The word of sample i is then low[i] ^
+/// high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

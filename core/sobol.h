@@ -33,20 +33,21 @@ inline constexpr int sobol_dimensions = 5;
     return x ^ x * 0x53a22864U;
 }
 
-// An eye ray uses one five-dimensional sequence for pixel, lens and time. In measurements, its error was
-// smaller than that of three separately shuffled sequences. With 1024 samples it was half as large.
+// An eye ray uses one five-dimensional sequence for pixel, lens and time. Measured errors of images were
+// smaller than with three separately shuffled sequences, and half as large with 1024 samples.
 
 /// Writes to `u` one coordinate, `dimension` (0 .. 4), of samples first .. first + lanes - 1 of the
 /// five-dimensional sequence, scrambled with `seed`. `lanes` must be 16 or 1, and first + lanes must not
 /// exceed 2^20.
 void sobol_joint(int dimension, std::uint32_t seed, int first, int lanes, float* u);
-/// Writes all five coordinates of samples first .. first + 15 of the same scrambled sequence.
+/// Writes all five coordinates of samples first .. first + 15 of the five-dimensional sequence, scrambled
+/// with `seeds`.
 void sobol_joint_16(const std::array<std::uint32_t, sobol_dimensions>& seeds, int first,
                     const std::array<float*, sobol_dimensions>& u);
 
-/// Sample points for the dimensions beyond the first five. Each set of points consists of the first one or
-/// two dimensions of the sequence, in its own shuffled order [burley2020]. The functions write samples first
-/// .. first + lanes - 1, where lanes is 16 or 1.
+/// Sample points for the dimensions after the first five. They are taken singly or in pairs, and each uses
+/// the first one or two dimensions of the Sobol sequence in its own shuffled order [burley2020]. The
+/// functions write samples first .. first + lanes - 1, where `lanes` is 16 or 1.
 class SobolPadding {
   public:
     /// `n` is the number of samples of a pixel, 1 .. 2^20. The order is shuffled among the first 2^k indices,

@@ -42,8 +42,8 @@ void require_threads(int number) {
 }
 
 int library_threads() {
-    // More threads would have little work, and a limit on memory or processes could prevent them from
-    // starting.
+    // With more threads, each would have little work, and a limit on memory or processes could prevent them
+    // from starting.
     constexpr int most = 8;
     return std::min(static_cast<int>(std::thread::hardware_concurrency()), most);
 }

@@ -18,10 +18,9 @@ namespace postlens {
 namespace fs = std::filesystem;
 namespace {
 
-// Paths of the existing temporary files, which the signal handler removes. To use or free a path, a thread
-// first exchanges its pointer for null. The signal handler and an OutputFile therefore never use the same
-// path at the same time. The list holds at most slot_count paths. The signal handler does not remove any
-// further files.
+// Paths of the existing temporary files, which the signal handler removes. Whoever uses or frees a path first
+// exchanges its pointer for null, so a thread and the signal handler never use the same path at the same
+// time. Files beyond the first slot_count are not listed, and the signal handler does not remove them.
 constexpr std::size_t slot_count = 64;
 std::array<std::atomic<char*>, slot_count> g_temporaries{};
 static_assert(std::atomic<char*>::is_always_lock_free, "a signal handler may touch only lock-free atomics");
@@ -64,7 +63,7 @@ int flush_to_disk(const fs::path& path, int flags) {
     } while (result != 0 && errno == EINTR);
     const int error = result == 0 ? 0 : errno;
     ::close(fd);
-    // These two errors only mean that the file system does not support fsync.
+    // EINVAL and ENOTSUP only mean that the file system does not support fsync.
     return error == EINVAL || error == ENOTSUP ? 0 : error;
 }
 
@@ -91,7 +90,8 @@ OutputFile::OutputFile(fs::path target) : target_(std::move(target)), destinatio
         // A rename succeeds even if the target file is write-protected, so write protection is checked here.
         if (::access(target_.c_str(), W_OK) != 0) fail_to_write(target_, errno);
     }
-    // A symbolic link stays in place, even if the file that it points to does not exist yet.
+    // Follows symbolic links to the file that is to be written, even if it does not exist yet. The links stay
+    // in place.
     constexpr int most_links = 40;  // the limit of the operating system
     for (int links = 0; fs::is_symlink(fs::symlink_status(destination_, ec)); ++links) {
         if (links == most_links) fail_to_write(target_, ELOOP);

@@ -14,7 +14,8 @@ namespace postlens {
 /// Returns the file name of a share's table, "STEM.I-of-N.json".
 [[nodiscard]] std::string share_table_name(std::string_view stem, const Share& share);
 
-/// Returns the paths of the result tables of all shares in a folder, sorted by file name.
+/// Returns the paths of all result tables in a folder, one for each share (part of the work), sorted by file
+/// name.
 [[nodiscard]] std::vector<std::filesystem::path> share_tables(const std::filesystem::path& folder,
                                                               std::string_view stem);
 
