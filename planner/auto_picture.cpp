@@ -20,16 +20,16 @@
 namespace postlens {
 namespace {
 
-/// Number of views of every tile at the beginning. Each of the image's two independent halves gets 8 views.
+/// Number of views (images from different lens points) with which every tile starts. Each of the image's two
+/// independent halves gets 8 of them.
 constexpr int first_views = 16;
 
-/// Number of times that views may be added to compare the image with the image made by `layers`. They are
-/// added if `layers` alone may have less than half the error.
+/// The method `layers` makes a second image. If it may have less than half the error of the first one, views
+/// are added to compare the two more accurately. This is done at most this many times.
 constexpr int most_comparisons = 2;
 
-/// If the 95 % interval of the error is too wide, views are added. Their number may then be at most this many
-/// times the number of views that first met the target. The first limit applies with rays. The second applies
-/// without rays.
+/// If the 95 % interval of the error is too wide, views are added. These are the largest allowed numbers of
+/// views, with and without rays, as multiples of the number that first met the target.
 constexpr double most_narrowing = 4, most_narrowing_of_noise = 2;
 
 /// Returns the number of view samples (views times pixels) in all tiles together.
@@ -39,8 +39,9 @@ double samples(const std::vector<int>& views, const TileGrid& grid) {
     return sum;
 }
 
-/// Plans the next step. Doubles the number of views of some tiles, at most once per tile, until the expected
-/// mean error is below `wanted_mse`. The tiles in which an added view reduces the error most come first.
+/// Returns the number of views of each tile for the next step. The numbers of some tiles are doubled, until
+/// the expected mean error is below `wanted_mse`. The tiles in which an added view reduces the error most
+/// come first.
 ///
 /// The precision of a tile is the reciprocal of its error. It is assumed that each added view increases the
 /// precision by the same amount.
@@ -81,8 +82,9 @@ std::vector<int> doubled(const std::vector<int>& views, const std::vector<TileEr
     return planned;
 }
 
-/// Selects the tiles in which the check rays measure the error of the records least accurately. The other
-/// tiles together cause at most the variance `most_variance`.
+/// Selects the tiles in which the error of the records is known least accurately, until the variance caused
+/// by all other tiles is at most `most_variance`. The error was measured by check rays, whose radiance is
+/// compared with the records.
 std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const TileGrid& grid,
                                       double most_variance) {
     return largest_tiles(tiles, grid, most_variance, [](const TileError& tile, double share) {
@@ -90,8 +92,9 @@ std::vector<std::uint8_t> least_known(const std::vector<TileError>& tiles, const
     });
 }
 
-/// Selects the tiles whose highlights have the largest errors. The highlights of the other tiles together
-/// cause at most a quarter of the target error. Tiles in which rays cannot meet the target are not selected.
+/// Selects the tiles whose highlights have the largest errors, until the highlights of all other tiles cause
+/// at most a quarter of the target error `most_mse`. Tiles in which rays cannot meet the target are not
+/// selected.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured,
                                                double most_mse) {
     const TileGrid& grid = views.grid();
@@ -106,10 +109,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
                          [](const TileError& tile, double share) { return tile.highlights_mse * share; });
 }
 
-/// Plans the next step if the 95 % interval of the error is too wide. Doubles the number of views in the
-/// tiles where this narrows the interval most, until the expected width is `wanted_interval_db`. The width is
-/// proportional to the standard deviation of the estimate divided by the error. `most_samples` limits the
-/// number of view samples in the image.
+/// Returns the number of views of each tile for the next step, if the 95 % interval of the error is too wide.
+/// The numbers are doubled in the tiles where this narrows the interval most, until the expected width is
+/// below `wanted_interval_db`. The width is proportional to the standard deviation of the estimate divided by
+/// the error. `most_samples` limits the number of view samples in the image.
 std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileError>& tiles,
                           const std::vector<TileMix>& mix, const TileGrid& grid, const StatedError& error,
                           double most_samples) {
@@ -150,8 +153,8 @@ std::vector<int> narrowed(const std::vector<int>& views, const std::vector<TileE
     return planned;
 }
 
-/// Returns the share of reflected and transmitted records at the frame's own instant. It is measured in
-/// evenly spaced rows of the file.
+/// Estimates which share of the records belongs to reflected or transmitted surfaces, from evenly spaced rows
+/// of the file. Only records of the frame's own instant are counted.
 double deeper_share(const SampleFileReader& file) {
     constexpr std::size_t most_rows = 16;
     const std::size_t rows = file.scanlines(0).size(), probes = std::min(rows, most_rows);
@@ -167,10 +170,10 @@ double deeper_share(const SampleFileReader& file) {
     return all > 0 ? static_cast<double>(deeper) / static_cast<double>(all) : 0;
 }
 
-/// Returns whether `layers` takes no longer than the first views. The time of `layers` is proportional to the
-/// number of records, and the time of views to the number of view samples. A directly visible record takes
-/// about as long as a view sample. A reflected or transmitted record takes longer, `deeper_cost` times as
-/// long.
+/// Returns whether the method `layers` takes no longer than drawing the first views. The time of `layers` is
+/// proportional to the number of records, and the time of views to the number of view samples. A directly
+/// visible record takes about as long as a view sample. A reflected or transmitted record takes `deeper_cost`
+/// times as long.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -188,8 +191,8 @@ Image layers_image(FocusFrame& frame, FocusSettings settings) {
     return focus_picture(frame, settings).image;
 }
 
-/// Returns the estimated error of the image made by `layers`, minus the standard error of this estimate. The
-/// result may be negative.
+/// Returns a lower estimate of the error of the image made by `layers`: the estimated error minus its
+/// standard error. The result may be negative.
 double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     double sum = 0, variance = 0;
     for (const TileError& tile : measured.tiles) {
@@ -200,17 +203,17 @@ double least_alone_mse(const MeasuredError& measured, const TileGrid& grid) {
     return measured.bias_mse + (sum - std::sqrt(variance)) / (static_cast<double>(grid.width) * grid.height);
 }
 
-/// Returns the mean of two radiances, in which `other` has the weight `w`. The mean is computed from sRGB
-/// values, because errors are stated for these. Radiances above white are averaged without sRGB encoding, so
-/// that no light is lost.
+/// Returns the weighted mean of two radiances, in which `other` has the weight `w`. The mean is computed from
+/// sRGB values, because errors are measured in these. If `views` is 1 or more, the radiances themselves are
+/// averaged, so that no light is lost to clamping.
 float mixed(float views, float other, float w) {
     if (views >= 1) return views + w * (other - views);
     const float value = srgb_from_linear(views);
     return linear_from_srgb(value + w * (srgb_from_linear(other) - value));
 }
 
-/// Mixes the other image into `image`. Returns the mean weight of the other image over the pixels of the
-/// image or crop.
+/// Mixes the image `other` into `image`, with the weights of the tiles. Returns the mean weight of `other`
+/// over the pixels of the image or crop.
 double mix_in(const Image& other, const std::vector<TileMix>& tiles, const TileGrid& grid,
               const std::optional<Crop>& crop, Image& image) {
     std::vector<double> of_rows(static_cast<std::size_t>(grid.height), 0);
@@ -248,7 +251,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
     HybridSettings whole = settings.hybrid;
     whole.focus.crop.reset();
     whole.checked = nullptr;
-    // `layers` shows a single instant, and its error is not known without rays.
+    // The image of `layers` is only made without a shutter, because it shows a single instant, and with a
+    // scene, because only rays can measure its error.
     std::optional<Image> layers;
     if (whole.scene != nullptr && !whole.shutter && is_worth_layers(frame.file())) {
         (void)checked_camera(frame.file().header(), *whole.scene);
@@ -274,7 +278,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
-            // target, it is cheaper to replace view samples by rays.
+            // target error, rays replace the view samples of the tiles with the largest errors, which costs
+            // less.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);
@@ -289,7 +294,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
         is_met = error.high_mse <= most_mse;
         if (!is_met) {
             // More views reduce the noise, but not the error of the highlights. If the error of the
-            // highlights alone clearly misses the target, it is enough if the noise is a quarter of that
+            // highlights alone clearly exceeds the target, the noise is only reduced to a quarter of that
             // error.
             const double of_highlights = measured.highlights_mse - std::sqrt(measured.bias_variance);
             next = doubled_for(std::max(most_mse, of_highlights / 2));
@@ -298,8 +303,9 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 views.leave_to_rays(least_known(measured.tiles, grid, measured.bias_variance / 2),
                                     LeftToRays::samples))
                 continue;
-            // With few views, the estimated errors of tiles are inaccurate. Selecting tiles by them makes the
-            // intervals too narrow. The views of all tiles that have an error are therefore doubled first.
+            // With few views, the estimated errors of single tiles are inaccurate. Intervals become too
+            // narrow if tiles are selected by such estimates. The first step therefore doubles the views of
+            // all tiles that have an error.
             const bool is_first = most_samples == 0;
             if (is_first) {
                 most_samples =
@@ -309,7 +315,8 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                 is_first ? doubled_for(0) : narrowed(wanted, measured.tiles, mix, grid, error, most_samples);
         }
         if (is_met && next == wanted && layers && comparisons < most_comparisons) {
-            // Add views if `layers` alone may have less than half the error.
+            // If `layers` alone may have less than half the error, add views to compare the two images more
+            // accurately.
             const double alone = least_alone_mse(measured, grid);
             if (error.mse() > 2 * alone) next = doubled_for(std::max(2 * alone, 0.0));
             ++comparisons;

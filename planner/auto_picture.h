@@ -14,8 +14,9 @@ inline constexpr double default_target_db = 40;
 
 struct AutoSettings {
     HybridSettings hybrid;  ///< `focus.views` and `checked` are ignored
-    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If absent, the target is
-    /// default_target_db, and no warning is given if the bound of the error exceeds the target error.
+    /// Wanted PSNR of the whole image, computed from sRGB values, from 10 to 80 dB. If the value is absent,
+    /// the target is default_target_db, and there is no warning if the upper bound of the error is worse than
+    /// the target.
     std::optional<double> target_db;
 };
 
@@ -23,8 +24,8 @@ struct AutoTile {
     int views = 0;
     bool left_to_rays = false;  ///< rays replace all view samples of the tile
     double layers_weight = 0;   ///< weight of the image made by `layers`, 0 to 1
-    /// Measured error of the views and of `layers`, computed from sRGB values, as a mean over pixels and
-    /// channels.
+    /// Measured squared error of the tile, computed from sRGB values, as a mean over pixels and channels. It
+    /// is caused by the noise of the views and by the image of `layers` that is mixed with them.
     double noise_mse = 0;
 };
 

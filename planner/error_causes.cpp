@@ -20,16 +20,15 @@ namespace {
 constexpr int many_views = 256;
 /// A pixel is in error if the sRGB value of some channel differs from the reference by more than this.
 constexpr double wrong_above = 1.0 / 255;
-/// The image is made again without a cause. If the new image has at most half of the error in a pixel, the
-/// cause explains the error of this pixel. The squared error is then at most a quarter.
+/// A cause explains the error of a pixel if an image that avoids this cause has at most half of the error
+/// there. The squared error is then at most this fraction of the original one.
 constexpr double explained = 0.25;
-/// Smallest estimated squared error for which a cause is accepted, as a fraction of the pixel's squared
-/// error. The limit for the record density is smaller, because its estimate is often too small: edges that
-/// pass between the corners of a cell are not counted.
+/// A cause is accepted if the squared error that it is estimated to have is at least this fraction of the
+/// pixel's squared error. The limit for the record density is smaller, because its estimate is often too
+/// small: edges that pass between samples are not counted.
 constexpr double noticeable = 0.1, noticeable_density = 0.02;
 constexpr int beside_px = 4;
-/// A share of a pixel's light. If the records lack more than this share, the missing light counts as a cause
-/// of the pixel's error.
+/// If the records lack less than this share of a pixel's light, they count as complete in this pixel.
 constexpr float tolerated_unknown = 0.02F;
 /// If more than this fraction of the squared error has no known cause, the scene is traced again to find it.
 constexpr double worth_trials = 0.1;
@@ -53,9 +52,9 @@ bool is_wrong(const Image& a, const Image& b, std::size_t pixel) {
     return false;
 }
 
-/// The share of a pixel's light that may come from beyond the overscan. It is the part of the pixel's circle
-/// of confusion that lies outside the overscan. The circle is assumed to be as large as the largest circle
-/// along that side of the image.
+/// Estimates which share of a pixel's light comes from beyond the overscan (the pixels traced outside the
+/// image). It is the part of the pixel's circle of confusion that lies beyond the overscan. The circle is
+/// assumed to be as large as the largest circle along that side of the image.
 class BeyondMargin {
   public:
     BeyondMargin(const SampleHeader& header, const FocusGeometry& geometry)
@@ -121,7 +120,7 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of the error of a pixel that a light field with many views shows correctly.
+/// Returns the cause of a pixel's error that is absent from a light field with many views.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -152,8 +151,8 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const HybridSettings& v = request.view;
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
-    // A light field computed from the records resolves visibility. With a shutter, it also resolves the
-    // motion.
+    // A light field from the same records computes correctly which surfaces hide others and, with a shutter,
+    // how they move. Errors that it does not have are due to the method of the image.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();
@@ -189,7 +188,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const auto finer_explains = [&](std::size_t k, double error) {
         return finer && squared_difference(*finer, reference, k) <= explained * error;
     };
-    // Tracing again is expensive, and in most images little of the error remains unexplained.
+    // Tracing again is expensive, so it is only done if much of the error is unexplained.
     std::vector<ErrorTrial> trials;
     if (v.scene != nullptr) {
         double all = 0, left = 0;
@@ -233,12 +232,12 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
                 cause = ErrorCause::view_dependent_shading;
         } else {
             // A surface that is not recorded is assumed to differ from its surroundings by the local
-            // contrast. If the mean contrast of the image is larger, that is used instead.
+            // contrast, or by the mean contrast of the image if that is larger.
             const double spread = std::max(static_cast<double>(contrast[k]), overall),
                          beyond = margin.share(static_cast<int>(k % static_cast<std::size_t>(h.width)),
                                                static_cast<int>(k / static_cast<std::size_t>(h.width)));
-            // The light that the views do not know includes light from beyond the overscan. The share of that
-            // light is subtracted here.
+            // The unrecorded share of the light includes light from beyond the overscan (the pixels traced
+            // outside the image). This light is another cause of error, so its share is subtracted.
             const double unknown =
                 std::max(0.0, static_cast<double>(std::max(seen.unknown[k], seen.unknown_below[k])) - beyond);
             const double lost = misplaced.empty() ? 0 : static_cast<double>(srgb_from_linear(misplaced[k]));

@@ -17,8 +17,8 @@ namespace postlens {
 namespace {
 
 /// A limit for two values of a pixel: the share of its light that is not recorded, and the radiance that is
-/// reprojected to wrong positions. The records of the pixel are insufficient if either value exceeds the
-/// limit.
+/// reprojected to wrong positions. If either value exceeds the limit, the records of the pixel count as
+/// insufficient.
 constexpr double tolerated = 0.02;
 
 /// Returns the share of the pixels of the image or crop whose records are insufficient.
@@ -33,8 +33,8 @@ double insufficient_share(const FieldFocus& field, const std::vector<float>& mis
     return mean_of(marks, field.image.width, crop);
 }
 
-/// Time to scatter an image, divided by the time to draw one view of the whole image. If an image has few
-/// views, pixels are scattered only if this replaces most of the views.
+/// Time of the method `scatter`, divided by the time to draw one view of the whole image. Pixels are
+/// scattered instead of drawn from views only if this saves more time than it takes.
 constexpr double scatter_costs_views = 200;
 
 /// Makes the image from the records alone, without rays.
@@ -87,7 +87,8 @@ HybridResult from_records(FocusFrame& frame, const HybridSettings& settings) {
 /// with rays.
 constexpr double fine_mse = 1e-5;
 
-/// Returns 1 for tiles in which the error of the highlights would be smaller if rays showed them.
+/// Returns 1 for tiles in which highlights shown by rays would have smaller errors than highlights spread by
+/// impulse responses.
 std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const MeasuredError& measured) {
     const std::vector<double> noise =
         highlights_noise(views.half(0), views.half(1), views.grid(), views.views());
@@ -99,10 +100,11 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
     return out;
 }
 
-/// Makes the image from records and from rays into the scene. The two halves of the image are drawn
-/// separately, and their difference measures the noise. If the check rays show an error of the records, rays
-/// replace all view samples in the tiles with the largest errors. Tiles are added until the remaining error
-/// is small compared with the noise, or until noise and remaining error together are at most `fine_mse`.
+/// Makes the image from records and from rays into the scene. Its views form two halves that are drawn
+/// separately, and the difference between the halves measures the noise. If check rays show an error of the
+/// records, rays replace all view samples in the tiles with the largest errors. Tiles are added until the
+/// remaining error is small compared with the noise, or until noise and remaining error together are at most
+/// `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

@@ -1,5 +1,5 @@
-// Makes a light field image with a given number of views. Rays replace view samples that the records do not
-// determine.
+// Makes a light field image with a given number of views. A ray replaces the sample of a view where the
+// records do not determine its colour.
 #pragma once
 
 #include <memory>
@@ -19,30 +19,32 @@ namespace postlens {
 
 struct HybridSettings {
     FocusSettings focus;  ///< lens, aperture, `views`, `crop`; `method` is ignored
-    /// Motion during the exposure. If `shutter` is given, every pixel is computed as a light field, and none
-    /// by `scatter`.
+    /// Motion during the exposure. If `shutter` is given, every pixel is computed as a light field, and the
+    /// method `scatter` is not used.
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
     /// The scene from which the file was traced. Rays into the scene replace the view samples that the
     /// records do not determine. If null, no rays are traced.
     const Scene* scene = nullptr;
-    /// Selects, in each half of the views, the view samples that are compared with rays
-    /// (FieldViews::checked). This is for measurements and needs a scene. If it is set, the error of the
-    /// image is not stated.
+    /// Selects the view samples that are compared with rays, for each half of the views
+    /// (FieldViews::checked). Only used for measurements, and only with a scene. If the function is set, the
+    /// error of the image is not stated.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
 };
 
 struct HybridResult {
     FocusResult focus;  ///< image, views, warnings
-    /// Share of the pixels of the image or crop that are scattered. Set only without a scene.
+    /// Share of the pixels of the image or crop that the method `scatter` makes. Set only without a scene.
     double scattered_share = 0;
-    /// Share of the pixels of the image or crop whose records are insufficient. Set only without a scene.
+    /// Share of the pixels of the image or crop for which the records do not suffice. Set only without a
+    /// scene.
     double wanted_share = 0;
     double retraced_share = 0;  ///< share of the view samples, in the image or crop, that are rays
     RayCounts rays;
     std::optional<StatedError> stated;  ///< set with a scene and at least two views
-    /// One value per pixel of the whole image, as defined in FieldFocus. Set only with a scene.
+    /// Values for each pixel of the whole image, as in FieldFocus: the share of views whose samples are rays,
+    /// and comparisons of rays with the records. Set only with a scene.
     std::vector<float> traced;
     std::vector<PixelCheck> checks;
     /// How each pixel of the whole image was made: 0 by the light field, 1 by scattering, 2 mostly by rays.
@@ -52,7 +54,7 @@ struct HybridResult {
 /// Makes the image. The result is bit-identical for any number of threads. Throws Error(invalid_input) if the
 /// file was not traced from `scene`. Also throws the errors of focus_picture and render_picture.
 [[nodiscard]] HybridResult hybrid_picture(FocusFrame& frame, const HybridSettings& settings);
-/// Makes one image directly from a file. Throws the same errors as the function above.
+/// Like the other overload, but for a file from which only one image is made.
 [[nodiscard]] HybridResult hybrid_picture(const SampleFileReader& file, const HybridSettings& settings);
 
 }  // namespace postlens

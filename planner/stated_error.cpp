@@ -12,18 +12,19 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight of the other image that minimises the sum of two terms: the error of the mixed image,
-/// and `price` times the variance of the error's estimate. The weight is 0 if the views have no noise.
+/// Returns the weight of the other image with which the views of a tile are mixed. The weight minimises the
+/// sum of two terms: the error of the mixed image, and `price` times the variance of the error's estimate. It
+/// is 0 if the views have no noise.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));
     return whole > 0 ? (tile.noise_mse + 2 * price * tile.of_noise) / whole : 0;
 }
 
-/// The weight of the other image in a tile depends on the estimated errors of the tile. If the error of the
-/// other image is underestimated by chance, its weight becomes too large, and the estimated error of the
-/// mixed tile too small. Leave-one-out cross-validation corrects this. Each piece of the tile is estimated
-/// with a weight that is chosen without this piece.
+/// Chooses the weight with which another image is mixed into a tile. The weight depends on estimated errors.
+/// If the error of the other image is underestimated by chance, its weight becomes too large, and the
+/// estimated error of the mixed tile too small. Leave-one-out cross-validation corrects this. Each piece of
+/// the tile is estimated with a weight that is chosen without this piece.
 TileMix mix_of(const TileError& tile, double price) {
     TileMix out{.weight = weight_of(tile, price)};
     if (!(out.weight > 0)) return out;
@@ -89,7 +90,7 @@ StatedError stated_error(const MeasuredError& measured, const std::vector<TileMi
 }
 
 std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
-    // The error of the records does not depend on the weights. Its uncertainty is therefore left out here.
+    // The weights do not affect the error of the records, so the variance of this error is left out.
     MeasuredError of_views = measured;
     of_views.bias_variance = 0;
     const StatedError views = stated_error(of_views);
@@ -97,8 +98,8 @@ std::vector<TileMix> mixed_tiles(const MeasuredError& measured) {
     if (!(views.variance > 0)) return best;
     double pixels = 0;
     for (const TileError& tile : measured.tiles) pixels += tile.pixels;
-    // In the first step, the price of the variance (see weight_of) is 0. Each further step doubles the price,
-    // until the interval is at most wanted_interval_db wide.
+    // The price of the variance (see weight_of) is 0 in the first step. It is small in the second step and
+    // doubles in each further step, until the interval is at most wanted_interval_db wide.
     constexpr int steps = 32;
     double least_mse = views.high_mse;
     for (int step = 0; step <= steps; ++step) {

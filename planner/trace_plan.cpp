@@ -30,17 +30,19 @@ namespace {
 constexpr int coarser = 4;      ///< width of a preview pixel, in pixels of the trace
 constexpr int look_levels = 2;  ///< levels of the preview; its finest cells are as wide as trace pixels
 constexpr int most_levels = 6;
-/// Fraction of the tiles that must reach the target. The image as a whole must reach it as well.
+/// Fraction of the tiles in which the trace must reach the target error. The mean over the image must reach
+/// it as well.
 constexpr double tiles_met = 0.9;
-/// Mean number of new samples when a cell is divided. They are its centre and the midpoints of its sides that
-/// have no sample yet.
+/// Mean number of new samples per divided cell: its centre, and the midpoints of its sides that have no
+/// sample yet.
 constexpr double samples_per_split = 3.5;
 
 using ByLevel = std::array<double, most_levels + 1>;
 
 struct Look {
     double edge_pixels = 0;  ///< pixels of the trace that an edge crosses, including the overscan
-    /// Squared error, summed over the pixels of each tile of the trace.
+    /// For each tile of the trace, the squared error at each level of subdivision, summed over the pixels of
+    /// the tile.
     std::vector<ByLevel> tiles;
     TileGrid grid;                                ///< tiles of the trace's image
     double samples = 0, records = 0, hidden = 0;  ///< numbers of samples, visible records and hidden records
@@ -97,8 +99,9 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                 slants = slants || step.split == CellStep::Split::slanted;
                 for (const CellCorner* c : at)
                     coc_px = std::min(coc_px, std::abs(of_trace.coc_diameter_px(c->inverse_z)));
-                // At level L, an edge crosses 2^L cells of area 4^-L px^2 each. The variance of the light is
-                // therefore proportional to 2^-3L.
+                // At level L of the quadtree, an edge crosses 2^L cells of a pixel, each with an area of 4^-L
+                // px^2. The variance of the light is proportional to the sum of the squared areas, which is
+                // 2^-3L.
                 SpreadLight spread;
                 spread.add(at, step, 1, of_trace);
                 for (int level = 0; level <= most_levels; ++level)
@@ -108,9 +111,10 @@ Look look_at(const SampleFileReader& file, const FocusGeometry& of_trace) {
                       y = static_cast<int>(pixel) / rows.band->width() + begin;
             if (squares == 0 || x < 0 || y < 0 || x >= h.width || y >= h.height) continue;
             // At level L of the quadtree, an edge crosses 2^L cells of a pixel. The error of a cell is
-            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are equal
-            // and add up. The squared error is then proportional to 2^-2L. If the edge is slanted, the errors
-            // are independent and only their squares add up. The squared error is then proportional to 2^-3L.
+            // proportional to its area, 4^-L px^2. If the edge is parallel to the cells, all errors are
+            // equal, and the squared error of the pixel is proportional to (2^L 4^-L)^2 = 2^-2L. If the edge
+            // is slanted, the errors are independent, and the squared error is proportional to 2^L (4^-L)^2 =
+            // 2^-3L.
             const double one_cell = (slants ? edge_cell_variance : aligned_cell_variance) * squares /
                                     averaged_by(coc_px, !slants);
             ByLevel& to = out.tiles[out.grid.at(x * coarser, y * coarser)];
@@ -187,8 +191,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
         window * (1 + look.edge_pixels / look.pixels * samples_per_split * (std::exp2(out.levels) - 1)) +
         (out.levels > 0 ? things.cells() / 4 * samples_per_split : 0);
     // Beside an edge, `trace` records the hidden surfaces that the lens may see behind the edge, plus a
-    // margin of a few pixels. In the preview this margin is wider, because pixels are larger. The preview's
-    // number of hidden records is therefore scaled down.
+    // margin of a few pixels. The pixels of the preview are larger, so its margin is wider. The number of
+    // hidden records in the preview is therefore scaled down.
     const DepthRange range = depth_range(file);
     const double reach_px =
         range.nearest_m ? geometry.gain_px * geometry.aperture_radius_m / *range.nearest_m : 0;
@@ -196,8 +200,8 @@ TracePlan plan_trace(const Scene& scene, const TraceSettings& asked, double targ
     out.records = samples * (look.records + (asked.for_shutter ? 1 : narrower) * look.hidden) /
                   std::max(1.0, look.samples) * static_cast<double>(traced.instants_s.size());
     if (lens && !asked.for_shutter && !asked.hidden_layers) {
-        // 2 reach_px is the largest difference between the CoC diameters of two surfaces of the scene. It is
-        // the difference between the nearest surface and an infinitely far one.
+        // 2 reach_px is the largest difference between the CoC diameters of two surfaces of the scene: the
+        // nearest surface and an infinitely far one.
         if (2 * reach_px < 0.5) out.settings.hidden_layers = 0;
     }
 

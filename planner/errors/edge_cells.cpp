@@ -13,8 +13,8 @@ namespace {
 /// Limit for the squared difference of sRGB values between the corners of a cell, as a mean over channels. A
 /// larger difference is attributed to an edge, a smaller one to smooth shading. The limit is 0.1 squared.
 constexpr double least_edge = 0.01;
-/// The corners of a cell count as equal if their squared difference of sRGB values is below this, 1/255
-/// squared.
+/// If the squared difference of sRGB values between the corners of a cell is below this, the corners count as
+/// equal. The limit is 1/255 squared.
 constexpr double least_step = 1.5e-5;
 
 }  // namespace
@@ -48,7 +48,8 @@ CellStep cell_step(const std::array<const CellCorner*, 4>& corners) {
         const double step = *high - *low, mixed = v[0] - v[1] - v[2] + v[3];
         out.square += step * step / 3;
         out.curvature_square += mixed * mixed / 3;
-        // The channel with the largest step decides on which side of the edge a corner lies.
+        // The corners are assigned to the two sides of the edge by their values in the channel with the
+        // largest step.
         if (step > widest) {
             widest = step;
             const double middle = (*low + *high) / 2;
@@ -98,11 +99,12 @@ double SpreadLight::error(double variance_share) const {
         return static_cast<double>(srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, light))) -
                                    srgb_from_linear(static_cast<float>(ground_ + std::max(0.0, other))));
     };
-    // `off` is the error of the highlight's total light. It affects all pixels over which the lens spreads
-    // the highlight.
+    // First part of the error: `off` is the error of the highlight's total light. It affects all pixels over
+    // which the lens spreads the highlight.
     const double e = difference(each + off / pixels, each - off / pixels) / 2;
-    // An error of the highlight's position displaces its circle of confusion. This changes the pixels at the
-    // edge of the circle. The brighter the highlight, the larger the error of these pixels.
+    // Second part of the error: the position of the highlight is inaccurate, which displaces its circle of
+    // confusion and changes the pixels at the rim of the circle. The brighter the highlight, the larger the
+    // error of these pixels.
     const double moved_px = light_ > 0 ? off / light_ * std::sqrt(area_ / std::numbers::pi) : 0;
     constexpr int coverages = 8;
     double rim = 0;
@@ -117,8 +119,8 @@ double SpreadLight::error(double variance_share) const {
 void PixelEdges::add(const CellStep& s, double size) {
     const double area = size * size;
     // The cell is uniform or smoothly shaded. If the shading has the terms a x^2 + b y^2, the mean of the
-    // corners has the error (a + b) / 6. The corners do not determine a and b, only the coefficient of x y. a
-    // and b are assumed to be half of that coefficient.
+    // corners has the error (a + b) / 6. The corners determine only the coefficient of x y, so a and b are
+    // assumed to be half of that coefficient.
     if (s.split == CellStep::Split::none || (s.same_id && size == 1 && s.square <= least_edge)) {
         independent_ += area * area * s.curvature_square / 36;
         return;

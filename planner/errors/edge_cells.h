@@ -1,4 +1,4 @@
-// The error caused by knowing edges only from the corners of quadtree cells.
+// Estimates the error of edges whose positions are known only from samples at the corners of quadtree cells.
 #pragma once
 
 #include <array>
@@ -40,15 +40,15 @@ struct CellStep {
     double high = 0, low = 0;
 };
 
-/// The radiance above 1 of some cells, and the error that it causes in the pixels over which the lens spreads
+/// Estimates the error that radiance above 1 in some cells causes in the pixels over which the lens spreads
 /// it. In the cells themselves, sRGB encoding clips this radiance.
 class SpreadLight {
   public:
     void add(const std::array<const CellCorner*, 4>& corners, const CellStep& step, double size_px,
              const FocusGeometry& geometry);
     /// Returns the squared error of sRGB values, summed over pixels, that is caused by edges in the cells.
-    /// The positions of these edges are known only from the corners of the cells. The variance of the
-    /// radiance is multiplied by `variance_share`.
+    /// The positions of these edges are known only from the corners of the cells. `variance_share` is a
+    /// factor for the variance of the radiance, for example for smaller cells.
     [[nodiscard]] double error(double variance_share = 1) const;
 
   private:

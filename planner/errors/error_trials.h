@@ -13,8 +13,8 @@ namespace postlens {
 struct ErrorTrial {
     ErrorCause cause;  ///< cause of error that the trial removes
     Image image;       ///< light field of the new records, of the same size as the file's image
-    /// If this trial corrects a pixel, later trials are not used for this pixel. Later trials remove further
-    /// limits in addition to this one, so they cannot tell which limit was the cause.
+    /// If this trial corrects a pixel, later trials are ignored for this pixel. They remove further limits in
+    /// addition to this one, so they cannot show which limit was the cause.
     bool decides = false;
     bool other_instants = false;  ///< whether the trial adds recorded instants
 };

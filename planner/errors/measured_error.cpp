@@ -21,8 +21,9 @@ double encoded(float linear) {
     return static_cast<double>(srgb_from_linear(linear));
 }
 
-/// Two sums over pixels, each of means over channels. `noise` is the squared noise (see measured_error) of
-/// the mean of the images `a` and `b`. `products` is the sum of the products (other - a) (other - b).
+/// Sums over pixels, in which each pixel counts with its mean over channels. `noise` is the squared noise
+/// (see measured_error) of the mean of the images `a` and `b`. `products` is the sum of (other - a) (other -
+/// b).
 struct Differences {
     double noise = 0, products = 0;
     void add(const FieldFocus& a, const FieldFocus& b, const Image* other, std::size_t pixel) {
@@ -47,9 +48,8 @@ double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }
 
-/// Returns the mean residuals (ray minus record) of the view samples, converted to sRGB values. They have
-/// much noise, so they are multiplied by the slope of the sRGB curve instead of being encoded with the curve
-/// itself.
+/// Returns the mean residuals (ray minus record) of the view samples, as sRGB values. They are noisy, so they
+/// are converted linearly, by the slope of the sRGB curve.
 Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -62,8 +62,8 @@ Residuals view_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t p
     return out;
 }
 
-/// Returns the residuals of the highlights. They have little noise and may exceed the range of the sRGB
-/// curve, so they are computed as differences between encoded values.
+/// Returns the residuals (ray minus image) of the highlights, as sRGB values. They have little noise and may
+/// exceed the range of the sRGB curve, so they are computed as differences between encoded values.
 Residuals highlight_residuals(const FieldFocus& a, const FieldFocus& b, std::size_t pixel) {
     Residuals out;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -130,9 +130,9 @@ TileError part_of_tile(const Differences& of_piece, double pixels) {
             .of_product = product * noise + 2.0 / 3 * noise * noise};
 }
 
-/// Mean product of the residuals of two halves. Large residuals may be so rare that no pixel has one in both
-/// halves. All products are then 0, but their true variance is not. The variance is therefore at least the
-/// square of the mean squared residual.
+/// Mean product of the residuals (ray minus record) of the image's two halves. Large residuals may be so rare
+/// that no pixel has one in both halves. All products are then 0, but their true variance is not. The
+/// variance is therefore at least the square of the mean squared residual.
 struct ProductMean : Mean {
     double residuals = 0;  ///< sum of the mean squared residuals of both halves
     void add(double value, const Residuals& r) {
@@ -279,7 +279,7 @@ std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b, c
             const std::size_t t = grid.at(x, y);
             const float of_ray = (variance(a, k) + variance(b, k)) / 2;
             if (!(of_ray > 0)) continue;
-            // The positions and lens points of each half are evenly distributed (stratified) in four
+            // In each half of the image's views, sample positions and lens points are stratified in four
             // dimensions. At the outline of a light, the variance of the mean of n rays is therefore n^(-1 -
             // 1/4) times the variance of a single ray [mitchell1996].
             const float deviation =

@@ -1,4 +1,5 @@
-// Measures the errors of an image by comparing two independent halves of its views, and by check rays.
+// Measures the errors of an image in two ways: by comparing two independent halves of its views, and by check
+// rays, whose radiance is compared with the records.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +19,8 @@ namespace postlens {
 struct TileError {
     int pixels = 0;        ///< number of measured pixels
     double noise_mse = 0;  ///< noise of the mean of the halves (measured_error)
-    /// Estimated squared difference between another image and the expectation of the views. It may be
-    /// negative.
+    /// Estimated squared difference between another image of the scene and the expected value of the views.
+    /// It may be negative.
     double other_mse = 0;
     double of_noise = 0;    ///< variance of the difference between `noise_mse` and the actual squared noise
     double of_product = 0;  ///< variance of the mean product of the noise and the other image's difference
@@ -29,9 +30,9 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of the difference between the estimated and the actual squared error of a mixed
-    /// image. In this image, the other image has the weight w and the views have the weight 1 - w. The
-    /// estimate is (1 - w)^2 noise_mse + w^2 other_mse.
+    /// Returns the variance of an estimate: the difference between the estimated and the actual squared error
+    /// of a mixed image. In the mixed image, another image has the weight w and the views have the weight 1 -
+    /// w. The estimate is (1 - w)^2 noise_mse + w^2 other_mse.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }
@@ -39,7 +40,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Errors of the records in the image, measured by check rays. They are estimates and may be negative.
+    /// Errors of the image that the records cause, measured by check rays. As estimates, they may be
+    /// negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`
@@ -90,16 +92,16 @@ template <typename Value>
     return out;
 }
 
-/// Returns an estimate of the squared noise that the highlights of each tile would have if rays showed them.
-/// `views` contains the number of rays per pixel in each tile. `a` and `b` are the halves, whose highlights
-/// are spread by impulse responses.
+/// Estimates the squared noise that the highlights of each tile would have if rays showed them instead of
+/// impulse responses. `views` contains the number of rays per pixel in each tile. `a` and `b` are the two
+/// halves of the image, whose highlights are spread by impulse responses.
 [[nodiscard]] std::vector<double> highlights_noise(const FieldFocus& a, const FieldFocus& b,
                                                    const TileGrid& grid, const std::vector<int>& views);
 
-/// Returns 1 for tiles in which rays should replace all view samples because of the error of the records
-/// (TileError::bias_mse). The tiles with the largest errors are selected, until the remaining tiles
-/// contribute at most `most_mse` to the mean over the image. A tile is also selected if its error is large in
-/// three respects: it exceeds the noise of the tile's views, twice its own standard error, and `fine_mse`.
+/// Selects the tiles in which rays should replace all view samples, because the records cause too much error
+/// there (TileError::bias_mse). Returns 1 for selected tiles. The tiles with the largest errors are selected,
+/// until the others contribute at most `most_mse` to the mean over the image. A tile is also selected if its
+/// error exceeds three values: the noise of its views, twice its own standard error, and `fine_mse`.
 [[nodiscard]] std::vector<std::uint8_t> biased_tiles(const MeasuredError& measured, const TileGrid& grid,
                                                      double most_mse, double fine_mse);
 

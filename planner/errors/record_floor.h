@@ -1,5 +1,5 @@
-// The record floor: the error of an image caused by records being point samples. Point samples determine the
-// position of an edge only to within a quadtree cell.
+// The record floor: the error of an image that is caused by the spacing of its recorded samples. They
+// determine the position of an edge only to within a quadtree cell.
 #pragma once
 
 #include <span>
@@ -18,9 +18,9 @@ namespace postlens {
 /// errors are independent, and the factor is the number of cells.
 [[nodiscard]] double averaged_by(double coc_px, bool aligned);
 
-/// Factor for the error of edges that pass between the corners of a cell without being seen. It is the error
-/// of all quadtree cells divided by the error of the cells whose corners show an edge. The value is a fit
-/// (docs/planner.md).
+/// Correction factor for edges that pass between the corners of a cell and are therefore not seen. It is the
+/// error of all quadtree cells divided by the error of the cells whose corners show an edge. The value is a
+/// fit (docs/planner.md).
 inline constexpr double floor_unseen = 1.4;
 
 /// For each pixel, the expected squared error caused by the size of the quadtree cells (edge_cells.h) and
@@ -49,7 +49,8 @@ class RecordFloor {
     std::vector<float> mse_;
 };
 
-/// Returns the record floor of each pixel of a file. Reads all records once.
+/// Returns, for each pixel of a file, the error caused by knowing edges only to within a quadtree cell. Reads
+/// all records once.
 [[nodiscard]] std::vector<float> record_floor(const SampleFileReader& file, const FocusGeometry& geometry);
 
 }  // namespace postlens

@@ -13,12 +13,12 @@
 namespace postlens {
 namespace {
 
-/// Number of views that are drawn to measure which share of the samples the records do not determine in each
-/// pixel. With 16 views, this share is accurate to a few hundredths.
+/// Number of views (images from different lens points) that are drawn to measure, in each pixel, which share
+/// of the samples the records do not determine. With 16 views, this share is accurate to a few hundredths.
 constexpr int views_that_tell = 16;
 
-/// The smallest and largest value of each channel near each square of 8 x 8 px of an image. Pixels within
-/// `radius_px` around the square count.
+/// For each square of 8 x 8 px of an image, the smallest and largest value of each channel. Pixels up to
+/// `radius_px` around the square count, too.
 class Ranges {
   public:
     Ranges(const Image& image, double radius_px)

@@ -1,4 +1,5 @@
-// Upper bound of the error caused by view samples that the records do not determine and that no rays replace.
+// Upper bound of the error that samples cause if the records do not determine their colours and no rays
+// replace them.
 #pragma once
 
 #include <cmath>

@@ -15,11 +15,12 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of scrambled sets of lens points, and the step of the set's index from one row of pieces (squares
-/// of the image) to the next. Both numbers are prime, so that neighbouring pieces have different sets.
+/// Number of differently scrambled sets of lens points, and the difference between the index of a piece's set
+/// (a piece is a square of the image) and that of the piece below. Both numbers are prime, so that
+/// neighbouring pieces have different sets.
 constexpr int scrambles = 61, scrambles_down = 23;
 
-/// Interpolates the values of a pixel linearly from `to` to `from`, by the fraction `share`.
+/// Moves a pixel's values in `to` towards those in `from`, by the fraction `share` of their difference.
 template <typename T>
 void mix(const std::vector<T>& from, std::vector<T>& to, std::size_t begin, std::size_t count, float share) {
     if (from.empty()) return;
@@ -64,8 +65,8 @@ void HalvedViews::draw(const std::vector<int>& views) {
     };
     std::vector<FieldViews> sets;
     for (std::size_t half = 0; half < 2; ++half) {
-        // Ranges [first, end) of the views that this half lacks. For each range, there are the scrambled sets
-        // of the pieces (squares of the image) that need it.
+        // For each range [first, end) of views that this half lacks in some pieces (squares) of the image,
+        // the scrambled sets of lens points that these pieces use.
         std::map<std::pair<int, int>, std::set<int>> spans;
         for (int y = 0; y < grid_.height; y += by_field_.piece_px) {
             for (int x = 0; x < grid_.width; x += by_field_.piece_px) {

@@ -30,9 +30,9 @@ class HalvedViews {
     /// two halves, whose difference measures the noise. If the number of views is odd, half 0 has one more
     /// view than half 1. The result is bit-identical for any number of threads.
     void draw(const std::vector<int>& views);
-    /// Lets rays replace all view samples in the tiles whose entry in `tiles` is not 0. `what` states whether
-    /// rays also replace the highlights. These tiles are redrawn, unless rays already replace as much there.
-    /// Views drawn later are treated in the same way. Returns whether a tile was redrawn.
+    /// Makes rays replace all view samples in the tiles whose entry in `tiles` is not 0, also in later calls
+    /// of `draw`. `what` states whether rays also replace the highlights. The tiles are redrawn, except those
+    /// in which rays already replace as much. Returns whether a tile was redrawn.
     bool leave_to_rays(const std::vector<std::uint8_t>& tiles, LeftToRays what);
 
     [[nodiscard]] const TileGrid& grid() const { return grid_; }
@@ -66,8 +66,8 @@ class HalvedViews {
     std::array<FieldFocus, 2> halves_;
 };
 
-/// Returns the mean of all views as an image with its statistics. These are shares of the pixels within
-/// `crop` and numbers of rays. `stated` stays empty.
+/// Returns the mean of all views as an image, together with the number of rays and the share of view samples
+/// within `crop` that are rays. `stated` stays empty.
 [[nodiscard]] HybridResult finished(FocusFrame& frame, HalvedViews&& views, const std::optional<Crop>& crop);
 
 }  // namespace postlens

@@ -24,7 +24,8 @@ void check_request(const SampleFileReader& file, const HybridSettings& settings,
 /// Returns the settings of the light field: lens, shutter and crop, without rays.
 [[nodiscard]] FieldFocusSettings field_settings(const SampleHeader& header, const HybridSettings& settings);
 
-/// Returns settings with which `render` makes the same image. Throws the errors of checked_camera.
+/// Returns the settings with which the ray tracer (`render`) makes the same image. Throws the errors of
+/// checked_camera.
 [[nodiscard]] RenderSettings ray_settings(const SampleHeader& header, const HybridSettings& settings,
                                           const Aperture& aperture);
 

@@ -1,5 +1,5 @@
-// The tiles of an image, each with its own number of views, and the size of the pieces (smaller squares) in
-// them.
+// The tiles of an image, which have their own numbers of views, and the size of pieces, the smaller squares
+// into which tiles are divided.
 #pragma once
 
 #include <algorithm>
@@ -40,10 +40,10 @@ struct TileGrid {
     }
 };
 
-/// Returns the edge of a piece, in px. A piece is a square with its own scrambled lens points. Its edge is a
-/// power of two, at least 4 px and at most the edge of a tile. Pieces are made so small that an image has at
-/// least 2000 of them, if possible. The noise of the image is estimated as a mean over pieces with
-/// independent errors.
+/// Returns the edge of a piece, in px. A piece is a square of the image with its own scrambled lens points,
+/// so that the errors of pieces are independent. The noise of the image is estimated as a mean over pieces.
+/// An image should therefore have at least 2000 of them. The edge is a power of two, at least 4 px and at
+/// most the edge of a tile.
 [[nodiscard]] inline int piece_px(int width, int height) {
     constexpr int least_pieces = 2000, smallest_px = 4;
     int px = TileGrid::edge;
