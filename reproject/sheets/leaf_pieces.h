@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// The pixels of a square of the raster. They are the columns [first_pixel, last_pixel) of the first `rows`
-/// rows of a band. The quadtree leaves were found from the records of this band.
+/// A square of the raster: the columns [first_pixel, last_pixel) of the first `rows` rows of a band of raster
+/// rows. The quadtree leaves were found from the records of this band.
 struct SheetSquare {
     int first_pixel = 0, last_pixel = 0, rows = 0;
     int band_width = 0;
@@ -28,17 +28,18 @@ struct LeafPiece {
     int cell = 0;
     float x = 0, y = 0, size = 0;  ///< px from the cell's corner
     std::array<std::uint32_t, 4> node{};
-    /// 4 if node[] are the leaf's corners; 1 if only node[0] is used, at (at_x, at_y) px in the cell.
+    /// Number of elements of node[] in use. If it is 4, they are the leaf's corners. If it is 1, node[0] lies
+    /// at (at_x, at_y) px in the cell.
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// Whether it is unknown if the surface of node[0] covers this quarter (SheetNode::maybe).
+    /// Whether this quarter of the leaf only may show the surface of node[0] (SheetNode::maybe).
     bool maybe = false;
 };
 
 /// Divides quadtree leaves into pieces. If all four corners of a leaf see one surface, the leaf is one piece.
 /// If a corner sees another surface, or if the depth is discontinuous, the leaf is divided into quarters.
-/// Each corner then gets the adjacent quarter.
+/// Each quarter shows the surface that is seen at its corner of the leaf.
 class LeafPieces {
   public:
     /// Keeps references to all arguments but `header`.
@@ -65,8 +66,8 @@ class LeafPieces {
     }
 
   private:
-    /// A surface (SheetKey) may have several nodes at a corner of a quadtree leaf. The n-th group of a
-    /// surface contains the n-th nearest node at each corner.
+    /// A corner of a quadtree leaf may see one surface (SheetKey) several times, at different depths. Group n
+    /// of a surface contains the n-th nearest node of each corner.
     struct Group {
         std::uint32_t key = 0;
         std::uint32_t next = 0;  ///< index of the group of the (n + 1)-th nodes
@@ -95,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface, `key_pieces_` contains the number of its pieces. After sorting, it contains the end
-    /// of its pieces in sorted_. `key_group_` contains the first Group of the surface at the current quadtree
-    /// leaf. After use, `key_pieces_` is reset to 0 and `key_group_` to `none`.
+    /// For each surface, the number of its pieces, or after sorting, the end of its pieces in sorted_.
+    /// `key_group_` contains the first Group of each surface at the current quadtree leaf. Between uses, all
+    /// values are 0 in `key_pieces_` and `none` in `key_group_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

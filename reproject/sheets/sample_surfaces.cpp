@@ -10,7 +10,8 @@ namespace {
 /// the samples belong to two different surfaces.
 constexpr double steepest_slope = 40;
 
-/// Combines the nodes of one sample and layer into a surface. Returns false if no node is seen directly.
+/// Adds up the radiance of all nodes of one sample and layer, as a single surface. Returns false if none of
+/// the nodes is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -48,7 +49,8 @@ namespace {
 
 /// Groups records into runs that have the same sample and layer. Calls take(visible, first, last) for each
 /// run, in ascending order of layers, and done() after each sample. `visible` is the sample's first record of
-/// layer 0 (surfaces visible from the pinhole). Records at positions without a sample of layer 0 are skipped.
+/// layer 0 (surfaces that the pinhole sees). Records without a record of layer 0 at the same position are
+/// skipped.
 template <typename Take, typename Done>
 void for_each_layer(const RecordBand& band, const PointSamples& points, int y_begin, const Take& take,
                     const Done& done) {
@@ -129,20 +131,21 @@ void find_parents(const Record* first, const Record* last, std::vector<std::uint
     }
 }
 
-/// Returns the matrix W of a shading-tree node. A node at depth z' that is seen directly has W = I / z'.
+/// Returns the matrix W of a shading-tree node, which describes how the node's image moves with the lens
+/// point. A node at depth z' that is seen directly has W = I / z'.
 Mat2 w_of(const Record& r) {
     return r.path.bits() == 0 ? Mat2::isotropic(std::isinf(r.z) ? 0.0F : 1 / r.z) : r.w;
 }
 
-/// Returns the difference between two matrices: the greater singular value of a - b.
+/// Returns the spectral norm of a - b, that is, the greater singular value.
 float departure(const Mat2& a, const Mat2& b) {
     const float xx = a.xx - b.xx, xy = a.xy - b.xy, yx = a.yx - b.yx, yy = a.yy - b.yy;
     return (std::hypot(xx + yy, xy - yx) + std::hypot(xx - yy, xy + yx)) / 2;
 }
 
 /// Adds the radiance and the marks of each node to those of all its ancestors (TreeSurface::below and
-/// marks_below). Raises TreeSurface::strays of each ancestor to the difference between the matrix W of the
-/// node and that of the ancestor, if the difference is larger.
+/// marks_below). Sets TreeSurface::strays of each ancestor to the largest difference between its own matrix W
+/// and that of a descendant, or to infinity if a descendant is brighter than `bright_above`.
 void find_below(const Record* first, const std::vector<std::uint32_t>& parents, float bright_above,
                 std::vector<TreeSurface>& nodes) {
     for (std::uint32_t i = 0; i < parents.size(); ++i) {
@@ -215,7 +218,7 @@ void find_trees(const RecordBand& band, const PointSamples& points, int y_begin,
                 }
                 const Record* seen_in = parents[i] != i ? first + parents[i] : nullptr;
                 if (seen_in == nullptr && !own_tree) {
-                    // End of the tree of layer 0, where the next position or layer begins.
+                    // Finds the end of the shading tree of layer 0, where the next position or layer begins.
                     const Record* end = visible;
                     while (end != first && end->layer == 0 && end->x == first->x && end->y == first->y) ++end;
                     seen_in = node_at(visible, end, r.path.parent());

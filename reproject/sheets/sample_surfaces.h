@@ -1,6 +1,5 @@
-// Converts records to surfaces, in one of two forms. In the first form, each point sample has one surface per
-// layer, with the radiance of the whole shading tree. In the second form, each node of the shading tree is a
-// surface.
+// Converts records to surfaces, in one of two ways. Either each point sample has one surface per layer, with
+// the radiance of its whole shading tree, or each node of the shading tree is a surface.
 #pragma once
 
 #include <array>
@@ -31,23 +30,24 @@ struct TreeSurface {
     Mat2 w;                       ///< 1/m
     float bend = 0;               ///< Record::w_bend
     std::uint8_t mark = 0;        ///< Record::mark
-    /// For each of the two children (reflected and transmitted), the union of the marks in its subtree.
+    /// For each of the two children (reflected and transmitted), all marks (flags) that occur in its subtree.
     std::array<std::uint8_t, 2> marks_below{};
     /// For each of the two children, the radiance of its whole subtree.
     std::array<std::array<float, 3>, 2> below{};
-    /// For each of the two children, the largest difference between the matrix W of this node and that of any
-    /// node in the child's subtree, as a spectral norm in 1/m. The value is infinity if a node of the subtree
-    /// is brighter than `bright_above`, the argument of find_trees.
+    /// For each of the two children, how differently the images of its subtree and of this node move with the
+    /// lens point. This is the largest spectral norm of the difference between two matrices W, in 1/m: that
+    /// of this node and that of a node of the subtree. It is infinite if a node of the subtree is brighter
+    /// than `bright_above`, the argument of find_trees.
     std::array<float, 2> strays{};
 };
 [[nodiscard]] constexpr std::uint8_t child_bit(NodePath::Bounce b) {
     return static_cast<std::uint8_t>(1U << (static_cast<std::uint32_t>(b) - 1));
 }
 
-/// Returns whether two samples can lie on one surface. They can if a plane surface through both is inclined
-/// to the film by at most 88.6 degrees. A sphere reaches this angle half a pixel inside its outline. `across`
-/// is the distance of the samples on the film: a tangent for a perspective camera, and in m for an
-/// orthographic one.
+/// Returns whether two samples can lie on one surface. They can if a plane through both is inclined to the
+/// film by at most 88.6 degrees. A sphere with a radius of 1600 px reaches this angle half a pixel inside its
+/// outline. `across` is the distance of the samples on the film: a tangent for a perspective camera, and in m
+/// for an orthographic one.
 [[nodiscard]] bool is_one_surface(float low_inverse_z, float high_inverse_z, double across, bool perspective);
 /// Returns the size of a pixel, in the unit of the argument `across` of is_one_surface: a tangent for a
 /// perspective camera, and m for an orthographic one.
@@ -61,8 +61,8 @@ struct SampleSurfaces {
 };
 
 /// Finds the surfaces that the samples `points` show, one in each layer. Layer 0 is visible from the pinhole,
-/// and layer n is the n-th surface behind it. A layer is skipped if it has no primary node (surface that the
-/// eye ray itself hits). `points` were read from the rows of `band` from y_begin on.
+/// and layer n is the n-th surface behind it. A layer is skipped if the surface that the eye ray itself hits
+/// is not recorded. `points` were read from the rows of `band` from y_begin on.
 void find_surfaces(const RecordBand& band, const PointSamples& points, int y_begin, SampleSurfaces& out);
 
 /// The shading-tree nodes of point samples. Sample i has the elements [offsets[i], offsets[i + 1]) of

@@ -6,7 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Contrast threshold for files that do not state one, because `trace` did not divide their pixels.
+/// Contrast above which a quadtree leaf is assumed to contain an edge. It is used for files that do not state
+/// a threshold, because `trace` did not divide their pixels.
 constexpr float usual_contrast = 0.1F;
 
 }  // namespace
@@ -75,8 +76,9 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Two nodes at one corner always belong to two surfaces, even if their depths hardly differ. The pieces
-    // of a leaf are consecutive in `pieces`.
+    // Returns whether the part already has a piece that overlaps `p`, except pieces that only may show the
+    // surface. Overlapping pieces always belong to two surfaces, even if their depths hardly differ. The
+    // pieces of a leaf are consecutive in `part.pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {
             const LeafPiece& o = *part.pieces[k];
@@ -260,7 +262,7 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
     if (begin == end) return SheetNode::none;
     const auto at = [&](std::size_t i) { return pieces.begin() + static_cast<std::ptrdiff_t>(i); };
     if (pieces[begin]->size >= size) {
-        // A recorded piece takes precedence over a piece into which the surface only may extend
+        // A piece that is known to show the surface takes precedence over a piece that only may show it
         // (LeafPiece::maybe).
         const auto there = std::find_if(at(begin), at(end), [](const LeafPiece* p) { return !p->maybe; });
         return there != at(end) ? add_texel(sheet, **there) : SheetNode::maybe;
@@ -275,9 +277,8 @@ std::uint32_t SheetBuilder::add_tree(std::size_t sheet, std::vector<const LeafPi
         const auto inside = [&](const LeafPiece* p) {
             return p->x >= cx && p->x < cx + half && p->y >= cy && p->y < cy + half;
         };
-        // The quadtree leaves of one surface are already in quadtree order, so the leaves of a subtree are
-        // consecutive. If one surface lies behind another, their leaves alternate, and the partition is
-        // needed.
+        // The leaves of a surface are usually in quadtree order, so that those of a subtree are consecutive.
+        // Otherwise they are partitioned.
         auto middle = std::find_if_not(at(from), at(end), inside);
         if (std::any_of(middle, at(end), inside)) middle = std::stable_partition(middle, at(end), inside);
         const auto to = static_cast<std::size_t>(middle - pieces.begin());

@@ -17,8 +17,8 @@ namespace postlens {
 
 /// Builds sheets from the samples at the corners of quadtree leaves. If all four corners of a leaf see one
 /// surface, the colour of the leaf is the mean of their colours. If a corner sees another surface, or if the
-/// depth is discontinuous, each corner gives its colour to the adjacent quarter of the leaf. Parts of one
-/// object become different sheets if their depths differ too much for one surface.
+/// depth is discontinuous, each quarter of the leaf gets the colour of its corner. Parts of one object become
+/// different sheets if their depths differ too much for one surface.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -33,8 +33,8 @@ class SheetBuilder {
     /// Returns the marks that the records at all corners share (RecordMark). A mark may say, for example,
     /// that the texture is finer than the samples.
     [[nodiscard]] std::uint8_t marks(const LeafPiece& piece) const;
-    /// Returns whether the reflected or transmitted light differs strongly between the corners, or has marks
-    /// at all corners.
+    /// Returns whether the reflected or transmitted light differs strongly between the leaf's corners, or
+    /// whether the records of this light have a mark (RecordMark) at all corners.
     [[nodiscard]] bool is_unsure_below(const LeafPiece& piece) const;
     [[nodiscard]] bool is_contrast(float a, float b, float c, float d) const;
     void add_sheets(std::span<const LeafPiece* const> pieces);

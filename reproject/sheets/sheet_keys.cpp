@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Largest relative difference of 1/z' at which a surface counts as closely behind another. Surfaces that are
-/// farther apart are drawn in the right order, because the depth errors of the fitted planes are smaller than
-/// their distance.
+/// A surface counts as closely behind another one if their 1/z' differ by at most this fraction. Surfaces
+/// that are farther apart are drawn in the right order, because the depth errors of the fitted planes are
+/// smaller than their distance.
 constexpr float closely_behind = 0.04F;
 
 struct KeyHash {

@@ -16,7 +16,8 @@ struct SheetKeys {
 };
 
 /// Finds the surface to which each node of `trees` belongs. The key of a surface consists of the id of its
-/// object, the path from the eye to it, and the id of the object that reflects or transmits it.
+/// object, the path from the eye to it, the id of the object that reflects or transmits it, and whether it
+/// lies closely behind another surface.
 void find_sheet_keys(const SampleTrees& trees, SheetKeys& out);
 
 }  // namespace postlens

@@ -18,17 +18,17 @@ std::uint32_t relocated(std::uint32_t node, std::uint32_t first_node, std::uint3
     return (node & SheetNode::leaf) != 0 ? node + first_texel : node + first_node;
 }
 
-/// For each list of the joined mesh, the number of elements that precede the elements of one task.
+/// For one task, the number of elements that precede its elements in each list of the joined mesh.
 struct Before {
     std::size_t sheets = 0, cells = 0, nodes = 0, texels = 0, bright = 0, bright_texels = 0;
 };
 
-/// The memory of a list of at least this size, in bytes, is returned to the system as soon as the list has
-/// been copied. For smaller lists, this would take too long.
+/// After a list of more than this many bytes has been joined, freed memory is returned to the system. For
+/// smaller lists, this would take too long.
 constexpr std::size_t much_bytes = std::size_t{48} << 20;
 
-/// Joins the meshes of all tasks, list by list, and frees the lists of the tasks. The indices in each task
-/// start at 0, so they are renumbered.
+/// Joins the meshes that several tasks have made, list by list, and frees the lists of the tasks. The indices
+/// in each task start at 0, so they are renumbered.
 template <typename Made>
 void join(std::size_t tasks, const Made& made, SheetMesh& out) {
     std::vector<Before> before(tasks + 1);
@@ -166,7 +166,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             strips[s].y_end = std::min(y + edge, file.y_end() - 1);
         }
         file.read(y_first, y + 1, band, instant);
-        // The last row of a strip is read only for the lower corners of the pixels above it.
+        // The last row that was read is only used for the lower corners of the pixels above it. It is read
+        // again with the next strips, unless it is the last row of the file.
         if (also.rows) also.rows(band, y_first, y + 1 == file.y_end() ? y + 1 : y);
         parallel_for(count, [&](std::size_t s) {
             Strip& strip = strips[s];
@@ -196,8 +197,8 @@ TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant, const 
             };
             build(strip.primary, strip.primary_keys, made.primary);
             if (choice.deeper) build(strip.deeper, strip.deeper_keys, made.deeper);
-            // `choice.squares` gets a copy of `made`. During the call, this thread may run other tasks, which
-            // overwrite `made`.
+            // `choice.squares` gets a copy, because this thread may run other tasks during the call, and they
+            // would overwrite `made`.
             TreeSheets& part = parts[first_part + t];
             part = made;
             if (choice.squares) choice.squares(part, strip.y, t % tasks_per_strip);

@@ -13,8 +13,9 @@
 
 namespace postlens {
 
-/// Identifies a surface. Nodes belong to the same surface if they lie on the same object, have the same path,
-/// and are reflected or transmitted by the same object.
+/// Identifies a surface. Nodes belong to the same surface if they lie on the same object, have the same path
+/// (sequence of reflections and transmissions), are reflected or transmitted by the same object, and are
+/// equally `hidden`.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -30,7 +31,7 @@ struct SheetKey {
 };
 
 /// A linear function of raster position: `value + x * dx + y * dy`, where (dx, dy) is the distance in px from
-/// the function's origin. The lists of these functions state the origin.
+/// the function's origin. Each list of such functions states where the origin is.
 struct CellPlane {
     float value = 0, x = 0, y = 0;
 };
@@ -46,7 +47,8 @@ struct Texel {
     }
     static constexpr std::uint32_t sheet_shift = 4, children_bits = 3, unsure_bit = 4, unsure_below_bit = 8;
     [[nodiscard]] std::uint32_t sheet() const { return info >> sheet_shift; }
-    /// Returns the bits (child_bit) that tell whether there is a reflected and a transmitted child node.
+    /// Returns the bits (child_bit) that state whether the surface has a recorded reflection and a recorded
+    /// refraction.
     [[nodiscard]] std::uint8_t children() const { return static_cast<std::uint8_t>(info & children_bits); }
     /// Returns whether an edge may cross the quadtree leaf, so that the colours at the leaf's corners do not
     /// determine its colour. The edge may be the outline of the surface, a gap in the surface, or the edge of
@@ -58,10 +60,10 @@ struct Texel {
     [[nodiscard]] std::uint32_t unsure_bits() const { return info & (unsure_bit | unsure_below_bit); }
 };
 
-/// A quadtree node is `none`, `maybe`, a leaf, or the index of its first child. A leaf is the index of its
-/// texel with the bit `leaf` set. The four children have consecutive indices: up-left, up-right, down-left,
-/// down-right. `maybe` stands for a quarter of a leaf that the surface's edge crosses. The corner of the leaf
-/// in this quarter shows a farther surface, so it is unknown whether this surface covers the quarter.
+/// A node of a sheet's quadtree is `none`, `maybe`, a leaf, or the index of its first child. A leaf is the
+/// index of its texel (colour) with the bit `leaf` set. The four children have consecutive indices: up-left,
+/// up-right, down-left, down-right. `maybe` is a quarter of a leaf that may or may not show the surface: the
+/// surface's edge crosses the leaf, and the leaf's corner in this quarter shows a farther surface.
 struct SheetNode {
     static constexpr std::uint32_t none = 0xFFFFFFFFU, maybe = 0xFFFFFFFEU, leaf = 0x80000000U;
     [[nodiscard]] static constexpr bool empty(std::uint32_t node) { return node >= maybe; }
@@ -78,15 +80,16 @@ struct Sheet {
     std::array<float, 2> strays{};               ///< largest TreeSurface::strays of its nodes
 };
 
-/// Which part of a surface nearer surfaces hide in a quadtree leaf.
+/// Whether nearer surfaces hide a part of a surface within a quadtree leaf, and whether this part is
+/// recorded.
 enum class Hides : std::uint8_t {
     nothing,
     recorded,  ///< a part that is recorded as a hidden surface
     unknown    ///< a part that may not be recorded
 };
 
-/// Radiance above a limit that is removed from a sheet (recorded surface). It is spread over the image by its
-/// impulse response instead.
+/// A highlight: radiance above a limit that is removed from a recorded surface. Its impulse response spreads
+/// it over the image instead.
 struct Highlight {
     float x = 0, y = 0;          ///< raster px
     std::array<float, 3> rgb{};  ///< radiance times px^2
@@ -119,8 +122,9 @@ struct SheetMesh {
 
     double time_s = 0;
     std::vector<Sheet> sheets;
-    /// For each cell (raster pixel of a sheet), the root of its quadtree. `coarse` is used for surfaces that
-    /// are blurred over several pixels. In `coarse`, a cell that the sheet fills is a single undivided leaf.
+    /// For each cell (raster pixel of a sheet), the root of its quadtree. `fine` has full detail. `coarse` is
+    /// for surfaces that are blurred over several pixels: there, a cell that the sheet fills is a single
+    /// undivided leaf.
     std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions in 1/m, whose origin is the cell's centre. The first function
     /// is 1/z'. For reflected and transmitted nodes, the entries xx, xy, yx and yy of the matrix W follow.
@@ -154,31 +158,32 @@ struct BrightSheet {
     Hides hides = Hides::nothing;  ///< what nearer surfaces hide in any of its leaves
 };
 
-/// Decides which radiance is spread as a highlight. A highlight consists of the radiance by which each
-/// channel exceeds `above`.
+/// Decides which bright surfaces become highlights, whose light is spread over the image by impulse
+/// responses. A highlight consists of the radiance by which each channel exceeds `above`.
 struct HighlightRule {
     float above = 1;
     /// Returns whether `light` becomes a highlight. `key` and `sheet` describe the sheet that it belongs to.
     /// If the function is empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Sums up `bright` for each sheet of the mesh. The result has one element per sheet.
+/// Returns, for each sheet of the mesh, the total area of its elements of `bright` and how far nearer
+/// surfaces hide them.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
-/// Selects which sheets of an instant are built. A selection changes the index of a sheet, but not its
-/// contents.
+/// Selects which sheets (parts of surfaces) of an instant are built. The selection changes the indices of the
+/// sheets, but not their contents.
 struct SheetChoice {
-    /// Returns whether to read the row of squares that begins at raster row y. If the function is empty, all
-    /// rows are read.
+    /// Returns whether to read the row of raster squares (SheetMesh::square_px high) that begins at raster
+    /// row y. If the function is empty, all rows are read.
     std::function<bool(int y)> rows;
-    /// Removes the sheets that are not needed from `some`, which contains the sheets of `squares_per_part`
-    /// neighbouring squares of the raster. These squares form part number `part`, counted from the left, of
-    /// the row of squares at raster row y. Several threads call the function, before highlights are taken
-    /// out. If it is empty, all sheets are needed.
+    /// Removes the sheets that are not needed from `some`, which contains the sheets of a part of a row of
+    /// raster squares. The row begins at raster row y, and is divided into parts of `squares_per_part`
+    /// squares. `part` is the number of the part, counted from the left. Several threads call the function,
+    /// before highlights are taken out. If it is empty, all sheets are needed.
     std::function<void(TreeSheets& some, int y, std::size_t part)> squares;
     bool deeper = true;  ///< whether reflected and transmitted nodes are needed
-    /// Called for each row of squares that is not read from the file. Appends those sheets of the row that
-    /// are needed nevertheless, from left to right. The row of squares begins at raster row y.
+    /// Called for each row of squares that `rows` excludes from reading. Appends those sheets of the row that
+    /// are needed nevertheless to `parts`, from left to right. The row begins at raster row y.
     std::function<void(std::vector<TreeSheets>& parts, int y)> known;
     static constexpr int squares_per_part = 8;
 };
