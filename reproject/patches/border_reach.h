@@ -1,4 +1,4 @@
-// Finds where other lens points may see surfaces from beyond the border of the recorded pixels.
+// Finds where a view may see a surface that lies outside the recorded pixels.
 #pragma once
 
 #include <array>
@@ -13,16 +13,17 @@
 
 namespace postlens {
 
-/// Finds the pixels in which views may see surfaces from beyond the border of the recorded pixels. Each
-/// surface at the border is assumed to continue beyond it, at the nearest depth that is recorded at that
-/// point of the border.
+/// Finds the pixels in which a view may see a surface that lies outside the recorded pixels. Surfaces at the
+/// border are assumed to continue outside. If several depths are recorded at a point of the border, the
+/// nearest one is used.
 class BorderReach {
   public:
-    /// `instant` is the index of the recorded instant to which the patches of `primary` belong.
+    /// `instant` is the index of the recorded instant of `primary`.
     BorderReach(const PatchMesh& primary, const PatchField& field, std::size_t instant);
     /// Returns whether a view may see a surface from beyond the border anywhere in the tile.
     [[nodiscard]] bool reaches(const TilePlace& at) const;
-    /// Sets SeenTile::maybe_inverse_z in the pixels where the view may see a surface from beyond the border.
+    /// Stores, in SeenTile::maybe_inverse_z, the inverse depth of surfaces from beyond the border that the
+    /// view may see.
     void mark(const PatchView& view, const PatchView::Use& use, const TilePlace& at, SeenTile& seen) const;
 
   private:
@@ -45,19 +46,19 @@ class BorderReach {
         int first = 0;        ///< position of the first cell along the side, raster px
         double at = 0;        ///< raster px of the side itself
         std::vector<Cell> cells;
-        /// Largest displacement, in px, of a pixel at this side of the raster in any view. `deepest_px` is
-        /// the displacement into the raster, and `sideways_px` is the displacement along the side.
+        /// Largest displacement, in px, that any view causes for a pixel at this side of the raster.
+        /// `deepest_px` is the component into the raster, and `sideways_px` is the component along the side.
         double deepest_px = 0, sideways_px = 0;
         /// Enlarges `deepest_px` and `sideways_px` to include the displacement `moved_px` of a pixel at this
         /// side. The true displacement may differ from `moved_px` by up to `around_px`.
         void widen(const glm::dvec2& moved_px, const glm::dvec2& around_px);
-        /// Enlarges `deepest_px` and `sideways_px` to include the displacements, in all views of a time span,
-        /// of every pixel at this side that shows a moving object.
+        /// Enlarges `deepest_px` and `sideways_px` to include the displacements of all pixels at this side
+        /// that show a moving object, in all views of a time span.
         void widen(const TimeSpanViews& span, const LensReach& lens);
         [[nodiscard]] bool reaches(const TilePlace& tile) const;
     };
-    /// Where a view sees the centre of pixel `i` of a side (Side::cells), in raster px. `along` is measured
-    /// along the side, `across` perpendicular to it.
+    /// The position, in raster px, at which a view sees the centre of pixel `i` of a side (Side::cells).
+    /// `along` is the coordinate along the side, and `across` is the coordinate perpendicular to it.
     struct Seen {
         double along = 0, across = 0, inverse_z = 0;
         bool any = false;

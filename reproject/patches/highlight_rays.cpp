@@ -8,10 +8,9 @@
 namespace postlens {
 namespace {
 
-/// Numbers of rays per pixel. Most pixels see either all light of a highlight or none, so few rays suffice
-/// there. A first round with few rays finds the pixels in which the rays differ. In a second round, these
-/// pixels get many rays, and all others get few. The rays of the first round are then discarded. They decide
-/// the number of further rays, so including them would bias the mean.
+/// Numbers of rays per pixel. A first round traces few rays per pixel, to find the pixels in which the rays
+/// differ. A second round traces many rays in these pixels and few in all others. Only the rays of the second
+/// round count. The first round decides how many these are, so including its rays would bias the mean.
 constexpr int few_rays = 4, many_rays = 28;
 /// Two rays differ if their radiances in a channel differ by more than this fraction of the larger one.
 constexpr double differing = 1e-3;
@@ -64,7 +63,8 @@ void CheckedHighlights::trace(const PatchField& field, const PatchViews& set, co
     for (std::size_t i = 0; i < aimed.size(); ++i) {
         const int x = aimed[i].pixel % SeenTile::edge, y = aimed[i].pixel / SeenTile::edge;
         const auto column = static_cast<std::uint32_t>(at.x + x), row = static_cast<std::uint32_t>(at.y + y);
-        // The seed makes the lines independent between pixels, sets, ranges of views and rounds.
+        // The random lines are independent between pixels, sets of views, ranges of views, and rounds of
+        // rays.
         std::uint64_t seed = mix64((std::uint64_t{row} << 32U) | column);
         seed = mix64(seed ^ ((std::uint64_t{first.set} << 32U) | first.number));
         seed = mix64(seed ^ static_cast<std::uint64_t>(round));

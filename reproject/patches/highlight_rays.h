@@ -1,4 +1,4 @@
-// Compares the light of highlights with rays that are aimed at them.
+// Measures the error of highlights by rays that are aimed at them.
 #pragma once
 
 #include <array>
@@ -11,11 +11,10 @@
 
 namespace postlens {
 
-/// Checks the highlights in the pixels of a tile. The rays of views rarely hit a small light, so they hardly
-/// measure the error of highlights. Therefore, additional rays are aimed at the recorded highlights, through
-/// the lens points from which their light should reach the pixel (Lights::aim). The light may fail to arrive:
-/// a surface that is not recorded may hide the highlight, or a mirror may show the highlight at another place
-/// than the records predict.
+/// Measures the error of the highlights in the pixels of a tile. The rays of views rarely hit a small light,
+/// so additional rays are aimed at the recorded highlights (Lights::aim). These rays find two kinds of
+/// errors. A surface that is not recorded may hide the highlight, or a mirror may show the highlight at
+/// another position than the records predict.
 class CheckedHighlights {
   public:
     /// Sets the members of `checks` that describe highlights, for each pixel of the tile. `light` is the
@@ -24,7 +23,7 @@ class CheckedHighlights {
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 
   private:
-    /// The light of a pixel's highlights along the rays that are aimed at them.
+    /// The light that the rays aimed at the highlights of one pixel have found.
     struct Aimed {
         std::uint16_t pixel = 0;
         std::uint32_t rays = 0;

@@ -1,4 +1,4 @@
-// Marks pixels in which a moving object is recorded or in which a view sees one.
+// Marks the pixels that moving objects may change.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace postlens {
 
-/// The bits of PatchField::class_marks for each recorded instant and each directly visible sheet. A sheet is
-/// a surface within a square of the raster.
+/// Marks of moving objects: the bits of PatchField::class_marks for each recorded instant and each directly
+/// visible sheet (part of a surface within a square of the raster).
 class MotionMarks {
   public:
     /// Per pixel of a tile, PatchPicture::touched.
@@ -27,15 +27,15 @@ class MotionMarks {
     [[nodiscard]] std::uint8_t of(std::size_t instant, std::uint32_t sheet) const {
         return marks_[instant][sheet];
     }
-    /// Returns whether one of the directly visible patches with the indices `patches` has a wanted mark
-    /// (PatchField::wanted_marks).
+    /// Returns whether any of the directly visible patches with the indices `patches` has one of the bits
+    /// PatchField::wanted_marks.
     [[nodiscard]] bool any_wanted(std::size_t instant, std::span<const std::uint32_t> patches) const;
-    /// Marks the pixels in which the records of an instant show a moving object, because views show a
-    /// different colour there. `mesh` contains the instant's directly visible patches in the tile.
+    /// Marks the pixels in which a moving object was recorded. The object moves away from them, so views show
+    /// a different colour there. `mesh` contains the directly visible patches of the instant in the tile.
     void mark_recorded(std::size_t instant, const PatchMesh& mesh, const TilePlace& at,
                        Touched& touched) const;
-    /// Marks the pixels in which a view sees a moving object, or a place that is not recorded. `seen` has one
-    /// tile for each recorded instant that the view uses.
+    /// Marks the pixels in which a view sees a moving object or something that is not recorded. `seen` has
+    /// one element for each recorded instant that the view uses.
     void mark_seen(const PatchView& v, const TilePlace& at, const SeenTile* seen, Touched& touched) const;
 
   private:

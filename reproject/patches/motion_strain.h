@@ -1,5 +1,5 @@
-// Computes bounds of the distortion of a patch (nearly planar part of a surface) by motion. The bounds limit
-// the patch's size and the error of its depth plane.
+// Bounds how much motion distorts a patch (nearly planar part of a surface). The bounds limit the size of the
+// patch and the error of its depth plane.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace postlens {
 
-/// A function object for PatchLens::motion. It computes bounds of the distortion of a part of a surface that
-/// the motions in all views cause.
+/// Implements PatchLens::motion: computes upper bounds of the distortion of a part of a surface by the
+/// motions in all views.
 struct StrainOfMotions {
-    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions). It is
-    /// sufficient to use `strain_views` views that are spread uniformly over the shutter.
+    /// For each view, the motion of each class of objects that move alike (PatchView::Use::motions).
+    /// `strain_views` views are sufficient if they are spread uniformly over the exposure.
     std::vector<std::vector<RasterMap>> views;
     std::function<std::size_t(std::uint32_t id)> motion_class;
 

@@ -20,8 +20,8 @@ constexpr int most_lanes = 16, few_lanes = 8;
 static_assert(SeenTile::slack >= most_lanes);
 
 /// The samples (i, j) of a tile that a patch may cover, and the data needed to draw them. In the patch's
-/// coordinates, sample i of row j lies at `first(j) + i * by`. The position is computed from i and not by
-/// adding up steps, so that rounding does not depend on how a row is divided.
+/// coordinates, sample i of row j lies at `first(j) + i * by`. The position is not computed by adding up
+/// steps, because rounding would then depend on how a row is divided.
 struct Run {
     glm::dmat2 back{1};    ///< from the raster to the patch's coordinates
     glm::dvec2 origin{0};  ///< raster px of sample (0, 0)
@@ -70,8 +70,8 @@ alignas(64) constexpr std::uint32_t bit[most_lanes] = {
 #define POSTLENS_PART [[gnu::always_inline]] inline
 
 /// Computes the samples [begin, begin + lanes) of a row whose sample 0 lies at `first`. Returns a bit mask.
-/// Bit n is set if sample begin + n lies in the patch and is nearer than what has been drawn there so far,
-/// which has the inverse depth there[n].
+/// Bit n is set if sample begin + n lies in the patch and is nearer than the surface drawn there so far,
+/// whose inverse depth is there[n].
 template <int lanes>
 POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int begin,
                                          const float* __restrict there, Lanes& lane) {
@@ -102,8 +102,8 @@ POSTLENS_PART std::uint32_t find_samples(const Run& run, glm::vec2 first, int be
     return found;
 }
 
-/// Returns a bit mask of the samples that need a node reflected or transmitted by the object `id`
-/// (WantedPixels::in).
+/// Returns a bit mask of the samples in which the object `id` reflects or transmits a surface that must be
+/// drawn (WantedPixels::in).
 template <int lanes>
 POSTLENS_PART std::uint32_t wanted_in(const std::uint32_t* __restrict in, std::uint32_t id) {
     std::uint32_t found = 0;
@@ -126,8 +126,8 @@ POSTLENS_PART std::uint32_t leaf_at(const Run& run, std::uint32_t node, float x,
     return node;
 }
 
-/// Draws the samples whose bit is set in `found`, unless their leaf in the patch's quadtree is empty. The
-/// loop is scalar, because a SIMD gather of sixteen samples is not faster when half of the bits are 0.
+/// Draws the samples whose bit is set in `found`, except those in empty quadtree leaves of the patch. The
+/// loop is scalar, because a SIMD gather of sixteen samples is not faster if half of the bits are 0.
 POSTLENS_PART void draw_samples(const Run& run, const Lanes& lane, std::uint32_t found, const Seen& seen) {
     for (; found != 0; found &= found - 1) {
         const auto n = static_cast<std::size_t>(std::countr_zero(found));

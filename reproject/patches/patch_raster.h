@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` for nodes seen by reflection or transmission. The bit is set if the patch of the node
-    /// has a nonlinear matrix W (Patch::bent), so that its reprojection is inaccurate.
+    /// Bit of `texel` for surfaces seen by reflection or transmission. It is set if the surface's image moves
+    /// nonlinearly over the lens (Patch::bent), so that its reprojection is inaccurate.
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
@@ -28,8 +28,8 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface of which the records do not tell whether it covers the pixel
-    /// (SheetNode::maybe). It is only set if this surface is nearer than all surfaces drawn before it.
+    /// Inverse depth of the nearest surface that may cover the pixel. It is not known whether it does,
+    /// because its edge is near (SheetNode::maybe). Surfaces behind those drawn before are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -73,7 +73,7 @@ struct TilePart {
     }
 };
 
-/// A bit mask of the 8 x 8 px blocks of a tile that are not empty.
+/// A bit mask of the 8 x 8 px blocks of a tile. The bit of a block is set when a pixel of the block is added.
 class PixelBlocks {
   public:
     void add(int x, int y) { blocks_ |= std::uint64_t{1} << (y / block_px * across + x / block_px); }
@@ -99,21 +99,22 @@ class PixelBlocks {
     std::uint64_t blocks_ = 0;
 };
 
-/// Draws a patch at `place`. Each pixel keeps the nearest surface. If surfaces are equally near, the pixel
-/// keeps the one that was drawn first. A patch that would show its back is not drawn, because its back is not
+/// Draws a patch at `place` with a depth test. Each pixel keeps the nearest surface. If surfaces are equally
+/// near, the pixel keeps the one that was drawn first. Back faces are not drawn, because they are not
 /// recorded.
 void draw_patch(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                 SeenTile& out);
 
-/// The pixels in which a reflected or transmitted surface is needed, with the objects that reflect or
-/// transmit it.
+/// The pixels in which a reflected or transmitted surface must be drawn, and the object that reflects or
+/// transmits it in each of them.
 struct WantedPixels {
     std::array<std::uint32_t, SeenTile::pixels + SeenTile::slack>
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether some pixels need a shading-tree node whose parent node is missing. For such a pixel, `in`
-    /// contains in_gap(id), where id is the object of the node's nearest ancestor that the view sees.
+    /// Whether a reflected or transmitted surface must also be drawn in pixels where its parent, the surface
+    /// that shows it, is missing. For such a pixel, `in` contains in_gap(id), where id is the object of the
+    /// nearest ancestor that the view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };
@@ -130,16 +131,16 @@ struct WantedPixels {
 void find_wanted(const PatchMesh& in_mesh, const SeenTile& in, std::uint8_t bounce, const TilePart& part,
                  const std::function<std::uint32_t(std::size_t pixel)>& around, WantedPixels& wanted,
                  SeenTile& out);
-/// Returns the bounding box of the pixels of a tile that show a surface with separately drawn reflected or
-/// transmitted nodes.
+/// Returns the bounding box of the pixels of a tile that show a surface whose reflections or refractions are
+/// drawn separately.
 [[nodiscard]] TilePart find_parents(const PatchMesh& mesh, const SeenTile& seen, const TilePlace& at);
 
-/// Draws a patch of reflected or transmitted nodes with a depth test. Pixels are drawn only if they need a
-/// node of the object that reflects or transmits the patch. The patch may be mirror-inverted.
+/// Draws a patch that is seen by reflection or transmission, with a depth test. It is drawn only in pixels
+/// that show the object that reflects or transmits it. The patch may be mirror-inverted.
 ///
-/// The patch is not drawn if the view stretches a raster px to more than `largest_torn_px`. A patch with a
-/// nonlinear matrix W (Patch::bent) is not drawn in pixels whose parent node is missing
-/// (WantedPixels::any_gaps). `out` must come from find_wanted.
+/// The patch is not drawn if the view stretches a raster px to more than `largest_torn_px`. If the
+/// reprojection of the patch is inaccurate (Patch::bent), it is not drawn in pixels where its parent surface
+/// is missing (WantedPixels::any_gaps). `out` must come from find_wanted.
 void draw_patch_in(const PatchMesh& mesh, const Patch& patch, const PatchPlace& place, const TilePlace& tile,
                    const WantedPixels& wanted, SeenTile& out);
 inline constexpr double largest_torn_px = 16;

@@ -8,15 +8,17 @@ PatchReach patch_reach(const PatchMesh& mesh, const Patch& patch, const glm::dve
     const glm::dvec2 corner = mesh.corner(patch);
     const double half_x = patch.width / 2.0, half_y = patch.height / 2.0;
     const bool has_w = mesh.sheets->has_w();
-    // The entries of the matrix W, each with its slopes over the patch.
+    // The entries of the 2x2 matrix W, which describes how the patch's image moves with the lens point. Each
+    // entry is a linear function of the position on the patch. A directly visible patch at depth z' has W = I
+    // / z'.
     const CellPlane nothing, &xx = has_w ? p[1] : p[0], &xy = has_w ? p[2] : nothing,
                              &yx = has_w ? p[3] : nothing, &yy = has_w ? p[4] : p[0];
     const auto middle = [&](const CellPlane& w) {
         return static_cast<double>(w.value) + static_cast<double>(w.x) * half_x +
                static_cast<double>(w.y) * half_y;
     };
-    // Returns the largest deviation of an entry of the matrix W from its value at the patch's centre. It is
-    // the sum over both axes of |slope| times half the extent.
+    // Returns the largest deviation of an entry of W from its value at the patch's centre: the sum, over both
+    // axes, of |slope| times half the extent.
     const auto stretch = [&](const CellPlane& w) {
         return std::abs(static_cast<double>(w.x)) * half_x + std::abs(static_cast<double>(w.y)) * half_y;
     };

@@ -1,4 +1,4 @@
-// Excludes patches that lie outside a tile by a fast test, before their maps into the view are computed.
+// A fast test that excludes patches outside a tile, before their maps into the view are computed.
 #pragma once
 
 #include <cmath>

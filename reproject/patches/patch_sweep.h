@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Returns the motion class of a patch. All objects of a class move alike. Reflected and transmitted nodes
-/// have the class of the object that reflects or transmits them.
+/// Returns the motion class of a patch. All objects of a class move alike. A patch that is seen by reflection
+/// or transmission has the class of the object that reflects or transmits it.
 [[nodiscard]] std::size_t motion_class_of(const PatchField& field, const PatchMesh& mesh, const Patch& patch);
 
 /// Computes bounding rectangles of patches (planar parts of surfaces). The rectangle of a patch contains the

@@ -13,11 +13,11 @@ namespace {
 /// Largest error of a cell's reprojected position for a lens point on the rim of the lens, as a fraction of
 /// the radius of the circle of confusion.
 constexpr double exact_share = 0.02;
-/// In depth tests, a patch of a hidden surface is moved back by Patch::back_per_m. This is the largest value
-/// of back_per_m, as a fraction of the patch's inverse depth.
+/// Largest value of Patch::back_per_m, as a fraction of the patch's inverse depth. Depth tests move a surface
+/// that lies closely behind another one back by this amount, so that it does not show through.
 constexpr double most_back = 0.02;
 /// If the smaller semi-axis of the circle of confusion is at least this many px, each pixel of a surface is
-/// drawn as a uniform square (SheetMesh::coarse). The square hardly adds to such a blur.
+/// drawn in a single colour (SheetMesh::coarse). Such a blur hides finer detail.
 constexpr double coarse_from_px = 6;
 
 /// Fits planes to the cells of a patch by least squares. The planes have their origin at the patch's corner.
@@ -51,8 +51,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference between the fitted planes and the exact planes at the four points of
-    /// the pixel (x, y).
+    /// Returns the largest difference, at four points of the pixel (x, y), between the fitted planes and the
+    /// planes of the pixel itself.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {
@@ -182,8 +182,8 @@ class Cutter {
         each_cell(x0, y0, width, height, [&](int, int, std::size_t k, const CellPlane*) {
             divided = divided || (roots[k] & SheetNode::leaf) == 0;
             if constexpr (values == 5) {
-                // The comparison is negated so that NaN also marks the patch as nonlinear. The product is NaN
-                // if the error is infinite and bend_px_m2 is 0.
+                // Written as !(a <= b), so that NaN also marks the patch as nonlinear. The product is NaN if
+                // `bend` is infinite and bend_px_m2 is 0.
                 const auto bend = static_cast<double>(sheets_.bends[k]);
                 p.bent = p.bent || !(lens_.bend_px_m2 * bend <= most_bend_px);
             }
@@ -193,7 +193,7 @@ class Cutter {
         p.first_plane = static_cast<std::uint32_t>(out_.planes.size());
         for (std::size_t i = 0; i < values; ++i) out_.planes.push_back(fit.plane(i));
         if (sheets_.sheets[sheet_].key.hidden) {
-            // `within`, the allowed depth error, grows without limit as the aperture shrinks. The value is
+            // The allowed depth error `within` grows without limit as the aperture shrinks. back_per_m is
             // therefore limited to a fraction of the patch's inverse depth.
             const double most = most_back * static_cast<double>(out_.planes[p.first_plane].value);
             p.back_per_m = static_cast<float>(std::min(2 * within, most));
@@ -278,7 +278,7 @@ bool place_patch(const PatchMesh& mesh, const Patch& patch, const RasterMap& mot
         out.inverse_z = {static_cast<double>(p[0].value), static_cast<double>(p[0].x),
                          static_cast<double>(p[0].y)};
     } else {
-        // First-order map around the patch's centre, at the depth of the plane there.
+        // The motion is linearised around the patch's centre, at the depth of the patch's plane there.
         const glm::dvec2 half(patch.width / 2.0, patch.height / 2.0), slope(p[0].x, p[0].y);
         const RasterPoint middle{corner.x + half.x, corner.y + half.y,
                                  static_cast<double>(p[0].value) + glm::dot(slope, half)};
@@ -322,9 +322,9 @@ glm::dvec3 inverse_z_of(const PatchMesh& mesh, const Patch& whole, const Patch& 
 }
 
 // The ray from the scene point `at` to pixel p passes through the lens point q = L (p - at), where L is
-// `lens_px_per_px`. Seen from q, a surface point with raster position x and inverse depth w appears at p = x
-// + (s - w) q, where s is the inverse focus distance. Hence x - at = C (p - at). The matrix C is the unit
-// matrix minus (s - w) L, and w depends on x.
+// `lens_px_per_px`. From q, a surface point with raster position x and inverse depth w is seen at p = x + (s
+// - w) q, where s is the inverse focus distance. Hence x - at = C (p - at) with C = I - (s - w) L, where I is
+// the unit matrix. C depends on x, because w does, so the map is linearised around the part's centre.
 bool place_part(const PatchMesh& mesh, const Patch& part, const glm::dvec3& inverse_z, const PointRays& rays,
                 PatchPlace& out) {
     constexpr double least_determinant = 1e-9;

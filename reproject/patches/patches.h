@@ -27,12 +27,13 @@ struct PatchLens {
     double radius_px_m = 0;  ///< CoC radius, px, per 1/m of defocus
     double inverse_focus_per_m = 0;
     double bend_px_m2 = 0;  ///< reprojection error at the lens's rim, px, per 1/m^2 of Record::w_bend
-    /// A reflected or transmitted node is drawn as part of its parent node if the two move almost alike. For
-    /// lens points on the rim of the lens, their displacements may differ by at most this many px. If the
-    /// value is negative, all nodes are drawn separately. If it is all_follow, no node is.
+    /// A reflected or transmitted surface is drawn as part of the surface that shows it if their images move
+    /// almost alike: for lens points on the rim of the lens, the displacements of the two differ by at most
+    /// this many px. If the value is negative, all such surfaces are drawn separately. If it is all_follow,
+    /// none is.
     double follow_px = default_follow_px;
     static constexpr double default_follow_px = 0.25, all_follow = std::numeric_limits<double>::infinity();
-    /// Largest error, px, of a cell's position in a view. It may be larger for blurred cells.
+    /// Largest error of a cell's position in a view, in px. It may be larger for blurred cells.
     double exact_px = 0.1;
     /// Distance, px, by which a patch is drawn beyond its sides. The overlap prevents cracks between
     /// neighbouring patches with different planes.
@@ -49,8 +50,9 @@ struct PatchLens {
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);
 
-/// Largest accepted reprojection error, in px, where the motion of an image over the lens is not linear.
-/// Patches with a larger error are marked (Patch::bent), and their samples count as unsure.
+/// Largest accepted error, in px, of reprojections that assume linear motion with the lens point. Patches
+/// with a larger error are marked (Patch::bent), and their samples count as unsure, that is, not determined
+/// by the records.
 inline constexpr double most_bend_px = 0.5;
 
 /// A part of a sheet: the pixels [x, x + width) x [y, y + height) of the sheet. A sheet is one surface within
@@ -77,29 +79,30 @@ struct PatchMesh {
     const SheetMesh* sheets = nullptr;
     float overlap_px = 0;  ///< PatchLens::overlap_px
     std::vector<Patch> patches;
-    /// For each patch, `sheets->values` planes with origin at the patch's corner. The first is 1/z'. If the
-    /// matrix W is stored, its entries xx, xy, yx and yy follow.
+    /// For each patch, `sheets->values` planes (linear functions of the position), whose origin is the
+    /// patch's corner. The first plane is 1/z'. If the matrix W is stored, planes of its entries xx, xy, yx
+    /// and yy follow.
     std::vector<CellPlane> planes;
-    /// For each sheet, the bits (child_bit) of the reflected or transmitted nodes that are drawn as part of
-    /// the sheet. All other nodes are drawn separately (PatchLens::follow_px).
+    /// For each sheet (part of a surface), the bits (child_bit) of the reflections and refractions that are
+    /// drawn as part of the sheet. All others are drawn separately (PatchLens::follow_px).
     std::vector<std::uint8_t> follows;
 
-    /// Returns the bits (child_bit) of a texel's reflected and transmitted nodes that are drawn separately. A
-    /// texel is the recorded colour of one quadtree leaf.
+    /// Returns the bits (child_bit) of the reflections and refractions that are drawn separately at a texel
+    /// (recorded colour of one quadtree leaf).
     [[nodiscard]] std::uint8_t drawn_children(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::uint8_t children = t.children();
         return children == 0 ? children : static_cast<std::uint8_t>(children & ~follows[t.sheet()]);
     }
-    /// Returns whether an edge crosses the quadtree leaf of a texel. The edge may also be in a reflected or
-    /// transmitted node that is drawn as part of the texel. If so, the colours at the leaf's corners do not
-    /// determine the leaf's colour.
+    /// Returns whether the recorded colours at the corners of a texel's quadtree leaf do not determine the
+    /// colour within the leaf. This is so if an edge crosses the leaf, either in the surface itself or in a
+    /// reflection or refraction that is drawn as part of it.
     [[nodiscard]] bool unsure(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         return t.unsure() || (t.unsure_below() && (t.children() & follows[t.sheet()]) != 0);
     }
-    /// Returns the radiance of the reflected and transmitted nodes that are drawn as part of the texel
-    /// (recorded colour of a quadtree leaf).
+    /// Returns the radiance of the reflections and refractions that are drawn as part of the texel (recorded
+    /// colour of a quadtree leaf).
     [[nodiscard]] std::array<float, 3> following(std::uint32_t texel) const {
         std::array<float, 3> rgb{};
         const Texel& t = sheets->texels[texel];
@@ -111,8 +114,8 @@ struct PatchMesh {
         }
         return rgb;
     }
-    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), including the reflected and
-    /// transmitted nodes that are drawn as part of it.
+    /// Returns the radiance of a texel (recorded colour of a quadtree leaf), including the reflections and
+    /// refractions that are drawn as part of it.
     [[nodiscard]] glm::vec3 light(std::uint32_t texel) const {
         const Texel& t = sheets->texels[texel];
         const std::array<float, 3> more = following(texel);
@@ -146,8 +149,8 @@ struct PatchMesh {
 /// different lens point.
 struct PointRays {
     glm::dvec2 at{0};  ///< the scene point, raster px
-    /// The ray to the raster position `at + d` passes through the lens point whose LensShift::lens_px is
-    /// lens_px_per_px * d.
+    /// The ray to the raster position `at + d` passes through the lens point `lens_px_per_px * d`, in units
+    /// of LensShift::lens_px.
     glm::dmat2 lens_px_per_px{0};
     double inverse_focus_per_m = 0;
 };
@@ -161,10 +164,10 @@ struct PlacedPatch {
     Patch patch;
     PatchPlace place;
 };
-/// Appends the maps of those parts of a patch whose inverse depth 1/z' exceeds `nearest_per_m`. `light_per_m`
-/// is 1/z' of the scene point, and must not exceed `nearest_per_m`. The map is singular at the depth of the
-/// scene point, so the patch is divided more finely near that depth. Within a part of several pixels, 1/z' -
-/// `light_per_m` varies by at most a factor of two.
+/// Divides a patch and appends the maps of those parts whose inverse depth exceeds `nearest_per_m`.
+/// `light_per_m` is 1/z' of the scene point, and must not exceed `nearest_per_m`. The map is singular at the
+/// depth of the scene point, so parts near that depth are smaller. In every part of more than one pixel, 1/z'
+/// - `light_per_m` varies by at most a factor of two.
 void place_nearer(const PatchMesh& mesh, const Patch& patch, const PointRays& rays, double light_per_m,
                   double nearest_per_m, std::vector<PlacedPatch>& out);
 

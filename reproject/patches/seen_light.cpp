@@ -7,7 +7,7 @@
 namespace postlens {
 namespace {
 
-// The four sums of a pixel form one SIMD vector. Compilers do not vectorise them by themselves.
+// SIMD types for the four sums of a pixel. Compilers do not vectorise these sums on their own.
 using Float4 = float __attribute__((vector_size(16)));
 using Double4 = double __attribute__((vector_size(32)));
 static_assert(sizeof(Texel) == sizeof(Float4) && sizeof(LightSums::value_type) == sizeof(Double4));
@@ -32,8 +32,8 @@ POSTLENS_MULTIVERSION void add_seen_light(std::span<const Texel> texels, const S
             std::memcpy(&sum, sums[k].data(), sizeof sum);
             sum += weights * __builtin_convertvector(light, Double4);
             std::memcpy(sums[k].data(), &sum, sizeof sum);
-            // Every pixel is written to the list, but the count increases only if the pixel's texel has
-            // reflected or transmitted nodes. A branch would often be mispredicted.
+            // Every pixel is written to the list, but the count increases only if the pixel's surface
+            // reflects or transmits another one. A branch would often be mispredicted.
             with_children.pixels[count] = static_cast<std::uint16_t>(k);
             count += t.children() != 0 ? 1 : 0;
         }

@@ -19,7 +19,8 @@ int tiles(int px) {
     return (px + SeenTile::edge - 1) / SeenTile::edge;
 }
 
-/// Sort key that orders the patches of a tile by path, and those of one path from near to far.
+/// Sort key that orders the patches of a tile by path (sequence of reflections and transmissions), and
+/// patches with equal paths from near to far.
 std::uint64_t order_key(const PatchMesh& mesh, const Patch& patch) {
     // The bit patterns of non-negative floats have the same order as their values. Negative floats have the
     // reverse order.
@@ -59,8 +60,8 @@ PatchBins::Bins PatchBins::sorted(const PatchMesh& mesh, std::size_t instant, co
         [&](std::size_t i) {
             const Patch& p = mesh.patches[i];
             swept[i] = sweep.of(mesh, p, instant);
-            // A moving object is also assigned to the tiles in which it was recorded. mark_recorded marks its
-            // pixels there.
+            // A moving object is also assigned to the tiles in which it was recorded, so that mark_recorded
+            // can mark its pixels.
             PatchPlace recorded;
             if (marks.any() && marks.of(instant, p.sheet) != 0 && place_patch(mesh, p, {}, {}, recorded))
                 swept[i].add(covered(p, recorded));

@@ -8,9 +8,9 @@
 namespace postlens {
 namespace {
 
-/// If a view needs a reflected or transmitted node that was not recorded, the mean radiance of the other
-/// views replaces the node. If fewer than this fraction of the views that need the node have it, the radiance
-/// seen from the pinhole is blended in.
+/// If a view needs a reflected or transmitted surface that was not recorded, the mean radiance of the other
+/// views is used instead. It is reliable only if at least this fraction of the views see the surface.
+/// Otherwise the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,9 +84,9 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // A reflected or transmitted node stores the id of the object that reflects or transmits it. In a
-        // pixel whose parent node is missing, the node is drawn only if the nearest ancestor that the view
-        // sees lies on that object.
+        // Here, a node is a surface seen by reflection or transmission. It stores the id of the object that
+        // reflects or transmits it. In a pixel where this object's own node is missing, the node is drawn
+        // only if the nearest ancestor that the view sees lies on the same object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -208,7 +208,8 @@ void TreeSums::end_views() {
     }
     for (std::size_t i = chains_.size(); i-- > 0;) {
         Chain& c = chains_[i];
-        // No view has a shading-tree node of this path, so its radiance has no upper bound.
+        // Views need a surface with this path (sequence of reflections and transmissions), but none of them
+        // sees one. The radiance therefore has no upper bound.
         if (c.any_wanted && !c.any_seen) c.brightest = HUGE_VALF;
         if (c.parent != i) chains_[c.parent].brightest += c.brightest;
     }
@@ -220,8 +221,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // If a view has neither this node nor its parent node, the mean of the other views also replaces this
-        // node.
+        // The mean of the other views also replaces this node in views that have not even its parent node.
+        // `inflated` is the factor for this.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

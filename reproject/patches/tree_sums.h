@@ -23,37 +23,39 @@ namespace postlens {
 /// Within one object, nodes are therefore also drawn in pixels where their parent node is missing.
 class TreeSums {
   public:
-    /// `paths` contains all paths that may occur, in any order and possibly repeated. `at` describes the
-    /// pixels in use.
+    /// `paths` contains all paths (sequences of reflections and transmissions) that may occur, in any order
+    /// and possibly repeated. `at` describes the pixels in use.
     void begin(std::vector<NodePath> paths, const TilePlace& at);
     [[nodiscard]] bool any() const { return !chains_.empty(); }
 
     /// Starts a view, or one of the two recorded instants of a view. `primary` contains the directly visible
-    /// surfaces of the view. It must stay valid until all pixels have been added.
+    /// surfaces of the view, and must stay valid until all pixels have been added.
     void begin_use(const PatchMesh& primary_mesh, const PatchMesh* deeper_mesh, const SeenTile& primary);
-    /// Returns the cleared tile into which the nodes of `path` are to be drawn. The nodes of the parent path
-    /// must be drawn first. `wanted` receives the pixels that need a node of `path`. Returns null if no pixel
-    /// needs one, or if `path` was not passed to `begin`.
+    /// Prepares the drawing of all surfaces with the path `path`. Returns the cleared tile into which they
+    /// are to be drawn. Returns null if no pixel needs them, or if `path` was not passed to `begin`. `wanted`
+    /// receives the pixels that need them. The surfaces of the parent path must be drawn first.
     [[nodiscard]] SeenTile* begin_chain(NodePath path, WantedPixels& wanted);
-    /// Returns whether the records determine the reflected and transmitted light of pixel k. They do if every
-    /// separately drawn node meets three conditions. The view sees the node, no edge crosses the node's
-    /// quadtree leaf, and Patch::bent is false for the patch that shows the node.
+    /// Returns whether the records determine the reflected and transmitted light of pixel k. Every surface
+    /// that is drawn separately there must meet four conditions: the view sees it, no surface with an
+    /// uncertain edge may hide it, no edge crosses its quadtree leaf, and its reprojection is accurate (not
+    /// Patch::bent).
     [[nodiscard]] bool sure(std::size_t k) const;
-    /// Returns the radiance of the separately drawn nodes of pixel k. Requires sure(k).
+    /// Returns the radiance of the reflections and refractions that are drawn separately in pixel k. Requires
+    /// sure(k).
     [[nodiscard]] glm::dvec3 light(std::size_t k) const;
     /// Adds the separately drawn nodes of pixel k to the sums.
     void add(std::size_t k, double weight);
     /// Call after the last view, before sum_up.
     void end_views();
-    /// Adds the nodes of all views to `sum`, which contains a pixel's radiance times `weight`. Returns the
-    /// weight of the nodes that are not recorded. Nodes that are dim in the whole tile count less. Nodes of
-    /// patches with an inaccurate reprojection (Patch::bent) also count as not recorded if some views do not
-    /// have the nodes' parents.
+    /// Adds the reflected and transmitted radiance of all views to `sum`, which contains the radiance of
+    /// pixel k times `weight`. Returns the weight of views in which such surfaces are not recorded. Surfaces
+    /// that are dim in the whole tile count less. Surfaces with an inaccurate reprojection (Patch::bent) also
+    /// count as not recorded if some views miss their parent.
     double sum_up(std::size_t k, double weight, std::array<double, 3>& sum);
 
   private:
     struct Sums {
-        /// Weight times radiance, including child nodes that are drawn as part of the node.
+        /// Sum of weight times radiance, including child nodes that are drawn as part of the node.
         std::array<double, 3> seen{};
         std::array<double, 3>
             instead{};                 ///< weight times the pinhole's radiance, for views that miss the node
@@ -86,15 +88,15 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// Adds the recorded descendants of a node that is itself missing in pixel k. Returns whether the node
-    /// has any recorded descendants there.
+    /// If a node is missing in pixel k, adds those of its descendants that are recorded. Returns whether
+    /// there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that should reflect or transmit the node of a path in pixel k. It is the
+    /// Returns the id of the object that would reflect or transmit a node of `chain` in pixel k. It is the
     /// object of the node's nearest ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k. They are cleared when the chain is first used in a tile. This also makes
-    /// the parents of the chain used, because nodes are added after their parents.
+    /// Returns the sums of pixel k. Clears all sums of the chain when the chain is first used in a tile.
+    /// Parent chains are in use earlier, because nodes are added after their parents.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -1,5 +1,5 @@
-// Finds the samples of views that are traced as rays. Some rays replace samples whose colours the records do
-// not determine. Other rays check samples that the records do determine.
+// Selects the view samples for which rays are traced. Some rays replace samples whose colours the records do
+// not determine. Other rays check samples whose colours the records do determine.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 
 namespace postlens {
 
-/// The surfaces that a view shows in the pixels of a tile. A view has one or two uses. A use is one recorded
-/// instant that is reprojected to the view, and has its own SeenTile.
+/// The surfaces that a view shows in the pixels of a tile. A view is made from one or two recorded instants,
+/// which are called its uses. Each use is reprojected to the view and has its own SeenTile.
 struct ShownView {
     const PatchField& field;
     const PatchView& view;
@@ -28,13 +28,13 @@ struct ShownView {
     [[nodiscard]] const PatchMesh& mesh(std::size_t u) const {
         return *field.instants[view.uses[u].instant].primary;
     }
-    /// Returns the id of the object that use `u` shows in pixel `k`.
+    /// Returns the id of the object that pixel `k` shows at the recorded instant number `u` of the view.
     [[nodiscard]] std::uint32_t id(std::size_t u, std::size_t k) const {
         return mesh(u).id_of(seen[u].texel[k]);
     }
     /// Returns the weight of use `u` (a recorded instant of the view) in pixel `k`. If both uses show the
-    /// same surface, their colours are blended. Otherwise only the nearer surface counts, unless its outline
-    /// is vague (has_vague_outline).
+    /// same surface, their colours are blended. Otherwise only the nearer surface counts, or only the farther
+    /// one if the outline of the nearer one is imprecise (has_vague_outline).
     [[nodiscard]] double share(std::size_t u, std::size_t k) const {
         const std::size_t o = 1 - u;
         if (seen[o].texel[k] == SeenTile::no_texel) return 1;
@@ -44,15 +44,16 @@ struct ShownView {
         const std::size_t nearer = mine > other || (mine == other && u == 0) ? u : o;
         return has_vague_outline(nearer, k) ? nearer != u : nearer == u;
     }
-    /// Returns whether use `u` shows the outline of a surface in pixel `k` less exactly than the other use
-    /// does. This is the case if two conditions are met. The surface ends in a leaf that the view magnifies
-    /// to more than a pixel, and the other use has recorded this part of the object at a larger size.
+    /// Returns whether use `u` (a recorded instant of the view) shows the outline of a surface in pixel `k`
+    /// less precisely than the other use. There are two conditions: the view magnifies the quadtree leaf with
+    /// the outline to more than a pixel, and the other use has recorded this part of the object at a larger
+    /// size.
     [[nodiscard]] bool has_vague_outline(std::size_t u, std::size_t k) const;
     /// Returns whether the lens transmits light to the pixel (x, y) of the tile.
     [[nodiscard]] bool passes(int x, int y) const {
         return !view.passes || view.passes(at.x - field.x + x, at.y - field.y + y);
     }
-    /// Returns the ray of the view through the pixel (x, y) of the tile.
+    /// Returns the ray of this view through the pixel (x, y) of the tile.
     [[nodiscard]] SightLine line(int x, int y) const {
         return {at.x + x, at.y + y, view.sample, view.lens_point, view.light_before, view.set, view.number};
     }
@@ -71,20 +72,20 @@ class RaySamples {
   public:
     LeftToRays left = LeftToRays::unsure;  ///< what rays replace in the tile
     bool parents_too = false;  ///< whether the samples of surfaces that reflect or transmit are rays
-    /// Number of samples whose reflected and transmitted light set_aside_trees has tested, and number of
-    /// those samples whose light the records determine.
+    /// `with_trees` counts the samples whose reflected and transmitted light set_aside_trees has tested.
+    /// `with_sure_trees` counts those of them whose light the records determine.
     std::size_t with_trees = 0, with_sure_trees = 0;
     LightSums sum{};  ///< of the traced radiance
-    /// For each pixel, the bits of the view's uses that rays replace.
+    /// For each pixel, a bit mask of the view's uses (recorded instants) whose samples rays replace.
     std::array<std::uint8_t, SeenTile::pixels> uses{};
 
-    /// Replaces a view's samples by rays where the records do not determine the directly visible surface.
-    /// With `parents_too`, rays also replace all samples of surfaces that reflect or transmit. The same
-    /// applies if something moves, because a mirror and its reflections then move differently. `recorded`
-    /// receives the sums of all other samples.
+    /// Replaces a view's samples by rays where the records do not determine the directly visible surface. If
+    /// `parents_too` is set or if something moves, rays also replace all samples of surfaces that reflect or
+    /// transmit. A moving mirror and its reflections move differently. Where the lens transmits no light, no
+    /// ray is traced, and only the sample's weight is added to `recorded`.
     void set_aside(const ShownView& shown, LightSums& recorded);
     /// Replaces a view's samples by rays where the records do not determine the reflected or transmitted
-    /// light. `u` is the index of the view's use (recorded instant).
+    /// light. `u` is the index of the use (recorded instant of the view) that is tested.
     void set_aside_trees(const ShownView& shown, std::size_t u, const TreeSums& trees, LightSums& recorded);
     /// Returns whether rays replace all samples of views in the tile.
     [[nodiscard]] bool whole_tile() const { return left != LeftToRays::unsure; }
@@ -93,8 +94,8 @@ class RaySamples {
     void trace(const PatchViews& set);
 
   private:
-    /// Lists the pixels in which a ray may have to replace the view's sample. The test excludes most pixels
-    /// and is faster than that of set_aside.
+    /// Lists the pixels in which a ray may have to replace the view's sample. This fast test excludes most
+    /// pixels from the slower test in set_aside.
     void find_doubtful(const ShownView& shown, bool parents);
     /// Replaces the share `weight` of one view's sample by a ray.
     void leave_to_rays(const ShownView& shown, int x, int y, double weight, LightSums& recorded);
@@ -106,15 +107,16 @@ class RaySamples {
     std::vector<std::array<float, 3>> radiance_;
 };
 
-/// The samples of views in a tile that are compared with check rays.
+/// The view samples of a tile that are compared with check rays (rays that only measure the error of the
+/// records).
 class CheckedSamples {
   public:
     std::vector<PixelCheck> sums;  ///< per pixel
 
     void begin(const PatchField& field, const PatchViews& set, const TilePlace& at);
-    /// Stores the radiance of the records for those samples of a view that are checked, unless rays replace
-    /// them. Called for each use of the view in turn. `number` is the index of the view in its set. `trees`
-    /// is null if no reflected or transmitted node is drawn.
+    /// Stores the recorded radiance of those samples of a view that are to be checked, unless rays replace
+    /// them. Must be called for each use `u` (recorded instant) of the view in turn. `number` is the index of
+    /// the view in its set. `trees` is null if no reflections or refractions are drawn.
     void note(const ShownView& shown, std::size_t number, std::size_t u, const RaySamples& rays,
               const TreeSums* trees);
     [[nodiscard]] bool full() const { return lines_.size() >= lines_together; }
@@ -126,9 +128,10 @@ class CheckedSamples {
     std::vector<std::uint32_t> views_;
     std::vector<SightLine> lines_;
     std::vector<std::uint16_t> pixel_;
-    /// `noted_` has one element per checked pixel of the view, and `recorded_` has one per line. The
-    /// component w is the share of the sample that comes from records. The other components are the radiance
-    /// of the records times this share. The rest of the sample comes from a ray.
+    /// Recorded radiance of the checked samples. `noted_` has one element per checked pixel of the current
+    /// view, and `recorded_` has one per ray. The component w is the share of the sample that comes from
+    /// records. The other components are the recorded radiance times this share. The rest of the sample comes
+    /// from a ray.
     std::vector<glm::dvec4> noted_, recorded_;
     std::vector<std::array<float, 3>> radiance_;
 };
