@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Takes the place of a ray tracer, but traces nothing. It is used to find out which samples rays would
-/// replace.
+/// A substitute for the ray tracer, whose rays return black. It is used to find out which samples would be
+/// replaced by rays, without tracing these rays.
 class NoRays : public SightRays {
   public:
     void trace(std::span<const SightLine> /*lines*/, const LightElsewhere& /*less*/,

@@ -25,7 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether tracing rays takes less time than drawing the reflected and transmitted patches of the piece.
+    /// Whether so many patches (planar parts of surfaces) are seen here by reflection or transmission that
+    /// tracing rays takes less time than drawing the patches.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -44,9 +45,9 @@ struct Workplace {
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views of a piece, the samples that rays had to replace are counted. If rays had to replace
-/// most samples of surfaces that reflect or transmit, they replace all such samples of the later views. This
-/// takes less time than drawing reflections for the few other samples.
+/// After this many views, the program checks whether the records suffice to draw reflections and refractions.
+/// If rays had to replace most of them so far, rays replace all of them in the later views. Drawing the few
+/// that the records determine would take longer than tracing rays for them.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {
@@ -69,7 +70,8 @@ class Field {
 
     void draw(std::span<PatchPicture> out) {
         const int tiles = bins_.columns() * bins_.rows();
-        // The pieces of a tile are separate tasks, because a few tiles often take most of the time.
+        // Each tile is divided into pieces (smaller squares), which are separate tasks. A few tiles often
+        // take most of the time.
         const int along = SeenTile::edge / field_.piece_px, per_tile = along * along;
         const auto tasks = static_cast<std::size_t>(tiles) * static_cast<std::size_t>(per_tile);
         Progress progress("views", tasks);
@@ -84,7 +86,8 @@ class Field {
     }
 
   private:
-    /// Draws the piece of a tile whose upper left corner is (x, y), in px from the tile's corner.
+    /// Draws one piece (square part) of a tile. (x, y) is the piece's upper left corner, in px from the
+    /// tile's corner.
     void draw_piece(std::size_t tile, int x, int y, Workplace& w, std::span<PatchPicture> out) const {
         const int x0 = static_cast<int>(tile) % bins_.columns() * SeenTile::edge + x,
                   y0 = static_cast<int>(tile) / bins_.columns() * SeenTile::edge + y;
@@ -103,8 +106,9 @@ class Field {
         }
     }
 
-    /// Gathers the patches that a set of views draws in a piece, unless an earlier set has already done so.
-    /// `rays` is the ray tracer of this set, or null.
+    /// Collects the patches (planar parts of surfaces) that views may show in the part `rect` of a tile,
+    /// unless an earlier call has already done so. `rays` is the ray tracer of the current set of views, or
+    /// null.
     void gather(std::size_t tile, const TilePart& rect, const SightRays* rays, Workplace& w) const {
         if (!w.gathered) bins_.gather(tile, rect, w.patches);
         w.gathered = true;
@@ -199,7 +203,8 @@ class Field {
         float x_, y_, x_end_, y_end_;
     };
 
-    /// Finds the motion of each patch (nearly planar part of a surface) of a tile in one view.
+    /// Looks up the motion of each patch (nearly planar part of a surface) of a tile, from the recorded
+    /// instant to the instant of one view.
     class Motions {
       public:
         Motions(const PatchView::Use& use, const TilePatches& patches)
@@ -252,7 +257,8 @@ class Field {
         }
     }
 
-    /// Removes the pixels in which a surface beyond the border of the records may hide what the view sees.
+    /// Clears the pixels in which a surface outside the recorded part of the raster may hide what the view
+    /// sees. Nothing is known about such surfaces.
     void leave_out_beyond_border(const PatchView& v, const TilePlace& at, Workplace& w) const {
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             const BorderReach& border = borders_[v.uses[u].instant];
@@ -274,7 +280,8 @@ class Field {
     void draw_view(const PatchViews& set, std::size_t view, bool lights, const TilePlace& at,
                    Workplace& w) const {
         const PatchView& v = set.views[view];
-        // If rays replace all samples of the tile, the surfaces are only needed to draw highlights.
+        // If rays replace all samples of the tile, the recorded surfaces are drawn only to find out which
+        // highlights they hide.
         const bool drawn = lights || !w.rays.whole_tile();
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (drawn)
@@ -303,8 +310,8 @@ class Field {
         }
         const bool trees = w.draws_trees && w.trees.any() && !w.rays.whole_tile() && !w.rays.parents_too &&
                            !(rays && v.moves());
-        // If both recorded instants of the view show the same surface in a pixel, their colours are blended.
-        // Otherwise only the nearer surface counts.
+        // A view can be made from two recorded instants. If both show the same surface in a pixel, their
+        // colours are blended. Otherwise only the nearer surface counts.
         for (std::size_t u = 0; u < v.uses.size(); ++u) {
             if (trees) draw_deeper(v, v.uses[u], at, w.seen[u], w);
             if (rays && trees) w.rays.set_aside_trees(shown, u, w.trees, w.sum);
@@ -319,8 +326,8 @@ class Field {
         if (set.checked && w.checked.full()) w.checked.check(set);
     }
 
-    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and its
-    /// `passes` must not exclude any pixel.
+    /// Adds all pixels of a view to the sums. The view must be made from a single recorded instant, and the
+    /// lens must transmit light to all of its pixels (`passes` is empty).
     void add_all(const PatchView& v, const TilePlace& at, bool trees, Workplace& w) const {
         const PatchMesh& mesh = *field_.instants[v.uses[0].instant].primary;
         add_seen_light(mesh.sheets->texels, w.seen[0], at.width, at.height, v.weight, w.sum, w.with_children);
@@ -328,8 +335,8 @@ class Field {
             add_children(mesh, w.seen[0].texel[k], k, v.weight, trees, w);
     }
 
-    /// Adds those pixels of a view that come from its recorded instant `u`. This is used if the view has two
-    /// recorded instants, or if the lens blocks the light of some pixels.
+    /// Adds those pixels of a view that come from its recorded instant `u`. Unlike add_all, this function
+    /// handles views with two recorded instants and pixels to which the lens transmits no light.
     static void add_some(const ShownView& shown, std::size_t u, bool trees, Workplace& w) {
         const PatchView& v = shown.view;
         const TilePlace& at = shown.at;
@@ -352,8 +359,8 @@ class Field {
         }
     }
 
-    /// Adds the light that a directly visible surface reflects and transmits at a texel (recorded colour of
-    /// one quadtree leaf).
+    /// Adds the light that the visible surface reflects and transmits in pixel k. `texel` is the index of the
+    /// recorded colour that the pixel shows.
     static void add_children(const PatchMesh& mesh, std::uint32_t texel, std::size_t k, double weight,
                              bool trees, Workplace& w) {
         const std::array<float, 3> following = mesh.following(texel);

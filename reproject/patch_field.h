@@ -39,8 +39,8 @@ struct PatchView {
     /// Returns whether the lens transmits light to the pixel (x, y) of the image. Pixels without light are
     /// black. If the function is empty, all pixels get light.
     std::function<bool(int x, int y)> passes;
-    // These values are copied to the SightLine of each ray, if the set of views has rays. `number` becomes
-    // SightLine::view.
+    // These values are copied to the rays of this view (SightLine), where `number` is called `view`. They are
+    // only used if the set of views traces rays.
     glm::dvec2 lens_point{0};
     double light_before = 0.5;
     std::uint32_t set = 0;
@@ -62,33 +62,34 @@ enum class LeftToRays : std::uint8_t {
     samples_and_lights  ///< all samples of views, and also the highlights: no `lights` are added
 };
 
-/// A set of views. The mean of the views is an image, or the part of an image that this set draws.
+/// A set of views. The mean of the views is an image or a part of an image.
 struct PatchViews {
     std::vector<PatchView> views;
-    /// Returns whether this set of views draws a piece of the image. A piece is a square with an edge of
+    /// Selects the pieces of the image that this set of views draws. A piece is a square with an edge of
     /// PatchField::piece_px. If the function is empty, the set draws all pieces. Pieces that no set draws
-    /// stay black and unknown.
+    /// stay black, and PatchPicture::unknown is 1 there.
     std::function<bool(int x, int y, int width, int height)> wanted;
-    /// Adds highlights to a piece of the image. The surfaces that the views see in the piece determine which
-    /// highlights are hidden. Several threads call it at the same time. Null if there are no highlights.
+    /// Adds the light of highlights (bright spots that the lens spreads over many pixels) to the image. The
+    /// surfaces that the views see determine which highlights are hidden. Several threads call it at the same
+    /// time. Null if there are no highlights.
     const class Lights* lights = nullptr;
-    /// Traces rays. If the records do not determine the colour of a view's sample in a pixel, a ray replaces
-    /// the sample. If null, all samples keep their recorded colours.
+    /// Traces the rays that replace samples whose colour the records do not determine. If null, all samples
+    /// keep their recorded colours.
     const SightRays* rays = nullptr;
-    /// Returns what rays replace in the piece that contains the pixel (x, y). Only used if there are rays. If
-    /// the function is empty, rays replace what LeftToRays::unsure describes.
+    /// Returns which samples rays replace in the square piece of the image that contains the pixel (x, y).
+    /// Only used if `rays` is set. If the function is empty, the answer is LeftToRays::unsure for all pieces.
     std::function<LeftToRays(int x, int y)> left_to_rays;
     LightElsewhere less;  ///< radiance that `lights` adds, and that rays therefore leave out
-    /// Appends the indices of the views whose samples in the pixel (x, y) are compared with a ray. Only used
-    /// if there are rays. The results are stored in PatchPicture::checks and do not change the image. If the
-    /// function is empty, no samples are compared.
+    /// Selects the views whose sample in pixel (x, y) is compared with a ray, and appends their indices to
+    /// `views`. The results are stored in PatchPicture::checks and do not change the image. Only used if
+    /// `rays` is set. If the function is empty, no samples are compared.
     std::function<void(int x, int y, std::vector<std::uint32_t>& views)> checked;
-    /// Decides whether rays are aimed at the highlights of the pixel (x, y). Returns the probability with
-    /// which the pixel was chosen, or 0 if it was not chosen. Only used together with `checked`. If the
-    /// function is empty, no pixel is chosen.
+    /// Selects the pixels whose highlights are checked by rays that are aimed at them. Returns the
+    /// probability with which the pixel (x, y) was selected, or 0 if it was not selected. Only used together
+    /// with `checked`. If the function is empty, no pixel is selected.
     std::function<double(int x, int y)> aimed;
-    /// Index of the image that this set of views draws. Sets that draw the same image must draw different
-    /// pieces of it.
+    /// Index of the image that this set of views draws, in the argument `out` of patch_field. Sets that draw
+    /// the same image must draw different pieces of it.
     std::size_t picture = 0;
 };
 
@@ -97,44 +98,45 @@ struct PatchField {
     /// Returns the class to which an object belongs. All objects of a class move alike. Only called if
     /// objects move or if `class_marks` is not empty.
     std::function<std::size_t(std::uint32_t id)> motion_class;
-    /// For each class of objects, the bits that are set in PatchPicture::touched where a view sees an object
-    /// of this class. A class that does not move in any view has no bits. If the list is empty, `touched` is
-    /// not computed.
+    /// For each class of objects that move alike, the bits that mark its objects in PatchPicture::touched. A
+    /// pixel gets these bits if a view sees such an object there. A class that does not move in any view has
+    /// no bits. If the list is empty, `touched` is not computed.
     std::vector<std::uint8_t> class_marks;
     std::uint8_t wanted_marks = 0xFF;  ///< tiles in which none of these bits can be set are not drawn
-    /// Edge of a piece in px. It is SeenTile::edge divided by a power of two.
+    /// Edge of a piece (square of the image that is drawn as one task), in px. It is SeenTile::edge divided
+    /// by a power of two.
     int piece_px = SeenTile::edge;
-    /// The sets of views. They share the search for the patches (planar parts of surfaces) of a tile.
+    /// The sets of views. The patches (planar parts of surfaces) of a tile are searched once for all sets.
     std::vector<PatchViews> sets;
     int x = 0, y = 0;  ///< raster px of the images' first pixel
     int width = 0, height = 0;
-    /// The rectangle of raster pixels that have records. `recorded_begin` is its first pixel, and
-    /// `recorded_end` is one past its last pixel. Sets with rays need the rectangle. A surface may continue
-    /// beyond its border and hide what a view sees. If the set has rays or if something moves, the pixels
-    /// where this may happen count as unknown. If both values are equal, surfaces are assumed to end at the
-    /// border.
+    /// The part of the raster that has records: its first pixel, and one past its last pixel. Must be set if
+    /// a set of views has rays. A surface that continues outside this part may hide what a view sees. If
+    /// there are rays or if something moves, pixels in which this may happen count as unknown. If both values
+    /// are equal, surfaces are assumed to end at the border.
     glm::ivec2 recorded_begin{0}, recorded_end{0};
-    /// Largest distance of a lens point from the lens's centre, in units of LensShift::lens_px. The search
-    /// for patches covers all lens points within this distance, not only those of the views. Set this value
-    /// if `lights` uses TileViews::patches or if there are rays.
+    /// The extent of the lens: the largest |x| and |y| of a lens point, in units of LensShift::lens_px.
+    /// Patches that are visible from any point within this extent are collected, not only those that the
+    /// views see. Must be set if `lights` uses TileViews::patches or if there are rays.
     glm::dvec2 lens_reach_px{0};
 };
 
-/// For each view, the directly visible surfaces that it sees in a piece of the image. The surfaces are those
-/// of the first recorded instant that the view uses.
+/// The directly visible surfaces that each view sees in a square piece of the image. If a view is made from
+/// two recorded instants, only the surfaces of the first are stored.
 struct TileViews {
     int x = 0, y = 0, width = 0, height = 0;            ///< px of the image
     static constexpr std::size_t row = SeenTile::edge;  ///< stride from one row of a view to the next
     static constexpr std::size_t view = row * row;      ///< stride from one view to the next
     std::vector<float> inverse_z;                       ///< 1/m; -1 if nothing is recorded
     std::vector<std::uint32_t> texel;
-    /// The directly visible patches (planar parts of surfaces) that can be seen here from any lens point,
+    /// The directly visible patches (planar parts of surfaces) that any lens point can see in this piece,
     /// nearest first. Null if objects move.
     const PatchMesh* patches = nullptr;
 };
 
-/// Highlights are bright radiance that was removed from the reprojected surfaces. Each highlight is spread
-/// over the image by its impulse response, the distribution of its light over the pixels.
+/// The highlights of an image. A highlight is radiance above a limit that was removed from a reprojected
+/// surface. Its impulse response (the image of a point, seen through the lens) spreads it over the pixels
+/// instead.
 class Lights {
   public:
     Lights() = default;
@@ -145,43 +147,43 @@ class Lights {
     virtual ~Lights() = default;
     /// Returns whether the light of any highlight reaches a rectangle of the image. Coordinates are in px.
     [[nodiscard]] virtual bool reach(int x, int y, int width, int height) const = 0;
-    /// Adds four values per pixel to `light`, which has rows of TileViews::row pixels. The first three are
-    /// the light of the highlights: r, g and b. The fourth is the mean, over rays through the lens, of the
-    /// squared radiance of the highlights in the brightest channel.
+    /// Adds four values per pixel to `light`, whose rows have TileViews::row pixels. The first three are the
+    /// light of the highlights: r, g and b. The fourth is a second moment: the squared radiance of the
+    /// highlights in the brightest channel, averaged over rays through the lens.
     virtual void add(const TileViews& views, std::vector<double>& light) const = 0;
     static constexpr std::size_t values = 4;
     /// A line of sight from a pixel to a highlight. The light of the highlight arrives along this line unless
-    /// a surface blocks it. The light of all highlights in the pixel is the mean over such lines. Each line
-    /// contributes `scale` times the radiance of its highlight.
+    /// a surface blocks it. The light of all highlights in the pixel is the mean, over such lines, of `scale`
+    /// times the radiance that arrives.
     struct Line {
         SightLine line;
         NodeIdentity highlight;
         double scale = 0;
     };
-    /// Returns the indices of the light sources whose light may reach a rectangle of the image. Coordinates
-    /// are in px.
+    /// Returns the indices of the sources (groups of merged highlights) whose light may reach a rectangle of
+    /// the image, in px.
     [[nodiscard]] virtual std::vector<std::uint32_t> reaching(int x, int y, int width, int height) const = 0;
-    /// Appends up to `count` random lines from the pixel (x, y) of the image to those highlights of `sources`
-    /// whose light reaches the pixel. Equal seeds give equal lines.
+    /// Appends up to `count` random lines from the pixel (x, y) of the image to highlights of `sources` whose
+    /// light reaches the pixel. Equal seeds give equal lines.
     virtual void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
                      std::vector<Line>& lines) const = 0;
 };
 
-/// Compares rays with records in one pixel. The residual of a view is the radiance of its ray minus the
-/// radiance of the records. The residual is 0 if the image takes the sample from a ray anyway.
+/// Compares rays with recorded radiance in one pixel. The residual of a view is the radiance of its ray minus
+/// the recorded radiance. It is 0 if the image itself uses the ray instead of the record.
 struct PixelCheck {
     std::uint32_t views = 0;
     std::uint32_t rays = 0;       ///< all rays of the pixel, except the `aimed` ones
     std::array<double, 3> sum{};  ///< sum of the residuals of `views` views, scene-linear
     [[nodiscard]] double mean(std::size_t channel) const { return views > 0 ? sum[channel] / views : 0; }
-    /// Light of the highlights in the pixel, scene-linear. `highlights` is the light that was added to the
-    /// image. `aimed_sum` is the sum of the radiance along the `aimed` rays, which are traced towards the
-    /// highlights.
+    /// Light of the highlights in the pixel, scene-linear. `highlights` is the light that the image contains.
+    /// `aimed_sum` is the sum of the light along rays that are traced towards the highlights. Their number is
+    /// `aimed`.
     std::array<float, 3> highlights{};
     std::array<double, 3> aimed_sum{};
     std::uint32_t aimed = 0;
     float aimed_share = 0;  ///< the result of PatchViews::aimed
-    /// Mean light of the highlights along the rays, minus their light in the image.
+    /// Light of the highlights as measured by the aimed rays, minus their light in the image.
     [[nodiscard]] double highlight_residual(std::size_t channel) const {
         return aimed > 0 ? aimed_sum[channel] / aimed - static_cast<double>(highlights[channel]) : 0;
     }
@@ -194,19 +196,20 @@ struct PatchPicture {
     Image image;  ///< mean of all known samples of views; black if no sample is known
     std::vector<float>
         unknown;  ///< per pixel: share of the views, by weight, that see no recorded surface here
-    /// Per pixel: the share of the views, by weight, that need a reflected or transmitted surface which is
-    /// not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
+    /// Per pixel: the share of the views, by weight, in which a reflected or transmitted surface should be
+    /// visible but is not recorded. Surfaces that are dim in the whole tile count less (TreeSums).
     std::vector<float> unknown_below;
     /// Per pixel: the share of the views, by weight, whose samples come from rays. Empty for sets without
     /// rays.
     std::vector<float> traced;
-    /// Per pixel, the sums of residuals (ray minus records). Empty for sets without `checked`.
+    /// Per pixel, the comparison of rays with the records. Empty for sets without `checked`.
     std::vector<PixelCheck> checks;
-    /// Per pixel, the fourth value that Lights::add computes. Empty if there are no lights.
+    /// Per pixel, the mean squared radiance of the highlights (the fourth value of Lights::add). Empty if
+    /// there are no highlights.
     std::vector<float> light_square;
     /// Per pixel, the bits (PatchField::class_marks) of all moving objects that are recorded there or that a
-    /// view sees there. All bits are set if a view sees a place that is not recorded. 0 means that every view
-    /// sees the surface that is recorded at this pixel.
+    /// view sees there. All bits are set if a view sees something that is not recorded. If no bit is set, all
+    /// views see the surface that is recorded at this pixel.
     std::vector<std::uint8_t> touched;
 };
 

@@ -74,7 +74,7 @@ struct LensShift {
 /// point is (x, y, 1, 1/z') for a perspective camera and (x, y, z', 1) for an orthographic one.
 [[nodiscard]] glm::dmat4 camera_from_raster(const SampleHeader& header);
 
-/// The motion of every object on the raster. Initially, the motion is that of the file's header.
+/// The motion of every object on the raster. Initially, these are the motions stored in the file's header.
 class FrameMotion {
   public:
     explicit FrameMotion(const SampleHeader& header);

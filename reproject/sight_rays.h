@@ -1,5 +1,4 @@
-// Interface to a ray tracer. If the records do not determine the colour of a view's sample, a ray replaces
-// it.
+// Interface to a ray tracer. Its rays replace samples whose colours the records do not determine.
 #pragma once
 
 #include <array>
@@ -38,10 +37,10 @@ inline SightLine line_through(const glm::dvec2& at) {
 /// counted twice.
 struct LightElsewhere {
     float above = 1;  ///< a node's radiance is clamped to this, per channel
-    /// Returns whether the radiance of a shading-tree node is clamped. The node has the path `path` and
-    /// belongs to the object `id`. `parent_id` is the object that reflects or transmits the node. For nodes
-    /// seen directly, `at` is the raster position, in px, at which the pinhole sees the node. If the function
-    /// is empty, no node is clamped.
+    /// Returns whether the radiance of a shading-tree node is clamped. `path` is the path of the node
+    /// (sequence of reflections and transmissions), and `id` is its object. `parent_id` is the object that
+    /// reflects or transmits the node. For nodes seen directly, `at` is the raster position, in px, at which
+    /// the pinhole sees the node. If the function is empty, no node is clamped.
     std::function<bool(NodePath path, std::uint32_t parent_id, std::uint32_t id, const glm::dvec2& at)> of;
     std::vector<std::uint32_t> ids;  ///< ids of all objects for which `of` may return true, ascending
 };
@@ -68,8 +67,8 @@ class SightRays {
     /// does not depend on the other lines of the call.
     virtual void trace(std::span<const SightLine> lines, const LightElsewhere& less,
                        std::span<std::array<float, 3>> radiance) const = 0;
-    /// Like `trace`, but writes only the radiance that `trace` leaves out because of `less`. For line i, only
-    /// nodes that of[i] identifies are counted.
+    /// Writes only the radiance that `trace` leaves out because it is added as highlights (`less`). Along
+    /// line i, only the nodes that of[i] identifies count.
     virtual void trace_elsewhere(std::span<const SightLine> lines, std::span<const NodeIdentity> of,
                                  const LightElsewhere& less,
                                  std::span<std::array<float, 3>> radiance) const = 0;
@@ -78,9 +77,9 @@ class SightRays {
     /// used for scenes in which something moves. Thread-safe.
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
-    /// Returns whether every point of an object sends the same radiance along all rays that reach the point
-    /// by `path`. The answer is false if lights or scattering lobes are sampled at random there, because the
-    /// radiance then differs from ray to ray.
+    /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by
+    /// `path` (sequence of reflections and transmissions). It has not if lights or scattering lobes are
+    /// sampled at random there.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// Returns the number of reflected and transmitted patches (planar parts of surfaces) that can be drawn
     /// in the time that one ray takes. If views need more patches per pixel, rays are traced instead. The
