@@ -112,9 +112,9 @@ template <int lanes>
     for (int i = 0; i < lanes; ++i) v[i] = scrambled(pascal(index[i]), high_word(seeds));
 }
 
-/// Table entries for the words of 16 consecutive samples, or of one sample. If `first` is a multiple of 16,
-/// the indices of the samples differ only in their lowest four bits. The word of sample i is then low[i] ^
-/// high.
+/// Table entries for the bit-reversed coordinates of 16 consecutive samples, or of one sample. If `first` is
+/// a multiple of 16, the indices of the samples differ only in their lowest four bits. The coordinate of
+/// sample i is then low[i] ^ high.
 struct AlignedWords {
     const std::uint32_t* low;
     std::uint32_t high;

@@ -24,8 +24,8 @@ namespace {
 /// independent halves gets 8 of them.
 constexpr int first_views = 16;
 
-/// The method `layers` makes a second image. If it may have less than half the error of the first one, views
-/// are added to compare the two more accurately. This is done at most this many times.
+/// The method `layers` makes a second image. If it may have less than half the error of the image made from
+/// views, views are added to compare the two more accurately. This is done at most this many times.
 constexpr int most_comparisons = 2;
 
 /// If the 95 % interval of the error is too wide, views are added. These are the largest allowed numbers of

@@ -120,7 +120,7 @@ std::vector<float> box_means(const std::vector<float>& of, int width, int height
     return out;
 }
 
-/// Returns the cause of a pixel's error that is absent from a light field with many views.
+/// Returns the cause of an error that a light field with many views does not have.
 ErrorCause explained_by_views(const CauseRequest& request, bool moves) {
     if (request.method == FocusMethod::lightfield || request.method == FocusMethod::hybrid)
         return ErrorCause::record_density;  // the image had too few views
@@ -152,7 +152,7 @@ CauseMap find_error_causes(FocusFrame& frame, const Image& image, const Image& r
     const bool moves = v.motion != nullptr && v.shutter && v.shutter->open_s < v.shutter->close_s;
 
     // A light field from the same records computes correctly which surfaces hide others and, with a shutter,
-    // how they move. Errors that it does not have are due to the method of the image.
+    // how they move. Errors that it does not have are due to the method that made the image.
     FieldFocusSettings by_field = field_settings(h, v);
     by_field.views = many_views;
     by_field.crop.reset();

@@ -12,9 +12,9 @@ constexpr double deviations = 1.96;
 /// Smallest squared error that is stated.
 constexpr double smallest_mse = 1e-12;
 
-/// Returns the weight of the other image with which the views of a tile are mixed. The weight minimises the
-/// sum of two terms: the error of the mixed image, and `price` times the variance of the error's estimate. It
-/// is 0 if the views have no noise.
+/// Returns the weight of another image that is mixed with the views of a tile. The weight minimises the sum
+/// of two terms: the error of the mixed image, and `price` times the variance of the error's estimate. It is
+/// 0 if the views have no noise.
 double weight_of(const TileError& tile, double price) {
     const double whole = tile.noise_mse + std::max(tile.other_mse, 0.0) +
                          4 * price * (tile.of_noise + std::max(tile.of_product, 0.0));

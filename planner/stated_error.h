@@ -1,4 +1,5 @@
-// The error of an image made of views and rays. The image may be mixed with another image.
+// Computes the error of an image that is made from reprojected views and rays. The image may be mixed with
+// another image.
 #pragma once
 
 #include <cstdint>
@@ -51,10 +52,10 @@ struct StatedError {
 /// The 95 % interval assumes that the logarithm of the error is normally distributed.
 [[nodiscard]] StatedError stated_error(const MeasuredError& measured, const std::vector<TileMix>& mix = {});
 
-/// Chooses the weight of the other image in each tile. Several sets of weights are tried, from the set with
-/// the smallest estimated error to the set with the least uncertain estimate. The first set whose 95 %
-/// interval is at most wanted_interval_db wide is chosen. If there is none, the set whose interval has the
-/// lowest upper end is chosen.
+/// Chooses, for each tile, the weight of the other image that is mixed with the views. Several sets of
+/// weights are tried, from the set with the smallest estimated error to the set with the least uncertain
+/// estimate. The first set whose 95 % interval is at most wanted_interval_db wide is chosen. If there is
+/// none, the set whose interval has the lowest upper end is chosen.
 [[nodiscard]] std::vector<TileMix> mixed_tiles(const MeasuredError& measured);
 
 }  // namespace postlens

@@ -25,8 +25,8 @@ struct Workplace {
     SeenTile seen[2];
     GatheredTile patches;
     bool gathered = false;  ///< whether `patches` contains the patches of the current piece
-    /// Whether so many patches (planar parts of surfaces) are seen here by reflection or transmission that
-    /// tracing rays takes less time than drawing the patches.
+    /// Whether so many patches (planar parts of surfaces) are seen by reflection or transmission in this
+    /// square of the image that tracing rays takes less time than drawing the patches.
     std::optional<bool> is_crowded;
     bool draws_trees = false;  ///< whether reflected and transmitted patches of the piece are drawn
     WantedPixels wanted;
@@ -45,9 +45,9 @@ struct Workplace {
 /// testing once per tile would react too late.
 constexpr std::size_t views_between_looks = 64;
 
-/// After this many views, the program checks whether the records suffice to draw reflections and refractions.
-/// If rays had to replace most of them so far, rays replace all of them in the later views. Drawing the few
-/// that the records determine would take longer than tracing rays for them.
+/// After this many views of a part of the image, the program checks whether the records suffice to draw its
+/// reflections and refractions. If rays had to replace most of them so far, rays replace all of them in the
+/// later views. Drawing the few that the records determine would take longer than tracing rays for them.
 constexpr std::size_t views_of_trial = 8;
 
 class Field {

@@ -78,8 +78,8 @@ class SightRays {
     virtual void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                                 std::span<glm::dvec3> inverse_z) const = 0;
     /// Returns whether each point of the object `id` has the same radiance for all rays that reach it by
-    /// `path` (sequence of reflections and transmissions). It has not if lights or scattering lobes are
-    /// sampled at random there.
+    /// `path` (sequence of reflections and transmissions). The answer is false if lights or scattering lobes
+    /// are sampled at random there.
     [[nodiscard]] virtual bool steady(NodePath path, std::uint32_t id) const = 0;
     /// Returns the number of reflected and transmitted patches (planar parts of surfaces) that can be drawn
     /// in the time that one ray takes. If views need more patches per pixel, rays are traced instead. The

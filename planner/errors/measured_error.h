@@ -30,9 +30,9 @@ struct TileError {
     double highlights_mse = 0;      ///< error of the highlights, not a part of `bias_mse`; may be negative
     double highlights_deviation = 0;
 
-    /// Returns the variance of an estimate: the difference between the estimated and the actual squared error
-    /// of a mixed image. In the mixed image, another image has the weight w and the views have the weight 1 -
-    /// w. The estimate is (1 - w)^2 noise_mse + w^2 other_mse.
+    /// Returns the variance of the error of an estimate. The estimate, (1 - w)^2 noise_mse + w^2 other_mse,
+    /// is the squared error of a mixed image. In this image, another image has the weight w, and the views
+    /// have the weight 1 - w.
     [[nodiscard]] double estimate_variance(double w) const {
         return (1 - 2 * w) * (1 - 2 * w) * of_noise + 4 * w * w * of_product;
     }

@@ -40,8 +40,8 @@ double CheckedPixels::aimed(int x, int y, int views) const {
     const std::uint64_t chosen =
         std::clamp<std::uint64_t>(pixels() * static_cast<std::uint64_t>(views) / all_from_views, 1, pixels());
     const Place p = place_of(x, y);
-    // The factor has no divisor in common with the number of pixels of a block, so each pixel gets another
-    // rank. Pixels with consecutive ranks are not neighbours.
+    // The factor has no divisor in common with the number of pixels of a block, so each pixel gets a
+    // different rank. Pixels with consecutive ranks are not neighbours.
     constexpr std::uint64_t step = 19;
     const std::uint64_t rank = (p.place + pixels() - p.stating) * step % pixels();
     return rank < chosen ? static_cast<double>(chosen) / static_cast<double>(pixels()) : 0;

@@ -15,9 +15,8 @@ namespace {
 
 static_assert(TileGrid::edge == SeenTile::edge, "LeftToRays is chosen per tile of the grid");
 
-/// Number of differently scrambled sets of lens points, and the difference between the index of a piece's set
-/// (a piece is a square of the image) and that of the piece below. Both numbers are prime, so that
-/// neighbouring pieces have different sets.
+/// Number of differently scrambled sets of lens points, and the step of a set's index from one piece (square
+/// of the image) to the piece below. Both numbers are prime, so that neighbouring pieces have different sets.
 constexpr int scrambles = 61, scrambles_down = 23;
 
 /// Moves a pixel's values in `to` towards those in `from`, by the fraction `share` of their difference.

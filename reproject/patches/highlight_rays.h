@@ -23,7 +23,7 @@ class CheckedHighlights {
                const std::vector<double>& light, std::vector<PixelCheck>& checks);
 
   private:
-    /// The light that the rays aimed at the highlights of one pixel have found.
+    /// The light found by the rays that are aimed at the highlights of one pixel.
     struct Aimed {
         std::uint16_t pixel = 0;
         std::uint32_t rays = 0;

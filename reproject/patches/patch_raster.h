@@ -19,8 +19,8 @@ struct SeenTile {
     static constexpr std::size_t pixels = static_cast<std::size_t>(edge) * edge;
     static constexpr float nothing = -1;  ///< inverse depth of a pixel without a recorded surface
     static constexpr std::uint32_t no_texel = 0xFFFFFFFFU;
-    /// Bit of `texel` for surfaces seen by reflection or transmission. It is set if the surface's image moves
-    /// nonlinearly over the lens (Patch::bent), so that its reprojection is inaccurate.
+    /// Bit of `texel` for surfaces seen by reflection or transmission. It is set if the image of the surface
+    /// does not move linearly with the lens point (Patch::bent), so that its reprojection is inaccurate.
     static constexpr std::uint32_t bent = 0x80000000U;
 
     /// SIMD kernels read 16 values at a time, so they may read beyond the end of the last row.
@@ -28,8 +28,9 @@ struct SeenTile {
 
     alignas(64) std::array<float, pixels + slack> inverse_z{};
     alignas(64) std::array<std::uint32_t, pixels> texel{};
-    /// Inverse depth of the nearest surface that may cover the pixel. It is not known whether it does,
-    /// because its edge is near (SheetNode::maybe). Surfaces behind those drawn before are ignored.
+    /// Inverse depth of the nearest surface that may cover the pixel. The records do not tell whether it
+    /// does, because the edge of the surface is near (SheetNode::maybe). Surfaces behind already drawn ones
+    /// are ignored.
     alignas(64) std::array<float, pixels> maybe_inverse_z{};
 
     void clear() {
@@ -112,9 +113,9 @@ struct WantedPixels {
         in{};  ///< for each pixel that needs a node, id of the object that reflects or transmits the node
     TilePart part;  ///< bounding box of these pixels; empty if no pixel needs a node
     PixelBlocks blocks;
-    /// Whether a reflected or transmitted surface must also be drawn in pixels where its parent, the surface
-    /// that shows it, is missing. For such a pixel, `in` contains in_gap(id), where id is the object of the
-    /// nearest ancestor that the view sees.
+    /// Whether some pixels need a surface whose parent (the surface that reflects or transmits it) is missing
+    /// there. For such a pixel, `in` contains in_gap(id), where id is the object of the nearest ancestor that
+    /// the view sees.
     bool any_gaps = false;
     [[nodiscard]] static std::uint32_t in_gap(std::uint32_t id) { return ~id; }
 };

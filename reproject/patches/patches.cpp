@@ -51,8 +51,8 @@ class Fit {
             plane_[i] = {mean - dx * mx - dy * my, dx, dy};
         }
     }
-    /// Returns the largest difference, at four points of the pixel (x, y), between the fitted planes and the
-    /// planes of the pixel itself.
+    /// Returns the largest difference between the fitted planes and the planes of the pixel (x, y), at four
+    /// points that are a quarter px from the pixel's centre along both axes.
     [[nodiscard]] double error(int x, int y, const CellPlane* planes) const {
         double worst = 0;
         for (std::size_t i = first_moving; i < values; ++i) {

@@ -9,8 +9,8 @@ namespace postlens {
 namespace {
 
 /// If a view needs a reflected or transmitted surface that was not recorded, the mean radiance of the other
-/// views is used instead. It is reliable only if at least this fraction of the views see the surface.
-/// Otherwise the radiance seen from the pinhole is blended in.
+/// views is used instead. The mean counts as reliable if at least this fraction of the views that need the
+/// surface see it. Otherwise the radiance seen from the pinhole is blended in.
 constexpr double enough_known = 0.25;
 
 }  // namespace
@@ -84,9 +84,9 @@ SeenTile* TreeSums::begin_chain(NodePath path, WantedPixels& wanted) {
         find_wanted(*primary_mesh_, *primary_, c.bounce, primary_part_, {}, wanted, *c.seen);
     } else {
         const Chain& parent = chains_[c.parent];
-        // Here, a node is a surface seen by reflection or transmission. It stores the id of the object that
-        // reflects or transmits it. In a pixel where this object's own node is missing, the node is drawn
-        // only if the nearest ancestor that the view sees lies on the same object.
+        // A node is a surface seen by reflection or transmission, and stores the id of the object that
+        // reflects or transmits it. In a pixel where this parent is missing, the node is drawn only if the
+        // nearest ancestor that the view sees lies on that object.
         find_wanted(
             *deeper_mesh_, *parent.seen, c.bounce, parent.part,
             [&](std::size_t k) { return id_around(parent, k); }, wanted, *c.seen);
@@ -221,8 +221,8 @@ double TreeSums::sum_up(std::size_t k, double weight, std::array<double, 3>& sum
         Sums& s = chains_[i].sums[k];
         if (s.wanted <= 0) continue;
         const double resolved = s.known + s.beside, missing = s.wanted - resolved;
-        // The mean of the other views also replaces this node in views that have not even its parent node.
-        // `inflated` is the factor for this.
+        // A view in which even the parent node is missing cannot tell whether it needs this node. `inflated`
+        // scales the sum, so that the mean of the other views also stands for such views.
         const bool first = c.parent == i;
         double inflated = 1;
         if (!first) {

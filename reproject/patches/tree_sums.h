@@ -95,8 +95,8 @@ class TreeSums {
     /// object of the node's nearest ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
-    /// Returns the sums of pixel k. Clears all sums of the chain when the chain is first used in a tile.
-    /// Parent chains are in use earlier, because nodes are added after their parents.
+    /// Returns the sums of pixel k in `chain`, which contains the surfaces with one path. All sums of a chain
+    /// are cleared when it is first used in a tile.
     [[nodiscard]] Sums& sums_of(Chain& chain, std::size_t k);
 
     Children first_{no_chain, no_chain};  ///< chains of one bounce

@@ -33,7 +33,7 @@ struct LeafPiece {
     int corners = 4;
     float at_x = 0, at_y = 0;
     Hides hides = Hides::nothing;  ///< by nearer surfaces
-    /// Whether this quarter of the leaf only may show the surface of node[0] (SheetNode::maybe).
+    /// Whether it is uncertain that this quarter of the leaf shows the surface of node[0] (SheetNode::maybe).
     bool maybe = false;
 };
 
@@ -96,9 +96,9 @@ class LeafPieces {
     std::vector<LeafPiece> pieces_;
     std::vector<const LeafPiece*> sorted_;  ///< pieces_ by key, stable
     std::vector<std::uint32_t> keys_used_;  ///< keys of pieces_, ascending once sorted
-    /// For each surface, the number of its pieces, or after sorting, the end of its pieces in sorted_.
-    /// `key_group_` contains the first Group of each surface at the current quadtree leaf. Between uses, all
-    /// values are 0 in `key_pieces_` and `none` in `key_group_`.
+    /// `key_pieces_` contains the number of pieces of each surface or, after sorting, the end of its pieces
+    /// in sorted_. `key_group_` contains the first Group of each surface at the current quadtree leaf.
+    /// Between uses, all values are 0 in `key_pieces_` and `none` in `key_group_`.
     std::vector<std::uint32_t> key_pieces_, key_group_;
     std::vector<Group> groups_;
 };

@@ -76,8 +76,8 @@ void SheetBuilder::add_sheets(std::span<const LeafPiece* const> pieces) {
         std::vector<const LeafPiece*> pieces;
     };
     thread_local std::vector<Part> parts;
-    // Returns whether the part already has a piece that overlaps `p`, except pieces that only may show the
-    // surface. Overlapping pieces always belong to two surfaces, even if their depths hardly differ. The
+    // Returns whether the part already has a piece that overlaps `p`. Pieces that only may show the surface
+    // are ignored. Overlapping pieces always belong to two surfaces, even if their depths hardly differ. The
     // pieces of a leaf are consecutive in `part.pieces`.
     const auto covers = [](const Part& part, const LeafPiece& p) {
         for (std::size_t k = part.pieces.size(); k-- > 0;) {

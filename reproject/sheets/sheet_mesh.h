@@ -14,8 +14,8 @@
 namespace postlens {
 
 /// Identifies a surface. Nodes belong to the same surface if they lie on the same object, have the same path
-/// (sequence of reflections and transmissions), are reflected or transmitted by the same object, and are
-/// equally `hidden`.
+/// (sequence of reflections and transmissions), are reflected or transmitted by the same object, and have the
+/// same value of `hidden`.
 struct SheetKey {
     NodePath path;  ///< empty for primary nodes
     std::uint32_t parent_id =
@@ -123,7 +123,7 @@ struct SheetMesh {
     double time_s = 0;
     std::vector<Sheet> sheets;
     /// For each cell (raster pixel of a sheet), the root of its quadtree. `fine` has full detail. `coarse` is
-    /// for surfaces that are blurred over several pixels: there, a cell that the sheet fills is a single
+    /// for surfaces that are blurred over several pixels: in it, a cell that the sheet fills is a single
     /// undivided leaf.
     std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions in 1/m, whose origin is the cell's centre. The first function
