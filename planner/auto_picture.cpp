@@ -171,9 +171,9 @@ double deeper_share(const SampleFileReader& file) {
 }
 
 /// Returns whether the method `layers` takes no longer than drawing the first views. The time of `layers` is
-/// proportional to the number of records, and the time of views to the number of view samples. A directly
-/// visible record takes about as long as a view sample. A reflected or transmitted record takes `deeper_cost`
-/// times as long.
+/// proportional to the number of records, and the time of views to the number of their pixels. A directly
+/// visible record takes about as long as a pixel of a view. A reflected or transmitted record takes
+/// `deeper_cost` times as long.
 bool is_worth_layers(const SampleFileReader& file) {
     constexpr double deeper_cost = 2;
     const SampleHeader& h = file.header();
@@ -278,8 +278,7 @@ AutoResult auto_picture(FocusFrame& frame, const AutoSettings& settings) {
                                     LeftToRays::samples_and_lights))
                 measured = measure({}, CheckedPixels::Use::deciding);
             // More views do not reduce the error of the records. If this error exceeds a quarter of the
-            // target error, rays replace the view samples of the tiles with the largest errors, which costs
-            // less.
+            // target error, rays replace all samples of the tiles with the largest errors, which costs less.
             if (views.leave_to_rays(biased_tiles(measured, grid, most_mse / 4, most_mse),
                                     LeftToRays::samples))
                 measured = measure({}, CheckedPixels::Use::deciding);

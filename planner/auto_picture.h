@@ -39,7 +39,7 @@ struct AutoResult {
     /// only if no scene is given.
     double unsure_share = 0;
     /// `noise_mse` is the measured noise of the views. `bound_mse` is an upper bound of the error caused by
-    /// this noise and by view samples that the records do not determine (planner/errors/records_bound.h).
+    /// this noise and by samples whose colours the records do not determine (planner/errors/records_bound.h).
     /// Both are set only if no scene is given. In this case `hybrid.stated` is empty.
     double noise_mse = 0, bound_mse = 0;
     bool met = false;  ///< whether the stated error (without a scene, the noise) reaches the target

@@ -101,10 +101,10 @@ std::vector<std::uint8_t> misplaced_highlights(const HalvedViews& views, const M
 }
 
 /// Makes the image from records and from rays into the scene. Its views form two halves that are drawn
-/// separately, and the difference between the halves measures the noise. If check rays show an error of the
-/// records, rays replace all view samples in the tiles with the largest errors. Tiles are added until the
-/// remaining error is small compared with the noise, or until noise and remaining error together are at most
-/// `fine_mse`.
+/// separately, and the difference between the halves measures the noise. Check rays are compared with the
+/// records. If they show an error of the records, rays replace all samples in the tiles with the largest
+/// errors. Tiles are added until the remaining error is small compared with the noise, or until noise and
+/// remaining error together are at most `fine_mse`.
 HybridResult with_rays(FocusFrame& frame, const HybridSettings& settings) {
     HalvedViews views(frame, settings);
     views.draw(std::vector<int>(views.grid().count(), settings.focus.views));

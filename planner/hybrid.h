@@ -24,7 +24,7 @@ struct HybridSettings {
     const FrameMotion* motion = nullptr;
     std::optional<TimeSpan> shutter;
     ShutterCurve curve = ShutterCurve::box();
-    /// The scene from which the file was traced. Rays into the scene replace the view samples that the
+    /// The scene from which the file was traced. Rays into the scene replace samples whose colours the
     /// records do not determine. If null, no rays are traced.
     const Scene* scene = nullptr;
     /// Selects the view samples that are compared with rays, for each half of the views

@@ -38,12 +38,12 @@ struct Differences {
     }
 };
 
-/// Residuals (ray minus record) of the two halves in a pixel, as sRGB values per channel.
+/// Residuals (ray minus record) of the image's two halves in a pixel, as sRGB values per channel.
 struct Residuals {
     std::array<double, 3> a{}, b{};
 };
-/// Returns the product of the residuals of two independent halves, as a mean over channels. It is an estimate
-/// of the squared error.
+/// Returns the product of the residuals of the image's two independent halves, as a mean over channels. It is
+/// an estimate of the squared error.
 double product(const std::array<double, 3>& a, const std::array<double, 3>& b) {
     return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / 3;
 }

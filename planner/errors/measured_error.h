@@ -40,8 +40,8 @@ struct TileError {
 
 struct MeasuredError {
     std::vector<TileError> tiles;  ///< one per tile of TileGrid, row by row
-    /// Errors of the image that the records cause, measured by check rays. As estimates, they may be
-    /// negative.
+    /// Errors of the image that the records cause, measured by check rays, whose radiance is compared with
+    /// the records. As estimates, they may be negative.
     double bias_mse = 0;
     double highlights_mse = 0;  ///< the part of `bias_mse` that highlights cause
     double bias_variance = 0;   ///< variance of `bias_mse`

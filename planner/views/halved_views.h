@@ -18,7 +18,7 @@
 namespace postlens {
 
 /// Draws the views of an image in several steps, with a number of views for each tile. If a scene is given,
-/// rays replace the view samples that the records do not determine.
+/// rays replace samples whose colours the records do not determine.
 class HalvedViews {
   public:
     /// `focus.views` and `focus.method` are ignored. `first_set` is the index of the first set of lens
@@ -44,7 +44,7 @@ class HalvedViews {
     [[nodiscard]] const FieldFocus& half(std::size_t number) const { return halves_[number]; }
     [[nodiscard]] const CheckedPixels& checked_pixels() const { return checked_pixels_; }
     [[nodiscard]] RayCounts rays() const { return rays_ ? rays_->counts() : RayCounts{}; }
-    /// Returns the mean of all views drawn so far. Its `checks` are the sums over both halves.
+    /// Returns the mean of all views drawn so far. Its `checks` are the sums over both halves of the views.
     [[nodiscard]] FieldFocus whole() &&;
 
   private:

@@ -44,8 +44,9 @@ struct PatchLens {
                                const glm::dvec2& reach)>
         motion;
 
-    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. The circle is
-    /// an ellipse if the node's 2x2 matrix W, given as `w`, is not isotropic.
+    /// Returns the smaller semi-axis, in px, of the circle of confusion of a shading-tree node. `w` is the
+    /// node's matrix W, which describes how the node's image moves with the lens point. If it is not
+    /// isotropic, the circle is an ellipse.
     [[nodiscard]] double least_blur_px(const Mat2& w) const;
 };
 [[nodiscard]] PatchLens patch_lens(const FocusGeometry& geometry);

@@ -67,7 +67,8 @@ class TreeSums {
     };
     static constexpr std::uint32_t no_chain = 0xFFFFFFFFU;
     using Children = std::array<std::uint32_t, 2>;  ///< for each bounce, an index into chains_, or no_chain
-    /// The nodes of a tile that share one path (sequence of reflections and transmissions from the eye).
+    /// The surfaces of a tile that are seen along one path (sequence of reflections and transmissions from
+    /// the eye).
     struct Chain {
         NodePath path;
         std::size_t parent = 0;  ///< index into chains_; its own index if the parent is the primary surface
@@ -77,8 +78,8 @@ class TreeSums {
         std::unique_ptr<SeenTile> seen;
         bool used = false;       ///< whether anything was added to `sums`; if not, its values are undefined
         std::vector<Sums> sums;  ///< per pixel of the tile
-        /// Largest radiance of a node of this path in the tile. After end_views, it also includes the
-        /// radiance of the node's descendants.
+        /// Largest radiance of a surface of this path in the tile. After end_views, it also includes the
+        /// radiance of the surfaces that this surface reflects and transmits.
         float brightest = 0;
         bool any_wanted = false, any_seen = false;
     };
@@ -88,11 +89,11 @@ class TreeSums {
     [[nodiscard]] glm::dvec3 light(std::size_t k, const Children& chains, std::uint8_t children) const;
     void add_seen(std::size_t k, double weight, Chain& chain, std::uint32_t texel,
                   std::uint32_t primary_texel);
-    /// If a node is missing in pixel k, adds those of its descendants that are recorded. Returns whether
-    /// there are any.
+    /// If the surface of `chain` is missing in pixel k, adds those surfaces that it reflects or transmits and
+    /// that are recorded. Returns whether there are any.
     bool add_beside(std::size_t k, double weight, const Chain& chain, std::uint32_t primary_texel);
-    /// Returns the id of the object that would reflect or transmit a node of `chain` in pixel k. It is the
-    /// object of the node's nearest ancestor that the view sees.
+    /// Returns the id of the object that would reflect or transmit the surface of `chain` in pixel k. It is
+    /// the object of the surface's nearest ancestor that the view sees.
     [[nodiscard]] std::uint32_t id_around(const Chain& chain, std::size_t k) const;
     [[nodiscard]] std::uint32_t number_of(NodePath path) const;
     /// Returns the sums of pixel k in `chain`, which contains the surfaces with one path. All sums of a chain

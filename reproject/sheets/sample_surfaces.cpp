@@ -10,8 +10,8 @@ namespace {
 /// the samples belong to two different surfaces.
 constexpr double steepest_slope = 40;
 
-/// Adds up the radiance of all nodes of one sample and layer, as a single surface. Returns false if none of
-/// the nodes is seen directly.
+/// Adds up the radiance of all shading-tree nodes of one sample and layer, as a single surface. Returns false
+/// if none of these nodes is seen directly.
 bool take_surface(const Record* first, const Record* last, LayerSurface& out) {
     const Record& primary = *first;
     const bool known = primary.path.bits() == 0;
@@ -119,8 +119,8 @@ void find_surfaces(const RecordBand& band, const PointSamples& points, int y_beg
 
 namespace {
 
-/// For each node in [first, last), finds the index of its parent node. If the parent is missing from this
-/// range, the node gets its own index.
+/// For each shading-tree node in [first, last), finds the index of its parent node. If the parent is missing
+/// from this range, the node gets its own index.
 void find_parents(const Record* first, const Record* last, std::vector<std::uint32_t>& parents) {
     const auto count = static_cast<std::uint32_t>(last - first);
     parents.resize(count);

@@ -15,10 +15,10 @@
 
 namespace postlens {
 
-/// Builds sheets from the samples at the corners of quadtree leaves. If all four corners of a leaf see one
-/// surface, the colour of the leaf is the mean of their colours. If a corner sees another surface, or if the
-/// depth is discontinuous, each quarter of the leaf gets the colour of its corner. Parts of one object become
-/// different sheets if their depths differ too much for one surface.
+/// Builds sheets (surfaces within a square of the raster) from the samples at the corners of quadtree leaves.
+/// If all four corners of a leaf see one surface, the colour of the leaf is the mean of their colours. If a
+/// corner sees another surface, or if the depth is discontinuous, each quarter of the leaf gets the colour of
+/// its corner. Parts of one object become different sheets if their depths differ too much for one surface.
 class SheetBuilder {
   public:
     /// Keeps references to all arguments.
@@ -50,7 +50,8 @@ class SheetBuilder {
     void emit();
     [[nodiscard]] const TreeSurface& node(std::uint32_t i) const { return trees_.nodes[i]; }
 
-    /// A sheet under construction. Its pixels have the same order as the pixels of the square.
+    /// A sheet (surface within the square) under construction. Its pixels have the same order as the pixels
+    /// of the square.
     struct Draft {
         std::vector<int> cells;
         std::vector<std::uint32_t> fine, coarse;

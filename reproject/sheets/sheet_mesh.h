@@ -127,7 +127,8 @@ struct SheetMesh {
     /// undivided leaf.
     std::vector<std::uint32_t> fine, coarse;
     /// For each cell, `values` linear functions in 1/m, whose origin is the cell's centre. The first function
-    /// is 1/z'. For reflected and transmitted nodes, the entries xx, xy, yx and yy of the matrix W follow.
+    /// is 1/z'. For surfaces seen by reflection or transmission, functions for the entries xx, xy, yx and yy
+    /// of the matrix W follow.
     std::vector<CellPlane> planes;
     std::size_t values = 1;
     std::vector<float> bends;  ///< for each cell, its largest Record::w_bend; only if W is stored
@@ -145,8 +146,8 @@ struct SheetMesh {
     [[nodiscard]] bool has_w() const { return values == 5; }
 };
 
-/// The sheets of one instant. `primary` contains surfaces that are seen directly, and `deeper` contains
-/// surfaces that are seen by reflection or transmission.
+/// The sheets (parts of surfaces) of one instant. `primary` contains surfaces that are seen directly, and
+/// `deeper` contains surfaces that are seen by reflection or transmission.
 struct TreeSheets {
     SheetMesh primary;
     SheetMesh deeper;  ///< its planes include W; empty if there are no such surfaces
@@ -166,8 +167,8 @@ struct HighlightRule {
     /// If the function is empty, nothing becomes a highlight.
     std::function<bool(const Highlight& light, const SheetKey& key, const BrightSheet& sheet)> takes;
 };
-/// Returns, for each sheet of the mesh, the total area of its elements of `bright` and how far nearer
-/// surfaces hide them.
+/// Returns, for each sheet of the mesh, the total area of its elements of `bright`, and whether nearer
+/// surfaces hide parts of them.
 [[nodiscard]] std::vector<BrightSheet> bright_sheets(const SheetMesh& mesh);
 
 /// Selects which sheets (parts of surfaces) of an instant are built. The selection changes the indices of the
@@ -188,9 +189,9 @@ struct SheetChoice {
     static constexpr int squares_per_part = 8;
 };
 
-/// Reads the sheets of an instant from the file. Calls `also` for the rows that are read. Throws
-/// Error(out_of_memory) if the sheets would not fit into memory. Exceptions of the reader and of `also` are
-/// passed on.
+/// Reads the sheets (parts of surfaces) of an instant from the file. Calls `also` for the rows that are read.
+/// Throws Error(out_of_memory) if the sheets would not fit into memory. Exceptions of the reader and of
+/// `also` are passed on.
 [[nodiscard]] TreeSheets tree_sheets(const SampleFileReader& file, std::size_t instant,
                                      const HighlightRule& rule, const RecordsRead& also = {},
                                      const SheetChoice& choice = {});
