@@ -29,9 +29,9 @@ void check(const MotionBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest accepted value of Crossing::most_mse, an upper bound of the error where groups cross. Measured
-/// errors are much smaller than the bound. At this limit, the PSNR is at least 45 dB over the pixels that the
-/// group touches.
+/// Largest accepted value of Crossing::most_mse, an upper bound of the error where groups cross. The actual
+/// errors are much smaller: at this limit, the measured PSNR is at least 45 dB over the pixels that the group
+/// touches.
 constexpr double most_crossing_mse = 1e-3;
 
 class MotionBlur {
@@ -88,8 +88,8 @@ class MotionBlur {
         const std::vector<std::uint32_t> candidates = motion_.moving_ids();
         if (candidates.empty() && !all) return;
         const std::vector<std::uint32_t> only = all ? std::vector<std::uint32_t>() : candidates;
-        // Neighbouring bands share a row. An object that is recorded only in this row keeps both bands in
-        // memory.
+        // Only bands that contain one of these objects stay in memory. Neighbouring bands share a row, so an
+        // object in this row keeps both bands.
         bands_.read_all([&](const RecordBand& band) { return add_extents(band, only, extents_[0]); });
         std::map<std::uint32_t, IdMotion> found;
         for (const auto& [id, extent] : extents_[0])
@@ -166,15 +166,15 @@ class MotionBlur {
         }
     }
 
-    // Whether the border of the records cuts off an object at the frame's instant. Only convolve is affected,
-    // because it uses no other instant. lightfield uses other instants too, and finds the pixels that the
-    // missing part may cover.
+    // Whether the border of the recorded area cuts off an object at the frame's instant. Convolution would
+    // not show the part beyond the border, because it uses the records of this instant only. The light field
+    // method also uses other instants, and finds the pixels that the missing part may cover.
     [[nodiscard]] bool is_cut_at_frame(std::uint32_t id) const {
         return is_cut(file_, motion_, id, std::span(extents_).first(1), settings_.exposure);
     }
 
-    // Whether the light may differ between the frame's instant and other recorded instants. convolve uses
-    // only the frame's instant.
+    // Whether shading, shadows or reflections may change between the recorded instants. Convolution would not
+    // show this, because it uses the records of the frame's instant only.
     [[nodiscard]] bool keys_show_other_light() const {
         return file_.instants() > 1 && settings_.method == MotionMethod::automatic &&
                UnseenMotion(header_, with_unseen(moving_ids(motions_)), settings_.exposure).possible();
@@ -188,8 +188,8 @@ class MotionBlur {
             low = std::min(low, box.low_px.y);
             high = std::max(high, box.high_px.y);
         }
-        // The margin of 2 rows is needed because samples and cells have an extent. A sample represents a
-        // quarter of a quadtree leaf, and a cell extends half a cell beyond its centre.
+        // The margin of 2 rows covers the extent of samples and cells. A sample represents a quarter of a
+        // quadtree leaf, and a cell of the raster extends half a cell beyond its centre.
         const auto within = [&](double y) {
             return static_cast<int>(
                 std::clamp(y, static_cast<double>(file_.y_begin()), static_cast<double>(file_.y_end())));
@@ -198,8 +198,8 @@ class MotionBlur {
     }
 
     /// Finds the groups of objects to convolve, and the surfaces in the rows that these groups touch. With
-    /// `automatic`, lightfield is used for a group with parallax that is more than one surface, or that has
-    /// other surfaces in its range of depth.
+    /// the method `automatic`, a group with parallax is left to the light field method if depth slices would
+    /// be inaccurate (why_not_sliced).
     void prepare_convolution() {
         std::vector<IdMotion> ids;
         for (std::size_t i = 0; i < motions_.size(); ++i) {
@@ -259,8 +259,8 @@ class MotionBlur {
         });
     }
 
-    /// With `automatic`, groups that cross use lightfield. Their pixels are later replaced by those of its
-    /// views.
+    /// With the method `automatic`, a group that crosses another one is left to the light field method if the
+    /// error may exceed `most_crossing_mse`. The group's pixels are replaced later.
     void convolve_groups() {
         ConvolveBlur blur = convolve_blur(result_.image, surfaces_, groups_, settings_.exposure,
                                           settings_.curve, across_per_px(header_));
@@ -344,7 +344,7 @@ class MotionBlur {
         if (!unseen.possible()) return;
         bands_.need_all();
         for (const RecordBand& band : bands_.bands()) {
-            // The last row of a band is also the first row of the next band.
+            // The last row of the band is left out, because it is also the first row of the next band.
             unseen.add(band, band.y_begin, band.y_end - 1);
         }
         for (MotionWarning& warning : unseen.warnings()) result_.warnings.push_back(std::move(warning));

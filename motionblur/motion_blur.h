@@ -1,5 +1,4 @@
-// Motion blur of a sample file. Computes the image that the recorded objects give if they move during the
-// exposure.
+// Computes the image of a sample file with motion blur: the recorded objects move while the shutter is open.
 #pragma once
 
 #include <optional>
@@ -31,8 +30,8 @@ struct MotionBlurSettings {
     std::vector<ObjectPath> paths;  ///< each replaces the motion that the file states for the path's ids
     std::optional<double> fit_px;   ///< tolerance within which splines replace paths, px
     /// The part of the image to compute. Pixels outside of it are undefined. Pixels within it are
-    /// bit-identical to those without a crop, and the shares in the result refer to them. Only lightfield
-    /// becomes faster.
+    /// bit-identical to those of the whole image. The shares in the result are fractions of the crop's
+    /// pixels. Only the method lightfield becomes faster.
     std::optional<Crop> crop;
 };
 
@@ -50,7 +49,8 @@ struct ObjectReport {
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0, deviation_px = 0;
     int slices = 0;  ///< number of depth slices of convolve
-    /// Numbers for the path that convolve uses. There are 0 knots if it is not fitted.
+    /// The path that convolve uses: its number of points, the number of knots of the fitted spline (0 if the
+    /// path is not fitted), and the error of the fit.
     std::size_t path_points = 0, fitted_knots = 0;
     double fit_error_px = 0;
     std::string reason;

@@ -24,9 +24,9 @@ struct IdExtent {
 };
 using IdExtents = std::map<std::uint32_t, IdExtent>;
 
-/// Enlarges the bounding boxes of objects to include their directly visible surfaces in all layers of a band.
-/// `only` contains the sorted ids of the objects to include. If it is empty, all objects are included.
-/// Returns whether the band contains any of these objects.
+/// Enlarges the bounding boxes of objects to include their directly visible surfaces in a band, in all
+/// layers. If `only` is not empty, it contains the sorted ids of the objects to include. Returns whether the
+/// band contains any of the included objects.
 bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only, IdExtents& to);
 
 enum class MotionKind {
@@ -45,8 +45,9 @@ struct IdMotion {
     /// Largest difference between the displacement of a corner of the box and that of the box's centre. May
     /// be infinite.
     double deviation_px = 0;
-    /// The same difference if parallax is included: the centre's displacement is first multiplied by the
-    /// ratio of the inverse depths of corner and centre.
+    /// Largest difference, in px, between the displacement of a corner of the box and the displacement that
+    /// parallax predicts. The prediction is the centre's displacement times the ratio of the corner's inverse
+    /// depth to the centre's.
     double bend_px = 0;
     RasterPoint centre;
     double inverse_z = 0;  ///< mean inverse depth of the object's records, 1/m

@@ -17,7 +17,8 @@ namespace {
 
 using glm::dvec3;
 
-// The frame's own instant, and nine evenly spaced instants of the exposure.
+// Number of instants at which shadows and lights are tested: the frame's own instant, and nine evenly spaced
+// instants of the exposure.
 constexpr int shadow_instants = 10;
 constexpr int shadow_step_px = 4;
 
@@ -25,9 +26,9 @@ bool is_moving(const std::vector<std::uint32_t>& moving, std::uint32_t id) {
     return std::binary_search(moving.begin(), moving.end(), id);
 }
 
-/// Returns whether a shading tree shows an object that moves differently from the directly visible object.
-/// Such a motion is not shown, because all nodes of a tree are reprojected with the motion of the directly
-/// visible object.
+/// Returns whether the surface at `r` reflects or transmits an object that moves differently from this
+/// surface. The blurred image does not show such a motion, because reflected and transmitted surfaces are
+/// moved together with the surface at `r`.
 bool shows_other_motion(const Record* r, const Record* end, const std::vector<std::uint32_t>& moving) {
     const bool carried = is_moving(moving, r->id);
     for (const Record* node = r + 1; node != end; ++node) {
@@ -36,8 +37,9 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
     return false;
 }
 
-/// Calls tree(first, end) for every shading tree of layer 0 in a pixel. [first, end) is the range of its
-/// records.
+/// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of the surfaces that the
+/// ray and its reflections and refractions hit. Surfaces hidden from the pinhole (layers above 0) are left
+/// out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];
@@ -204,9 +206,9 @@ class ShadowTest {
     bool lit_objects_move_ = false;
 };
 
-/// Returns whether the border of the recorded area cuts off an object so that a part of it is missing in the
-/// frame at another instant. `map` moves the object's records from the recorded instant to that other
-/// instant.
+/// Returns whether an edge at which the object is cut off moves into the frame. An edge is cut off if the
+/// object reaches the border of the recorded area. `map` moves the object's records from the recorded instant
+/// to another instant.
 bool border_is_within(const SampleFileReader& file, const RasterMap& map, const IdExtent& e) {
     const SampleHeader& h = file.header();
     const std::array<bool, 4> cut{e.x_min <= file.x_begin(), e.x_max >= file.x_end() - 1,
@@ -217,7 +219,8 @@ bool border_is_within(const SampleFileReader& file, const RasterMap& map, const 
         const auto p = map({right ? e.x_max : e.x_min, low ? e.y_max : e.y_min,
                             (k & 4) != 0 ? e.inverse_z_max : e.inverse_z_min});
         if (!p) return true;
-        // Without overscan, the border of the recorded area is the border of the frame.
+        // Without overscan, a cut-off edge lies on the border of the frame from the start. It only counts if
+        // it moves into the frame by more than this margin.
         constexpr double margin_px = 0.5;
         if ((cut[0] && !right && p->x > margin_px) || (cut[1] && right && p->x < h.width - margin_px) ||
             (cut[2] && !low && p->y > margin_px) || (cut[3] && low && p->y < h.height - margin_px))
@@ -335,8 +338,8 @@ bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32
         };
         if (is_whole(0)) continue;
         const std::vector<InstantShare> around = instants_around(instants_s, t);
-        // The object counts as out of sight at the instant t if it is recorded neither at the frame's instant
-        // nor at the recorded instants just before and after t.
+        // An object that is recorded neither at the frame's instant nor at the recorded instants just before
+        // and after t is not visible at t. Nothing of it can be missing then.
         const auto shows = [&](const InstantShare& at) { return instants[at.instant].contains(id); };
         if (!in_frame && std::none_of(around.begin(), around.end(), shows)) continue;
         if (std::none_of(around.begin(), around.end(),
@@ -355,8 +358,8 @@ void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
     for (const ObjectReport& o : objects) {
         if (o.id == 0 || o.kind == MotionKind::still) continue;
         const bool by_field = o.method == MotionMethod::lightfield;
-        // If the camera moves, a surface that fills the frame is cut off at every instant. For lightfield,
-        // the warning "uncovered" covers this case.
+        // If the camera moves, a surface that fills the frame is cut off at every instant. lightfield reports
+        // the missing parts of such surfaces by the warning "uncovered" instead.
         if (camera_moves && by_field) continue;
         const std::size_t used = by_field ? instants.size() : 1;
         if (!is_cut(file, motion, o.id, instants.first(used), exposure)) continue;

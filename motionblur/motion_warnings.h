@@ -44,22 +44,22 @@ class UnseenMotion {
     std::unique_ptr<Counts> counts_;
 };
 
-/// Adds the warning "uncovered" for pixels with more than 1 % unknown light. `unknown` has one value per
-/// pixel. The limit is above the share of one view in 128, because a single sample may fall into a tiny gap
-/// between quadtree leaves. `text` has one placeholder for the affected share of the pixels, in per cent.
+/// Adds the warning "uncovered" for pixels in which more than 1 % of the light is unknown. `unknown` contains
+/// this share for each pixel. Smaller shares are ignored, because the sample of one view in 128 may fall into
+/// a tiny gap between quadtree leaves. `text` is a format string with one placeholder for the percentage of
+/// affected pixels.
 void warn_of_gaps(const std::vector<float>& unknown, const char* text, std::vector<MotionWarning>& out);
 
-/// Returns whether the border of the recorded area cuts off an object, so that a part of it is missing in the
-/// frame while the shutter is open. `instants` contains the extents of the objects at the recorded instants
-/// that may be used. The first of them is the frame's own instant. For each instant of the exposure, the
-/// whole object must be recorded at the frame's instant or at the recorded instant just before or after.
-/// Otherwise, it counts as cut off.
+/// Returns whether the border of the recorded area cuts off an object while the shutter is open. An object
+/// counts as cut off if, at some instant of the exposure, it is whole neither in the records of the frame's
+/// instant nor in those of the recorded instants just before and after. `instants` contains the extents of
+/// the objects at the recorded instants that may be used, beginning with the frame's own instant.
 [[nodiscard]] bool is_cut(const SampleFileReader& file, const FrameMotion& motion, std::uint32_t id,
                           std::span<const IdExtents> instants, const Exposure& exposure);
 
-/// Adds the warning "overscan" for moving objects that are cut off (`is_cut`). lightfield uses all recorded
-/// instants of `instants`, and convolve uses only the first. If the camera moves, only the objects that
-/// convolve blurs are tested.
+/// Adds the warning "overscan" for moving objects that are cut off (`is_cut`). Objects that lightfield blurs
+/// are tested with all recorded instants of `instants`, and all others with the first only. If the camera
+/// moves, objects that lightfield blurs are not tested.
 void warn_of_cut(const SampleFileReader& file, const FrameMotion& motion,
                  const std::vector<ObjectReport>& objects, std::span<const IdExtents> instants,
                  const Exposure& exposure, std::vector<MotionWarning>& out);

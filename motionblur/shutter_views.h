@@ -26,8 +26,9 @@ void check_views(const std::optional<int>& views);
 /// very different positions.
 [[nodiscard]] glm::dvec2 place_in_pixel(std::uint32_t j, double places);
 
-/// Returns the number of views for a largest displacement. It is one view per 2 px, rounded to a power of 2
-/// between `fewest_views` and `most_views_by_itself`. docs/motion.md states the error of such images.
+/// Returns the number of views for objects that move by up to `longest_px`. It is one view per 2 px, rounded
+/// up to a power of 2, between `fewest_views` and `most_views_by_itself`. docs/motion.md states the error of
+/// such images.
 [[nodiscard]] int views_for_way(double longest_px);
 
 struct ShutterView {

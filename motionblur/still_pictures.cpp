@@ -8,7 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Adds one band of an instant's image with the weight `share`. Pixels that are `hidden` are left out.
+/// Adds one band of an instant's image, multiplied by `share`, to `sum`. Adds `share` to `weight`. Pixels
+/// with a nonzero entry in `hidden` are skipped.
 void add_band(const SampleHeader& header, const RecordBand& band, double share,
               const std::vector<std::uint8_t>& hidden, std::vector<double>& sum,
               std::vector<double>& weight) {
@@ -29,8 +30,8 @@ void add_band(const SampleHeader& header, const RecordBand& band, double share,
 
 }  // namespace
 
-// A pixel stores the record at its upper left corner. The records at its other three corners are stored with
-// its right, lower and lower right neighbours.
+// The record at the upper left corner of a pixel is stored with this pixel, and those at its other corners
+// with its right, lower and lower right neighbours.
 std::vector<std::uint8_t> pixels_showing(const SampleHeader& header, const std::vector<RecordBand>& bands,
                                          const std::vector<std::uint32_t>& ids) {
     const auto width = static_cast<std::size_t>(header.width);

@@ -1,4 +1,5 @@
-// Convolves the raster of a moving object with the raster of its path: i1 * i2 in [potmesil1983].
+// Blurs the raster of a moving object by convolving it with the raster of its path: i1 * i2 in
+// [potmesil1983].
 #pragma once
 
 #include <optional>
@@ -16,7 +17,8 @@ struct Planes {
 };
 
 /// Method of convolving an object's raster with the raster of its path.
-/// - direct: a sum over the path's cells. A run of equal weights along a row or column is a single step.
+/// - direct: sums over the path's cells. A run of equal weights along a row or column is added in a single
+///   step.
 /// - fft: Fourier transforms, in blocks if that is cheaper.
 /// - automatic: whichever of the two is predicted to be faster.
 enum class ConvolutionMethod { automatic, direct, fft };
@@ -41,7 +43,7 @@ enum class ConvolutionMethod { automatic, direct, fft };
 /// Convolves i1 with i2 cell by cell, as in the definition, in double precision. Used by tests.
 [[nodiscard]] Planes convolve_reference(const Planes& i1, const PathRaster& i2);
 
-/// Predicted times of the methods direct and fft, in seconds, for one thread of the machine of
+/// Predicted times of the methods direct and fft on one thread, in seconds, for the computer described in
 /// docs/performance.md. The method `automatic` compares these times.
 struct ConvolutionCosts {
     double direct_s = 0, fft_s = 0;

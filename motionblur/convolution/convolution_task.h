@@ -1,5 +1,5 @@
-// Input of both methods of convolution. It consists of the nonzero parts of i1 (raster of an object) and i2
-// (raster of its path), and of the window of the result.
+// The input of a convolution: the nonzero parts of i1 (raster of an object) and i2 (raster of its path), and
+// the window of the result.
 #pragma once
 
 #include <vector>
@@ -22,13 +22,13 @@ struct ConvolutionTask {
     CellWindow out;                 ///< cells of the result that are wanted and that a nonzero cell may reach
     std::vector<ColumnRange> rows;  ///< for each row of `source`, the range of its nonzero columns
 
-    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. `out`
-    /// is empty if the result is 0 everywhere in `wanted`.
+    /// Creates the task of convolving `a`, the raster of an object, with `b`, the raster of its path. Only
+    /// the part of the result within `wanted` is computed. `out` becomes empty if this part is 0.
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer to row y of a plane of the object's raster. Element x of the pointer is the cell in
-    /// column x.
+    /// Returns a pointer p to row y of a plane of the object's raster, such that p[x] is the cell in column
+    /// x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -
@@ -39,8 +39,7 @@ struct ConvolutionTask {
     }
 };
 
-/// Creates planes of zeros over the window. The zeros are written by all threads. Throws
-/// Error(out_of_memory).
+/// Creates `count` planes of zeros over the window. Throws Error(out_of_memory).
 [[nodiscard]] Planes zero_planes(const CellWindow& window, std::size_t count);
 
 /// Returns the window of the full convolution of two rasters with the windows `a` and `b`.

@@ -15,14 +15,14 @@ namespace {
 constexpr int tile = 64;
 constexpr int lanes = 8;
 constexpr int vectors = tile / lanes;
-/// Number of terms that are summed as floats before the sum is added to a double. It keeps the rounding error
-/// below 34 * 2^-24 of the sum.
+/// Number of terms that are summed as floats before their sum is added to a double. Such short sums keep the
+/// rounding error below 34 * 2^-24 of the sum.
 constexpr std::size_t terms_per_flush = 32;
-/// Number of cells that cost about as much as one run of equal weights. Shorter runs are processed cell by
-/// cell.
+/// Time for a run of equal weights, in multiples of the time for a single cell. A run of more cells than this
+/// is processed as a whole, a shorter run cell by cell.
 constexpr int run_cost = 6;
-/// Relative difference up to which two weights count as equal. Weights that should be equal may differ
-/// slightly by rounding, because each weight is the difference of two sums of light.
+/// Relative difference up to which two weights count as equal. Weights that should be equal may differ by
+/// rounding, because each weight is the difference of two cumulative exposures.
 constexpr double equal_weights = 1e-9;
 
 // NOLINTNEXTLINE(modernize-use-using): an alias declaration would lose the attributes
@@ -38,8 +38,8 @@ struct PathRun {
     double weight;
 };
 
-/// The path's raster, divided into runs of equal weight, row by row. A run may be a single cell. The unit of
-/// `cost` is the cost of a cell.
+/// The path's raster, divided into runs of equal weight, row by row. A run may be a single cell. `cost` is
+/// the predicted time of a convolution, in multiples of the time for one cell.
 struct PathRuns {
     std::vector<PathRun> runs;
     double cost = 0;
@@ -119,14 +119,15 @@ void transpose(const Planes& from, const CellWindow& window, Planes& to) {
     });
 }
 
-/// One cell of the path's raster. It consists of a weight and of the offset of the values that the weight
-/// multiplies. The offset is relative to the tile's position.
+/// The contribution of one cell of the path's raster: `weight` times the object's values at the offset `at`
+/// from the position of the output tile.
 struct CellTerm {
     std::ptrdiff_t at;
     float weight;
 };
-/// A run of path cells with equal weight. The weight multiplies the difference of two running sums. Their
-/// offsets `high` and `low` are relative to the tile's position.
+/// The contribution of a run of path cells with equal weight: `weight` times the difference of two running
+/// sums of the object's values. `high` and `low` are the offsets of these sums from the position of the
+/// output tile.
 struct RunTerm {
     std::ptrdiff_t high, low;
     double weight;
@@ -135,7 +136,8 @@ struct Terms {
     std::vector<CellTerm> cells;
     std::vector<RunTerm> runs;
 };
-/// A row of the path's raster, with the ranges of its terms in the lists of cells and of runs.
+/// A row of the path's raster. Its contributions are the ranges [cells_begin, cells_end) of Terms::cells and
+/// [runs_begin, runs_end) of Terms::runs.
 struct PathRow {
     int y;
     ColumnRange columns;
@@ -188,8 +190,8 @@ class DirectConvolution {
     }
 
     void run(Planes& result) const {
-        // Each column of tiles is processed downwards, 64 rows per task. The rows of i1 (the object's raster)
-        // that the tiles of a task read then stay in the cache.
+        // A task processes 64 rows of a column of tiles from top to bottom. Successive tiles read mostly the
+        // same rows of the object's raster, which therefore stay in the cache.
         constexpr int band = 64;
         const auto strips = static_cast<std::size_t>((out_.width() + tile - 1) / tile);
         const auto bands = static_cast<std::size_t>((out_.height() + band - 1) / band);
@@ -232,8 +234,7 @@ class DirectConvolution {
     }
 
     /// Lists the terms of the convolution, row by row of the path's raster. A short run of equal weights
-    /// becomes one CellTerm for each of its cells, and a long run becomes one RunTerm. Offsets are relative
-    /// to the tile's position.
+    /// becomes one CellTerm per cell, and a long run becomes one RunTerm.
     void lay_terms() {
         const auto stride = static_cast<std::ptrdiff_t>(stride_);
         for (const PathRun& run : runs_.runs) {
@@ -261,7 +262,8 @@ class DirectConvolution {
             if (from < source_.y_begin) break;
             if (from >= source_.y_end) continue;
             const ColumnRange c = task_.columns(from);
-            // The tile reads columns [x - end + 1, x + tile - begin) of i1.
+            // The tile reads columns [x - end + 1, x + tile - begin) of this row of the object's raster. If
+            // these are all 0, the row adds nothing.
             if (x - row.columns.end + 1 >= c.end || x + tile - row.columns.begin <= c.begin) continue;
             const auto at = [](std::size_t i) { return static_cast<std::ptrdiff_t>(i); };
             terms.cells.insert(terms.cells.end(), all_.cells.begin() + at(row.cells_begin),
@@ -324,15 +326,16 @@ void convolve_direct(const ConvolutionTask& task, Planes& result) {
 double direct_cost_s(const ConvolutionTask& task) {
     if (task.is_empty()) return 0;
     const Orientation chosen = orient(task);
-    // Each term reads the nonzero columns of i1 (the object's raster), rounded up to whole tiles.
+    // Number of values of the object's raster that one term reads: the nonzero columns of each row, plus one
+    // tile, because tiles are read as a whole.
     double area = 0;
     for (const ColumnRange& c : task.rows) area += c.is_empty() ? 0 : c.end - c.begin + tile;
     const auto planes = static_cast<double>(task.i1.planes.size());
     // The number of additions is proportional to the share of the full result that is wanted.
     const CellWindow full = full_window(task.source, task.path);
     const double share = 1.0 * task.out.width() / full.width() * task.out.height() / full.height();
-    // The costs were measured with `one_object/direct` in convolution_bench. Copying takes longer in large
-    // arrays, because the system first has to provide their memory.
+    // The times were measured with the benchmark `one_object/direct` of convolution_bench. Copying large
+    // arrays takes longer, because the system first has to provide their memory.
     constexpr double s_per_cell = 1.3e-10, large_values = 500'000;
     const double s_per_copy = planes * area > large_values ? 12e-9 : 4e-9;
     const double s_per_sum = 2 * s_per_copy;

@@ -5,7 +5,7 @@
 
 namespace postlens {
 
-/// Adds the result for `task.out` to `result`, whose planes are 0 there.
+/// Writes the result for the cells of `task.out` into `result`. These cells must be 0 before the call.
 void convolve_direct(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

@@ -45,7 +45,8 @@ AxisBlocks blocks(const Axis& axis, int count) {
         const int x0 = axis.o0 + i * out.length;
         size = std::max(size, needed_size(axis, x0, std::min(x0 + out.length, axis.o1)));
     }
-    // Real transforms of odd sizes take twice as long. Rows that consist of whole vectors are fastest.
+    // A multiple of 8 is the fastest size, because rows then consist of whole vectors. Real transforms of odd
+    // sizes take twice as long.
     constexpr int vector = 8;
     out.size = vector * fast_fft_size((size + vector - 1) / vector);
     return out;

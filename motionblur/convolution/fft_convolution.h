@@ -5,7 +5,7 @@
 
 namespace postlens {
 
-/// Writes the result for `task.out` into `result`, whose planes are 0 everywhere else.
+/// Writes the result for the cells of `task.out` into `result`. These cells must be 0 before the call.
 void convolve_fft(const ConvolutionTask& task, Planes& result);
 
 /// Returns the predicted time of one thread, in seconds.

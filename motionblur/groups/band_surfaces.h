@@ -11,7 +11,8 @@ namespace postlens {
 
 /// Quadtree leaves and surfaces of the pixels in rows [y_begin, y_end).
 struct BandSurfaces {
-    /// Width is the number of columns of the band, one more than its pixels.
+    /// `width` is one more than the number of pixels in a row, because the right border of the last pixel is
+    /// recorded in a column of its own.
     int x_begin = 0, width = 0, y_begin = 0, y_end = 0;
     PixelLeaves leaves;
     SampleSurfaces surfaces;
@@ -28,9 +29,9 @@ struct BandSurfaces {
 
 inline constexpr int band_rows = 32;
 
-/// The records of one instant, in bands of `band_rows` rows of pixels. Each band also contains the row below,
-/// because the records on its lower border are stored there. Only the bands that are needed are kept in
-/// memory. These are usually few bands, because moving objects cover few rows of a frame.
+/// The records of one instant, in bands of `band_rows` rows of pixels. A band also contains the first row of
+/// the next band, because the records on the border between the two are stored there. Only the bands that are
+/// needed are kept in memory. These are usually few, because moving objects cover few rows of a frame.
 class RecordBands {
   public:
     /// Keeps a reference to the file. Does not read any records.
@@ -41,8 +42,7 @@ class RecordBands {
     /// Reads the bands of pixel rows [y_begin, y_end) that are not in memory yet.
     void need(int y_begin, int y_end);
     void need_all() { need(file_.y_begin(), file_.y_end()); }
-    /// Returns all bands of the recorded rows. A band that is not in memory has its range of rows and
-    /// columns, but no records and no offsets.
+    /// Returns all bands. A band that is not in memory has its range of rows and columns, but no records.
     [[nodiscard]] const std::vector<RecordBand>& bands() const { return bands_; }
 
   private:
@@ -53,8 +53,8 @@ class RecordBands {
     void read(RecordBand& band) const;
 };
 
-/// Finds the surfaces of the bands that contain rows [y_begin, y_end). These bands must be in memory. The
-/// result has one element per band. The elements of all other bands are empty.
+/// Finds the surfaces in the bands that contain rows [y_begin, y_end). These bands must be in memory. Returns
+/// one element per band, which is empty for bands outside of these rows.
 [[nodiscard]] std::vector<BandSurfaces> band_surfaces(const std::vector<RecordBand>& bands, int y_begin,
                                                       int y_end);
 

@@ -12,12 +12,12 @@
 namespace postlens {
 namespace {
 
-/// Sums over the point samples of one pixel, for the static surfaces between two moving groups that are
-/// neighbours in depth.
+/// The static surfaces of one pixel in an interval of depth between two neighbouring moving groups, as
+/// weighted sums over the pixel's samples.
 struct Between {
     std::array<double, 3> colour{};
-    /// `covered` is the weight of the samples that show a surface in this interval of depth. `known` is the
-    /// weight of the samples that have a record in this interval or behind it.
+    /// `covered` is the total weight of the samples that show a static surface in this interval of depth.
+    /// `known` is the total weight of the samples that have a record in this interval or behind it.
     double covered = 0, known = 0;
 };
 
@@ -108,7 +108,7 @@ class Composite {
     void add_sample(const BandSurfaces& band, std::uint32_t sample, double weight,
                     std::vector<Between>& between) const {
         std::size_t known = 0;
-        // Interval of depth that contains the last surface; between.size() if there is none.
+        // Interval of depth of the previous static surface of this sample; between.size() if there is none.
         std::size_t filled = between.size();
         bool any = false;
         for (std::uint32_t i = band.surfaces.offsets[sample]; i < band.surfaces.offsets[sample + 1]; ++i) {

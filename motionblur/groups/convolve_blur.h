@@ -12,12 +12,13 @@
 
 namespace postlens {
 
-/// The error in pixels where two groups cross. Each pixel is composited as if the coverage by the nearer
-/// group were independent of the light of the farther group. That is wrong if both change during the
-/// exposure.
+/// The error that arises where a group crosses another moving group. Compositing assumes that the nearer
+/// group's coverage of a pixel is independent of the farther group's light. This is wrong if both change
+/// during the exposure.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
-    /// Upper bound of the mean squared error over the pixels that the group touches, for light of up to 1.
+    /// Upper bound of the mean squared error over the pixels that the group touches, if no radiance exceeds
+    /// 1.
     double most_mse = 0;
 };
 

@@ -13,9 +13,9 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest distance, px, between the ends of the paths of neighbouring depth slices. A surface between two
-/// slices is drawn into both, so the end of its blur is inaccurate over at most this length. A smaller value
-/// does not increase the measured PSNR.
+/// Largest distance, in px, between the ends of the paths of neighbouring depth slices. A surface between two
+/// slices is drawn into both, so the ends of its blur are inaccurate over at most this length. A smaller
+/// value does not increase the measured PSNR.
 constexpr double step_px = 4;
 
 /// Returns the gradient of the inverse depth 1/z' across a quadtree leaf, in 1/m per px. It is computed from
@@ -116,9 +116,10 @@ Stretch stretch_of(const dvec2& rate_per_px, const std::vector<PathAxis>& axes) 
     }
     if (low >= -1) return {1, rate_per_px};
     if (high <= -1) return {0, {}};
-    // Let v be the sum of the axes' terms, distributed uniformly between low and high. The projected area
-    // max(0, 1 + v) then has the mean (1 + high)^2 / (2 (high - low)). The line 1 + v / -low has the mean (1
-    // + high / -low) / 2. `area` is the ratio of these means.
+    // The projected area is max(0, 1 + v), where v is the sum of rate * position over the axes. v is assumed
+    // to be distributed uniformly between `low` and `high`, so the mean of the area is (1 + high)^2 / (2
+    // (high - low)). The line 1 - v / low, which is 0 at v = low, has the mean (1 - high / low) / 2. `area`
+    // is the ratio of the two means.
     const double area = (1 + high) * (1 + high) / ((high - low) * (1 - high / low));
     return {area, area / -low * rate_per_px};
 }
@@ -134,7 +135,7 @@ DepthSlices::DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTabl
       window_(group_window(bands, group, cells_per_px)),
       axes_(axes_of(group)),
       bands_(bands.size()) {
-    // A record is a corner of about four quadtree leaves, and yields one piece in each of these leaves.
+    // A record is a corner of about four quadtree leaves. One Piece is stored for each of these leaves.
     require_memory(4 * group.extent.records * (sizeof(Piece) + sizeof(std::uint32_t)),
                    "the slices of a moving object");
     parallel_for(bands.size(), [&](std::size_t b) { collect(bands[b], table, g, bands_[b]); });
@@ -154,8 +155,8 @@ Stretch DepthSlices::leaf_stretch(const Leaf& leaf, const std::array<const Layer
 }
 
 void DepthSlices::collect(const BandSurfaces& band, const GroupTable& table, int g, BandPieces& out) const {
-    // Memory is reserved for the largest possible number of pieces. The system only provides the part that is
-    // written.
+    // Reserves space for the largest possible number of pieces. This costs little, because the system only
+    // provides memory for the part that is written.
     out.pieces.reserve(4 * band.leaves.leaves.size());
     for_each_leaf_of(band, table, g, window_, cells_per_px_,
                      [&](const Leaf& leaf, const std::array<const LayerSurface*, 4>& s) {

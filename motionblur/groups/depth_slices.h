@@ -46,9 +46,9 @@ struct Stretch {
 };
 [[nodiscard]] Stretch stretch_of(const glm::dvec2& rate_per_px, const std::vector<PathAxis>& axes);
 
-/// Red, green, blue and coverage of a depth slice, as linear functions of the slice's position along the axes
-/// of the path. At time t, the slice is the sum of `flat` and, for each axis a, of stretched[a] * (path(t) .
-/// direction of a - low_px of a).
+/// Red, green, blue and coverage of a depth slice while it moves. They change linearly with the position on
+/// each axis of the path. At time t, the slice is `flat` plus, for each axis a, stretched[a] * (dot(path(t),
+/// a.direction) - a.low_px).
 struct SliceRaster {
     Planes flat;
     std::vector<Planes> stretched;  ///< one per axis
@@ -58,8 +58,9 @@ struct SliceRaster {
 /// is drawn into both with linear weights. The sum of all slices is therefore the group.
 class DepthSlices {
   public:
-    /// Builds the slices of group g, which must have parallax. `across_per_px` is the size of a pixel on the
-    /// film (sample_surfaces.h).
+    /// Builds the slices of group g, which must have parallax. `across_per_px` is the result of the function
+    /// across_per_px (sample_surfaces.h): the size of a pixel as the tangent of a viewing angle, or in m for
+    /// an orthographic camera.
     DepthSlices(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                 const MovingGroup& group, int cells_per_px, double across_per_px);
 

@@ -20,8 +20,8 @@ class GroupBlur {
 
     /// Moves the whole group along its path.
     [[nodiscard]] GroupPicture whole(const Planes& i1, const MovingGroup& group) const;
-    /// Moves each depth slice of the group along its own path, and adds up the slices. They are parts of one
-    /// opaque surface.
+    /// Moves each depth slice of the group along its own path and returns the sum of the slices. The slices
+    /// do not hide each other, because they are parts of one opaque surface.
     [[nodiscard]] GroupPicture sliced(const DepthSlices& slices, const MovingGroup& group) const;
 
   private:

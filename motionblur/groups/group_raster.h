@@ -26,14 +26,14 @@ struct GroupPicture {
 /// parallel to an axis.
 [[nodiscard]] int cells_for(const MovingGroup& group);
 
-/// Returns the window of the cells that may contain a moving group's records, within the rows and columns of
-/// `bands`.
+/// Returns the window of the cells that may contain a moving group's records, clipped to the rows and columns
+/// of `bands`.
 [[nodiscard]] CellWindow group_window(const std::vector<BandSurfaces>& bands, const MovingGroup& group,
                                       int cells_per_px);
 
-/// The cells [x, x + n) x [y, y + n) that the quarter of a quadtree leaf at one of its corners covers.
-/// `share` is the fraction of each cell's area that the quarter covers. The sizes of leaves and cells are
-/// powers of 2. A quarter therefore either covers whole cells or lies within one cell.
+/// The cells [x, x + n) x [y, y + n) that one quarter of a quadtree leaf covers. The quarter lies at one of
+/// the leaf's corners. `share` is the fraction of each cell's area that it covers. The sizes of leaves and
+/// cells are powers of 2, so a quarter either covers whole cells or lies within one cell.
 struct QuarterCells {
     int x = 0, y = 0, n = 1;
     float share = 1;
@@ -46,8 +46,8 @@ struct QuarterCells {
                                              const GroupTable& table, int g);
 
 /// Calls on_leaf(leaf, surfaces) for each quadtree leaf of a band that shows moving group g in at least one
-/// corner. `surfaces` contains surface_of each corner. `window` is the window of the group's cells
-/// (group_window).
+/// corner. `surfaces` contains the group's surface at each of the four corners, or nullptr (surface_of). Only
+/// leaves in `window` are visited, which is the result of group_window.
 template <typename OnLeaf>
 void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, const CellWindow& window,
                       int cells_per_px, const OnLeaf& on_leaf) {
@@ -65,7 +65,7 @@ void for_each_leaf_of(const BandSurfaces& band, const GroupTable& table, int g, 
 }
 
 /// Draws the raster of moving group g, in cells of 1/cells_per_px px. Each cell shows the group's nearest
-/// recorded surface in this cell, from any layer.
+/// recorded surface, even if another object hides it.
 [[nodiscard]] Planes draw_group(const std::vector<BandSurfaces>& bands, const GroupTable& table, int g,
                                 const MovingGroup& group, int cells_per_px);
 

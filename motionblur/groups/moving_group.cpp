@@ -24,9 +24,9 @@ glm::dvec2 displacement(const FrameMotion& motion, const IdMotion& id, double re
     return {to->x - id.centre.x, to->y - id.centre.y};
 }
 
-/// Returns whether two ids have the same displacements within `alike_px`. Displacements are scaled to the
-/// inverse depth `nearest`, in 1/m, before they are compared. If `nearest` is 0, the displacements of the
-/// centres are compared as they are.
+/// Returns whether the displacements of two ids agree within `alike_px` at all tested instants. For ids with
+/// parallax, `nearest` is the inverse depth, in 1/m, to which the displacements are scaled first. If
+/// `nearest` is 0, the displacements of the centres are compared as they are.
 bool alike(const FrameMotion& motion, const IdMotion& a, const IdMotion& b, double recorded_s,
            const Exposure& exposure, double nearest) {
     const double scale_a = nearest > 0 ? nearest / a.inverse_z : 1,
@@ -91,8 +91,8 @@ std::vector<MovingGroup> find_groups(const FrameMotion& motion, const std::vecto
         MovingGroup& group = out[g];
         std::sort(group.ids.begin(), group.ids.end());
         group.inverse_z = group.extent.centre().inverse_z;
-        // At this instant, all recorded points of a group with parallax may have the same depth. The depths
-        // then differ only at other recorded instants.
+        // All points of a group with parallax may have the same depth at this instant, and different depths
+        // only at other recorded instants. Such a group is treated as one without parallax.
         group.has_parallax = group.has_parallax && group.extent.inverse_z_max > group.extent.inverse_z_min;
         const IdMotion& of = *first[g];
         const std::vector<double> breaks = motion.breaks_s(of.id);

@@ -1,5 +1,5 @@
-// Groups objects that share a path. Either the centres of the objects move alike on the raster, or points of
-// the objects at equal depths move alike.
+// Finds groups of moving objects that share a path on the raster. Objects without parallax share a path if
+// their centres move alike. Objects with parallax share a path if their points at equal depths move alike.
 #pragma once
 
 #include <vector>
@@ -13,9 +13,9 @@ struct MovingGroup {
     std::vector<std::uint32_t> ids;  ///< sorted
     IdExtent extent;
     double inverse_z = 0;  ///< mean inverse depth of the group's records, 1/m; groups are sorted by it
-    /// Inverse depth, in 1/m, of the points whose displacement is `path`. If the group has parallax, the
-    /// displacement of another point is `path` times the ratio of its inverse depth to path_inverse_z.
-    /// Otherwise, the displacement of every point is `path`.
+    /// Inverse depth, in 1/m, of the points that move along `path`. If the group has parallax, a point of
+    /// another inverse depth d moves along `path` multiplied by d / path_inverse_z. Without parallax, all
+    /// points move along `path`.
     double path_inverse_z = 0;
     bool has_parallax = false;
     /// Displacement from the recorded position, in px, from the opening to the closing of the shutter. It is
@@ -32,13 +32,13 @@ struct MovingGroup {
 /// farthest point. It is 0 without parallax.
 [[nodiscard]] double parallax_px(const MovingGroup& group);
 
-/// Groups all moving objects that share a path. The groups are sorted from near to far. Objects share a path
+/// Groups all moving objects that share a path, and sorts the groups from near to far. Objects share a path
 /// if their displacements agree within 0.02 px at all times. Objects with parallax share a path if they
 /// overlap in depth and their displacements agree at equal depths.
 ///
-/// `fit_px` is the tolerance within which a spline of few knots replaces each path (`fit_path`). Without
-/// `fit_px`, paths are not replaced. Throws Error(wrong_arguments) for an object that passes the camera,
-/// because it has no path.
+/// If `fit_px` is given, each path is replaced by a spline of few knots that stays within `fit_px` of the
+/// path (`fit_path`). Throws Error(wrong_arguments) for an object that passes the camera, because it has no
+/// path.
 [[nodiscard]] std::vector<MovingGroup> find_groups(const FrameMotion& motion,
                                                    const std::vector<IdMotion>& ids, const IdExtents& extents,
                                                    double recorded_s, const Exposure& exposure,

@@ -1,4 +1,5 @@
-// The rule by which the method `auto` decides whether an object with parallax is convolved in depth slices.
+// The rule by which the method `auto` decides whether a moving object with parallax is blurred in depth
+// slices or by the light field method.
 #pragma once
 
 #include <string>
@@ -15,14 +16,14 @@ struct PassedBox {
 };
 [[nodiscard]] PassedBox passed_box(const MovingGroup& group);
 
-/// Returns the fraction of the area of the group's passed_box in which another surface lies between the
-/// group's nearest and farthest point. Surfaces of moving groups do not count. In this area, the surfaces may
-/// be composited in the wrong order, because all slices of the group are placed at the group's mean depth.
+/// Returns the fraction of the group's passed_box in which a static surface lies between the nearest and the
+/// farthest depth of the group. Such surfaces may be composited in the wrong order, because all slices of the
+/// group are placed at the group's mean depth.
 [[nodiscard]] double share_among(const std::vector<BandSurfaces>& bands, const GroupTable& table,
                                  const MovingGroup& group);
 
-/// Returns the reason why lightfield is the better method for groups[g], which has parallax. Returns an empty
-/// string if convolve is the better method. Possible reasons are:
+/// Returns the reason why the light field method is better than convolution for groups[g], which has
+/// parallax. Returns an empty string if convolution is better. Possible reasons are:
 /// - The group's parallax exceeds `most_parallax_px`.
 /// - Another object lies in the group's range of depth along its path.
 /// - Parts of the group uncover each other (torn_share).
@@ -30,8 +31,7 @@ struct PassedBox {
                                          const GroupTable& table, const std::vector<BandSurfaces>& bands,
                                          const SampleHeader& header);
 
-/// Largest accepted parallax, px. With more parallax, there would be too many slices, or they would be too
-/// coarse.
+/// Largest accepted parallax, in px. With more parallax, `most_slices` depth slices would be too coarse.
 inline constexpr double most_parallax_px = 256;
 /// Largest accepted value of share_among.
 inline constexpr double most_among = 0.001;

@@ -58,8 +58,8 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points
     const double begin_s = points[first].time_s, span_s = points[last].time_s - begin_s;
     const auto share = [&](std::size_t i) { return (points[i].time_s - begin_s) / span_s; };
-    // The unknowns are the offsets of the control points from a straight line. A control point stays on the
-    // line if there are too few points to determine it.
+    // The unknowns are the offsets of the four control points from evenly spaced points on a straight line.
+    // An offset that the points do not determine stays 0.
     Cubic out;
     const dvec2 from = start.value_or(points[first].at_px), to = points[last].at_px;
     for (int k = 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] = from + (to - from) * (k / 3.0);
@@ -79,7 +79,7 @@ std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t las
     const glm::dmat4 inverse = glm::inverse(normal);
     const dvec4 x = inverse * right_x, y = inverse * right_y;
     for (int k = start ? 1 : 0; k < 4; ++k) out.control[static_cast<std::size_t>(k)] += dvec2(x[k], y[k]);
-    // A segment between two neighbouring points ends exactly at the second point.
+    // A segment of only two points ends exactly at the second one, without rounding errors.
     if (last == first + 1) out.control[3] = points[last].at_px;
     for (std::size_t i = first; i <= last; ++i)
         if (!(glm::distance(out.at(share(i)), points[i].at_px) <= tolerance_px)) return std::nullopt;
@@ -91,9 +91,9 @@ struct Segment {
     Cubic cubic;
 };
 
-/// Places segments one after another, beginning at the first point. Each segment is as long as one cubic can
-/// follow its points, which is found by doubling and bisection. If `joined` is true, each segment begins
-/// where the previous one ends. Stops after `most` segments, even if they do not reach the last point.
+/// Divides the points into segments that one cubic each can follow within the tolerance. Each segment is as
+/// long as possible, which is found by doubling and bisection. If `joined` is true, each segment begins where
+/// the previous one ends. Stops after `most` segments, even if they do not reach the last point.
 std::vector<Segment> lay_segments(Points points, double tolerance_px, bool joined, std::size_t most) {
     std::vector<Segment> out;
     for (std::size_t first = 0; first + 1 < points.size() && out.size() < most;) {
@@ -142,8 +142,8 @@ std::vector<PathKnot> knots_of(Points points, const std::vector<Segment>& segmen
     return knots;
 }
 
-/// Returns the times of knots for `count` new segments. The new segments are short where the given segments
-/// are short.
+/// Returns the times of the knots of `count` segments. They are distributed like the given segments: new
+/// segments are short where the given segments are short.
 std::vector<double> spread_times(Points points, const std::vector<Segment>& segments, std::size_t count) {
     std::vector<double> times{points.front().time_s};
     for (std::size_t i = 1; i < count; ++i) {
@@ -156,8 +156,8 @@ std::vector<double> spread_times(Points points, const std::vector<Segment>& segm
     return times;
 }
 
-/// Returns the times of knots at the ends of the segments. A short segment between two long ones indicates
-/// that the velocity changes abruptly between two points. One knot replaces such a segment.
+/// Returns the times of the knots at the ends of the segments. If the velocity changes abruptly between two
+/// points, a short segment lies there between two long ones. It is replaced by a single knot.
 std::vector<double> times_without_kinks(Points points, const std::vector<Segment>& segments) {
     constexpr std::size_t short_pieces = 3, long_pieces = 8;
     const auto pieces = [&](std::size_t i) { return segments[i].last - segments[i].first; };
@@ -166,7 +166,7 @@ std::vector<double> times_without_kinks(Points points, const std::vector<Segment
         const Segment& s = segments[i];
         const bool is_kink = i > 0 && pieces(i) <= short_pieces && pieces(i - 1) >= long_pieces &&
                              pieces(i + 1) >= long_pieces;
-        // The knot lies in the middle between the first two points of the short segment.
+        // The knot lies halfway between the first two points of the short segment.
         if (is_kink) {
             times.back() = 0.5 * (points[s.first].time_s + points[s.first + 1].time_s);
         } else {
@@ -184,7 +184,8 @@ PathFit polyline_of(Points points) {
     return {ScreenPath(PathKind::polyline, std::move(knots), "--fit-paths"), 0};
 }
 
-/// Returns a path of one knot, or nothing if the distance of a point from the knot exceeds the tolerance.
+/// Returns a path that stays at one position, or nothing if a point is farther from this position than the
+/// tolerance.
 std::optional<PathFit> still(Points points, double tolerance_px) {
     dvec2 low = points.front().at_px, high = low;
     for (const PathPoint& p : points) {
@@ -215,8 +216,8 @@ PathFit fit_path(Points points, double tolerance_px) {
     if (best.error_px > tolerance_px)
         best = polyline_of(points);  // a spline's rounding error can exceed a very small tolerance
     if (segments.size() > most_refined_segments) return best;
-    // Lower limit of the number of segments. Hardly any path can be fitted with fewer segments. The limit is
-    // found with separate cubics, which need not join and may deviate by twice the tolerance.
+    // Estimated lower limit of the number of segments. It is the number of cubics that follow the points if
+    // they need not join and may deviate by twice the tolerance.
     std::size_t fewest =
         std::max<std::size_t>(1, lay_segments(points, 2 * tolerance_px, false, points.size()).size());
     std::size_t enough = best.path.knots() - 1;

@@ -13,17 +13,18 @@ namespace {
 
 using glm::dvec2;
 
-/// Largest coordinate, in cells. Below this limit, a double resolves a thousandth of a cell.
+/// Largest accepted coordinate, in cells. Up to this limit, the rounding error of a double is below a
+/// thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells, and are shifted by half a cell so that
-/// cell i is [i, i + 1).
+/// A piece of a path with constant velocity. Positions are in cells, plus 0.5, so that positions in [i, i +
+/// 1) belong to cell i.
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
     double value_from = 1, value_to = 1;
 
-    /// Returns the value at a fraction of the piece. It is exactly 1 if both ends have the value 1.
+    /// Interpolates linearly between value_from and value_to. The result is exactly 1 if both are 1.
     [[nodiscard]] double value_at(double share_of_piece) const {
         return value_from + share_of_piece * (value_to - value_from);
     }
@@ -61,8 +62,8 @@ struct Extent {
 };
 
 /// Clips the piece to the window plus a margin of half a cell on every side. Returns false if nothing
-/// remains. Without the margin, rounding could remove a part within the window. Parts in the margin are not
-/// drawn.
+/// remains. Because of the margin, rounding errors cannot remove a part within the window. Parts in the
+/// margin are not drawn.
 bool clip(Piece& piece, const CellWindow& window) {
     double enter = 0, leave = 1;
     const dvec2 way = piece.to - piece.from;
@@ -86,8 +87,8 @@ bool clip(Piece& piece, const CellWindow& window) {
     piece.to = mix(whole.from, whole.to, leave);
     piece.value_from = whole.value_at(enter);
     piece.value_to = whole.value_at(leave);
-    // If an end of the piece is far outside the window, the rounding error of `mix` can exceed half a cell.
-    // Such an end is clamped to a position near the window.
+    // If an end of the piece was far outside the window, the rounding error of its clipped position can
+    // exceed half a cell. Clamping keeps the position near the window.
     for (int axis = 0; axis < 2; ++axis) {
         piece.from[axis] = std::clamp(piece.from[axis], low[axis] - 1, high[axis] + 1);
         piece.to[axis] = std::clamp(piece.to[axis], low[axis] - 1, high[axis] + 1);
@@ -111,7 +112,7 @@ std::vector<Piece> pieces_of(std::span<const PathPoint> points, std::span<const 
     };
     const PathPoint &first = points.front(), &last = points.back();
     if (open_s == close_s) {
-        // The exposure is a single instant. The first point of the path at or after it is used.
+        // The exposure is a single instant, so the path stays at its first point at or after this instant.
         const auto at = std::find_if(points.begin(), points.end() - 1,
                                      [&](const PathPoint& p) { return p.time_s >= open_s; });
         stand(0, 1, static_cast<std::size_t>(at - points.begin()));
@@ -221,9 +222,9 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
         for (;;) {
             const double at_x = along_x.next(), at_y = along_y.next(), at = std::min(at_x, at_y);
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
-            // The path is in the current cell from `before` to `at`, where it crosses the next border of a
-            // cell. The cell gets the path's value at the middle of this time. This is exact if the shutter's
-            // transmission is constant. By rounding, `at` may lie slightly before `before`. The light is then
+            // The path is in the current cell from `before` to `at`, where it crosses the cell's border. The
+            // light of this time is multiplied by the path's value at the middle of it, which is exact if the
+            // shutter's transmission is constant. If rounding makes `at` smaller than `before`, the light is
             // 0.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));

@@ -1,5 +1,5 @@
-// The raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the light that arrives
-// while the path is in this cell.
+// The raster of a path over the exposure (i2 in [potmesil1983]). Each cell contains the share of the
+// exposure's light that arrives while the path is in this cell.
 #pragma once
 
 #include <optional>
@@ -31,8 +31,8 @@ struct PathRaster {
     }
 };
 
-/// Largest side, in cells, of the raster into which a path is drawn, and largest number of cell borders that
-/// the path may cross.
+/// Limits of `draw_path`: the longest side of a path's raster, in cells, and the largest number of cell
+/// borders that a path may cross.
 inline constexpr double most_path_cells = 1'000'000;
 inline constexpr double most_path_crossings = 200'000'000;
 

@@ -18,7 +18,8 @@ namespace postlens {
 /// Largest size of the file, in bytes. A larger file is rejected before it is read.
 inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 
-/// A rigid motion in scene coordinates, in m. There is at least one key, and the times of the keys increase.
+/// Keyframes of a rigid motion in scene coordinates, in m. There is at least one keyframe, and the times
+/// increase.
 using RigidKeys = std::vector<TransformKey>;
 
 /// A motion, and the objects that it moves. At time t, an object is displaced by the difference between the
@@ -34,9 +35,9 @@ struct ObjectPath {
 /// `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
-/// Returns the ids that each path moves, in the order of `paths`. These are the ids that the path lists, and
-/// all ids with one of the names that it lists. Throws Error(invalid_input) "FILE:LINE: ..." for an id or a
-/// name that is not in `names` (name by id), and for an id that two paths move.
+/// Returns, for each path, the ids of the objects that it moves: the ids that the path lists, and all ids
+/// whose name it lists. `names` contains the name of each id. Throws Error(invalid_input) "FILE:LINE: ..."
+/// for an unknown id or name, and for an id that two paths move.
 [[nodiscard]] std::vector<std::vector<std::uint32_t>> resolve_ids(
     const std::vector<ObjectPath>& paths, const std::map<std::uint32_t, std::string>& names);
 

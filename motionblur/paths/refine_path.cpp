@@ -11,13 +11,13 @@ namespace {
 
 using glm::dvec2;
 
-/// Number of points per segment in the first least-squares problem. Each later round adds the point of each
-/// segment that has the largest error.
+/// Number of points per segment in the first round of least squares. After each round, the point with the
+/// largest error in each segment is added.
 constexpr std::size_t points_per_segment = 40;
 constexpr int most_rounds = 6;
 
-/// Residual of the least-squares problem. It is the difference between a segment and a point, in units of the
-/// tolerance.
+/// Residual of the least-squares problem: the difference between the curve and a point at the time of this
+/// point, divided by the tolerance.
 struct Distance {
     double time_s;
     dvec2 at_px;
@@ -123,7 +123,7 @@ double greatest_error_px(const ScreenPath& path, std::span<const PathPoint> poin
 
 std::vector<PathKnot> refine_path(std::span<const PathPoint> points, const std::vector<double>& times_s,
                                   double tolerance_px) {
-    // Times are scaled to 0..1, so that all of the solver's steps have the same scale.
+    // Times are scaled to 0..1, so that the steps of the solver do not depend on the duration of the path.
     const double begin_s = points.front().time_s, span_s = points.back().time_s - begin_s;
     std::vector<PathPoint> scaled;
     scaled.reserve(points.size());

@@ -114,9 +114,9 @@ std::vector<PathPoint> ScreenPath::flatten(double open_s, double close_s, double
     require_order(open_s, close_s, tolerance_px);
     std::vector<PathPoint> out{{open_s, at(open_s)}};
     if (open_s == close_s) return out;
-    // The error of a chord over a step h of the parameter is at most c h^2 / 8. Here c is the curve's largest
-    // acceleration, per square of the parameter. The acceleration of a cubic is linear, so its maximum is at
-    // an end of the segment.
+    // Across a step h of the curve's parameter, the error of a chord is at most c h^2 / 8, where c is the
+    // largest second derivative. The second derivative of a cubic is linear, so its maximum is at an end of
+    // the segment.
     const auto acceleration = [&](std::size_t i) {
         const PathKnot &a = knots_[i], &b = knots_[i + 1];
         const dvec2 p0 = a.at_px, p1 = a.at_px + a.out_px, p2 = b.at_px + b.in_px, p3 = b.at_px;

@@ -13,11 +13,12 @@ namespace postlens {
 
 /// Largest number of knots of a path.
 inline constexpr std::size_t most_knots = 100'000;
-/// Largest absolute value of coordinates, px, and of times, in seconds, of knots and handles.
+/// Largest absolute values in a path: coordinates of knots and handles, in px, and times of knots, in
+/// seconds.
 inline constexpr double largest_path_coordinate_px = 1e12;
 inline constexpr double largest_path_time_s = 1e9;
-/// Approximate limit of the number of points that `flatten` returns. If more points would be needed, the
-/// error exceeds the tolerance.
+/// Approximate limit of the number of points that `flatten` returns. If this is too few for the tolerance,
+/// the error exceeds the tolerance.
 inline constexpr std::size_t most_path_points = 1'000'000;
 
 /// The motion between two knots.

@@ -14,8 +14,7 @@
 namespace postlens {
 namespace {
 
-/// Smallest share of the image that must be static. Otherwise, static pixels are not used as the background
-/// of moving pixels.
+/// If a smaller share of the image is static, static pixels are not used as the background of moving pixels.
 constexpr double least_still_share = 0.01;
 
 void check(const VectorBlurSettings& s) {
@@ -30,9 +29,9 @@ void check(const VectorBlurSettings& s) {
     check_views(s.views);
 }
 
-/// Largest error of a reprojected position, px, and width of the overlap of neighbouring patches, px. A patch
-/// is a planar part of the image that is reprojected as a whole. The overlap is so small that it never
-/// reaches a sample position in the neighbouring pixel.
+/// `exact_px` is the largest error of a reprojected position. `overlap_px` is the overlap of neighbouring
+/// patches, which are planar parts of the image. The overlap is too small to reach a sample position in the
+/// neighbouring pixel.
 constexpr double exact_px = 0.02, overlap_px = 0.005;
 static_assert(overlap_px < 0.5 / most_places);
 
@@ -56,8 +55,8 @@ PatchField views_of(const VectorFrame& frame, const PatchMesh& patches, const Ve
     return field;
 }
 
-/// Returns 1 for each pixel that does not move, and 0 for all others. Returns an empty list if too small a
-/// share of the image is static.
+/// Returns 1 for each static pixel, and 0 for all others. Returns an empty list if the share of static pixels
+/// is below `least_still_share`.
 std::vector<float> what_stands_still(const VectorFrame& frame) {
     std::vector<float> weight(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
                               1);
@@ -77,9 +76,9 @@ std::vector<float> what_stands_still(const VectorFrame& frame) {
 }
 
 /// Returns an image of the background, which is used where no view shows a surface. `weight` is 1 for static
-/// pixels and 0 for moving pixels. The background of moving pixels is interpolated from the static pixels
-/// around them. If `weight` is empty, the mean of the views is the background. Pixels in which no view shows
-/// a surface are then interpolated from the pixels around them.
+/// pixels and 0 for moving pixels, whose background is interpolated from the static pixels around them. If
+/// `weight` is empty, the background is the mean of the views. Pixels in which no view shows a surface are
+/// then interpolated from the pixels around them.
 Image filled(std::vector<float> weight, const Image& picture, const PatchPicture& seen) {
     Image out = picture;
     if (weight.empty()) {
@@ -115,8 +114,8 @@ MotionBlurResult vector_blur(const VectorFrame& frame, const VectorBlurSettings&
     Image behind;
     if (std::any_of(seen.unknown.begin(), seen.unknown.end(), [](float u) { return u > 0; })) {
         const std::vector<float> still = what_stands_still(frame);
-        // If there are no static pixels, the background that moving pixels uncover is interpolated from the
-        // views. The views of the whole image are then needed, so that a crop does not change the result.
+        // Without static pixels, the background that moving pixels uncover is interpolated from the views.
+        // This needs the views of the whole image, because a crop would otherwise change the result.
         if (still.empty() && settings.crop) seen = touched_picture(views, std::nullopt);
         behind = filled(still, result.image, seen);
     }

@@ -20,8 +20,9 @@ constexpr std::array<std::string_view, 1> forward{"forward"}, vector{"vector"}, 
 
 std::vector<Convention> conventions(bool own_file) {
     std::vector<Convention> out{{forward[0], "u", "v", {1, -1}},
-                                // The vector is the position in this frame minus the position in the next
-                                // frame. W points upwards.
+                                // (Z, W) is the position in this frame minus the position in the next frame,
+                                // and W points upwards. To obtain the motion to the right and down, only Z is
+                                // negated.
                                 {vector[0], "Z", "W", {-1, 1}},
                                 {motion[0], "x", "y", {1, 1}},
                                 {velocity[0], "x", "y", {1, 1}}};

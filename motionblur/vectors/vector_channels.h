@@ -13,14 +13,15 @@ namespace postlens {
 struct VectorChoice {
     /// If absent, the channels are found by well-known names.
     std::optional<std::pair<std::string, std::string>> channels;
-    /// Px to the right and down per unit; if absent, it follows from the names.
+    /// Displacement, in px to the right and down, per unit of the channel values. If absent, the names of the
+    /// channels determine it.
     std::optional<glm::dvec2> scale;
     std::optional<glm::dvec2> offset;  ///< value of pixels that do not move; 0 if absent
     std::filesystem::path file;        ///< separate file with the vectors, if not empty
 };
 
-/// Names of the two channels of the vectors, which must be in one part of the file. The displacement from
-/// this frame to the next, in px to the right and down, is (value - offset) * scale.
+/// The two channels of the motion vectors, which must be in one part of the file. The displacement from this
+/// frame to the next is (value - offset) * scale, in px to the right and down.
 struct VectorChannels {
     std::size_t part = 0;
     std::string u, v;

@@ -89,7 +89,7 @@ class Reader {
              file_.name());
     }
 
-    /// Finds the channels of the colours and of their motion vectors. If the user requests no colours, the
+    /// Finds the channels of the colours and of their motion vectors. Unless the user selects a layer, the
     /// first colours of the file are used. If these have no motion vectors, colours that have motion vectors
     /// are used instead.
     void find_channels(const VectorChoice& vectors, const ForeignChoice& choice) {
@@ -97,7 +97,8 @@ class Reader {
         std::optional<ChannelGroup> other;
         auto found = find_vector_channels(file_, group_of(colours_), vectors, other);
         if (!found && other && choice.layer.empty()) {
-            // The first colours have no vectors. `other` is the group of channels that has vectors.
+            // The first colours of the file have no motion vectors. `other` is the first group of channels
+            // that has vectors, so its colours are used.
             if (const auto layer = layer_of(*other)) {
                 ForeignChoice with = choice;
                 with.layer = *layer;
@@ -129,7 +130,8 @@ class Reader {
         return channel_group(file_, c.part, c.layer, colour_words);
     }
 
-    /// Returns the name by which the option --layer selects the colours of a group.
+    /// Returns the value of the option --layer that selects the colours of a group, or nothing if the group
+    /// has no colours.
     [[nodiscard]] std::optional<std::string> layer_of(const ChannelGroup& group) const {
         for (std::size_t i = 0; i < file_.parts().size(); ++i) {
             const ForeignPart& part = file_.parts()[i];

@@ -32,7 +32,7 @@ struct VectorFrame {
     double largest_px = 0;  ///< length of the longest vector
     std::string u_name, v_name;
     std::string id_name;  ///< channel of the ids; empty if there are no ids
-    /// One line for each kind of ids that the file contains but that is not used.
+    /// One line for each id channel or Cryptomatte of the file that cannot be used.
     std::vector<std::string> problems;
     std::vector<std::string> assumed;  ///< one line for each assumption about the file
 

@@ -14,7 +14,8 @@ constexpr float same_depth = 0.02F, same_vector_px = 2, same_vector_share = 0.1F
 constexpr int edge = SheetMesh::square_px;
 constexpr std::size_t values = 5;  ///< values per cell: 1/z' and the four entries of the matrix W
 
-/// The sheets (surfaces) of one square of the raster. Indices start at 0 in each square.
+/// The sheets (connected surfaces) in one square of the raster. Indices are relative to the arrays of this
+/// square.
 struct SquareSheets {
     std::vector<Sheet> sheets;
     std::vector<std::uint32_t> cells;  ///< SheetMesh::fine, which is equal to SheetMesh::coarse
@@ -36,8 +37,8 @@ class SheetMaker {
                    rows = static_cast<std::size_t>((y_end_ - y_begin_ + edge - 1) / edge);
         const auto stored = static_cast<std::uint64_t>(std::max(0, frame_.x_end - frame_.x_begin)) *
                             static_cast<std::uint64_t>(std::max(0, frame_.y_end - frame_.y_begin));
-        // Memory for a stored pixel: cells of sheets and of patches. The total is doubled because arrays
-        // grow. Squares without stored pixels add the memory of their sheets.
+        // Bytes that sheets and patches need for each stored pixel. Twice this amount is required, because
+        // growing arrays reserve more than they use.
         constexpr std::uint64_t cell_bytes =
             2 * values * sizeof(CellPlane) + 2 * sizeof(std::uint32_t) + sizeof(Texel) + sizeof(float);
         require_memory(
@@ -59,8 +60,8 @@ class SheetMaker {
     }
 
   private:
-    /// Adds the cells of one black square of edge x edge px. All squares of the raster without stored pixels
-    /// share these cells.
+    /// Adds the cells of one black square of edge x edge px. All squares without stored pixels share these
+    /// cells.
     void add_nothing() {
         mesh_.fine.assign(std::size_t{edge} * edge, SheetNode::leaf);
         mesh_.planes.assign(mesh_.fine.size() * values, {});
@@ -189,8 +190,8 @@ class SheetMaker {
         const bool to_side = joined(&p, side), to_over = joined(&p, over);
         const bool side_across = joined(side, across), over_across = joined(over, across);
         const bool has_across = (to_side && side_across) || (to_over && over_across);
-        // The sum begins with the upper left pixel for all pixels at the corner. Their sums are therefore
-        // bit-identical.
+        // The four pixels are added in a fixed order, beginning at the upper left. All pixels at this corner
+        // therefore get bit-identical sums.
         const VectorPixel* parts[2][2];
         const int i = dx < 0 ? 1 : 0, j = dy < 0 ? 1 : 0;
         parts[j][i] = &p;

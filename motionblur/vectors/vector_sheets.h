@@ -1,5 +1,5 @@
-// Converts an image with motion vectors to sheets. A sheet is a connected surface whose pixels have
-// velocities.
+// Converts an image with motion vectors to sheets, which are connected surfaces. Each pixel of a sheet has a
+// velocity.
 #pragma once
 
 #include "motionblur/vectors/vector_frame.h"
@@ -26,11 +26,11 @@ inline constexpr std::uint32_t still_id = 0, moving_id = 1;
 [[nodiscard]] SheetMesh vector_sheets(const VectorFrame& frame);
 
 /// Returns whether two neighbouring pixels belong to one surface. Their vectors must agree within 2 px or 10
-/// % of the longer one, and their depths within 2 %. If both pixels have ids, the ids must be equal instead
-/// of the depths. If there are no depths and no ids, only the vectors are compared.
+/// % of the longer one. In addition, their ids must be equal if both have ids. Otherwise, their depths must
+/// agree within 2 % if the image has depths.
 ///
-/// If the vectors agree within 0.25 px, depths and ids may differ. Otherwise, a floor would be torn near the
-/// horizon, where its depth changes steeply.
+/// Pixels whose vectors agree within 0.25 px belong to one surface in any case. Otherwise, a floor would be
+/// torn near the horizon, where its depth changes steeply.
 [[nodiscard]] bool one_surface(const VectorPixel& a, const VectorPixel& b, bool has_z);
 
 }  // namespace postlens
