@@ -125,8 +125,8 @@ std::uint64_t comparison_bytes(ImageSize size, int pictures) {
 std::vector<std::string> failed_limits(const Comparison& comparison, const CompareLimits& limits) {
     std::vector<std::string> out;
     const PixelErrors& errors = comparison.whole.errors;
-    // The PSNR is NaN if no pixel was compared. The condition is written with a negation so that a NaN does
-    // not meet the limit.
+    // The condition is negated because the PSNR is NaN if no pixel was compared. A NaN must not meet the
+    // limit.
     if (limits.least_psnr_db && !(errors.psnr_db >= *limits.least_psnr_db)) {
         out.push_back(
             fmt::format("PSNR is {:.3f} dB below the limit (got {:.3f} dB; expected {:g} dB or more)",

@@ -1,5 +1,5 @@
-// Computes all results of `postlens compare`. An image is compared with its reference and, optionally, with
-// the pinhole image and a second reference.
+// Computes all results of `postlens compare`. An image is compared with a reference and, optionally, with an
+// image without blur (pinhole) and a second reference.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ struct CompareInput {
     std::optional<double> flip_white_luminance;  ///< see `flip_exposures`
 };
 
-/// Errors over a set of pixels. An error is NaN if no pixel has a value.
+/// Errors over a set of pixels. An error is NaN if it is undefined in all of these pixels.
 struct Figures {
     PixelErrors errors;
     double ssim = 0;      ///< mean over the pixels that have a value; see `ssim_map`
@@ -55,8 +55,8 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // The members below are set only if a second reference is given. Two images are equal if they are
-    // bit-identical. The noise floor cannot be measured if both references are equal.
+    // The members below are set only if a second reference is given. The two flags mean that images are
+    // bit-identical. If both references are equal, the noise floor cannot be measured.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 
@@ -74,8 +74,8 @@ struct CompareLimits {
     std::optional<double> least_psnr_db, greatest_relmse, greatest_flip;
 };
 
-/// Returns one line for each limit that is not met. If any limit is set, an image with a NaN or an infinity
-/// where the reference is finite also fails.
+/// Returns one line for each limit that is not met. If any limit is set, a NaN or an infinity in the image
+/// where the reference is finite also adds a line.
 [[nodiscard]] std::vector<std::string> failed_limits(const Comparison& comparison,
                                                      const CompareLimits& limits);
 

@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Returns a table with a heading and three rows: the errors over the whole frame, the errors over the
-/// affected pixels, and the errors of the pinhole image.
+/// Returns a table of errors with a heading. The first row is for the whole frame. If a pinhole image is
+/// given, further rows contain the errors over the affected pixels, and those of the pinhole image.
 [[nodiscard]] TextTable figures_table(const Comparison& comparison);
 
 /// Returns sentences to print below the table. They state the error of the reference and the exposures of

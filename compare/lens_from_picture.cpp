@@ -12,23 +12,24 @@
 namespace postlens {
 namespace {
 
-/// Residuals above these limits count linearly instead of quadratically. The first refinement starts far from
-/// the true lens, so it needs a large limit. The limit of the last refinement is about as large as the noise
-/// of an image with 256 samples per pixel.
+/// Residuals above these limits count linearly instead of quadratically. The first refinement of the lens
+/// starts far from the true lens, so its limit is large. The limit of the last refinement is about as large
+/// as the noise of an image with 256 samples per pixel.
 constexpr double first_linear_from = 0.1, last_linear_from = 0.02;
-/// Half the step of the central differences in the inverse focus distance 1/s. It is a fraction of the range
-/// of inverse depths.
+/// Half the step of the central differences in the inverse focus distance 1/s, as a fraction of the range of
+/// inverse depths in the file.
 constexpr double focus_step = 0.03;
-/// Side, in px, of a block of pixels. Residuals in different blocks are treated as independent.
+/// Side, in px, of the blocks of pixels for the standard errors. Residuals in different blocks are treated as
+/// independent.
 constexpr std::size_t block_px = 16;
-/// Minimum variation of an image for which a lens is searched. Blur is not visible in a constant image.
+/// Smallest accepted variation of the image, as root mean square difference from its median tone. A constant
+/// image shows no blur from which the lens could be estimated.
 constexpr double least_spread = 1e-3;
-/// Largest accepted residual, as a fraction of the image's variation. The residual is about a tenth of the
-/// variation if the file shows the same view as the image. It is almost as large as the variation if the file
-/// shows another view.
+/// Largest accepted residual of the best lens, as a fraction of the variation of the image. The fraction is
+/// about 0.1 if the file shows the same view as the image, and almost 1 if it shows another view.
 constexpr double most_left = 0.5;
-/// Largest accepted error of the best lens, as a fraction of the error without blur. An image with a larger
-/// error shows no blur.
+/// Largest accepted error of the best lens, as a fraction of the error of the image without blur. If the
+/// error is larger, no lens explains the image clearly better than the pinhole.
 constexpr double least_gain = 0.8;
 /// Minimum range of inverse depths for which a lens is searched, as a fraction of the largest inverse depth.
 /// If the range is smaller, all objects have practically the same depth.
@@ -36,7 +37,7 @@ constexpr double least_span = 0.01;
 /// Largest accepted standard error of either lens parameter. The parameters are the logarithm of the
 /// aperture, and the inverse focus distance 1/s as a fraction of the range of inverse depths.
 constexpr double most_error = 0.2;
-/// A further minimum is reported if its error is less than this factor times the error of the best minimum.
+/// Further minima are reported if their error is less than this factor times the error of the best minimum.
 constexpr double nearly_as_good = 1.25;
 
 struct View {
@@ -90,11 +91,12 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
     options.max_num_iterations = 10;
-    // Near the minimum, the error depends quadratically on the parameters. If a step lowers the error by a
-    // fraction of less than 1e-4, the next step changes the parameters by far less than 0.1 %.
+    // The solver stops after a step that lowers the error by a fraction of less than `tolerance`. Near the
+    // minimum, the error depends quadratically on the parameters. After a step that lowers it by 1e-4, the
+    // next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
-    // With a large trust region, the solver ends as soon as full steps no longer lower the error. Smaller
-    // steps would not help: close to the minimum, `focus` changes the image only in discrete steps.
+    // The trust region stays large, so the solver stops when full steps no longer lower the error. Smaller
+    // steps would not help, because the images that `focus` makes change only in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -190,8 +192,8 @@ void add_errors(PictureResiduals& residuals, const View& view, LensFromPicture& 
     out.correlation = var_a > 0 && var_b > 0 ? cov / (error_a * error_b) : -ab / std::sqrt(aa * bb);
 }
 
-/// Descends to the minimum twice. Each descent uses the pixels that are reliable for the lens with which the
-/// descent begins.
+/// Finds the minimum in two descents. Each descent uses the pixels that are reliable for the lens with which
+/// it begins.
 Descent refine(PictureResiduals& residuals, const View& view, const LensPlace& from) {
     residuals.use(reliable_pixels(view.depths, view.geometry(from)));
     const Descent rough = descend(residuals, view, from, first_linear_from, 1e-2);

@@ -1,4 +1,5 @@
-// Estimates the lens that blurred an image, using a sample file of the same view.
+// Estimates the lens that blurred an image. Needs a sample file, which contains the records of the same view
+// without blur.
 #pragma once
 
 #include <string>

@@ -32,7 +32,8 @@ std::vector<std::uint32_t> same_positions(const std::vector<glm::vec3>& position
 }  // namespace
 
 std::vector<MeshEdge> edges_of(const Mesh& mesh) {
-    // The sides of all triangles, grouped by the lower index of their two ends.
+    // A side of a triangle. Sides are grouped by the lower index of their two ends, so only the higher one is
+    // stored.
     struct Side {
         std::uint32_t high_end = 0, triangle = 0;
     };

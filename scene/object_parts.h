@@ -18,9 +18,9 @@ struct MeshEdge {
     friend bool operator==(const MeshEdge&, const MeshEdge&) = default;
 };
 
-/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if the
-/// indices differ. If several indices have the same position, the edge stores the lowest one. An edge with
-/// more than two triangles is listed once for each pair of successive triangles.
+/// Returns the edges of the mesh. Two edges are the same if their ends have equal positions, even if their
+/// vertex indices differ. The edge then stores the lowest index of each position. An edge with more than two
+/// triangles is listed once for each pair of successive triangles.
 [[nodiscard]] std::vector<MeshEdge> edges_of(const Mesh& mesh);
 
 /// Returns the part to which each triangle belongs. Two triangles belong to the same part if they are

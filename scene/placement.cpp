@@ -46,8 +46,8 @@ Decomposed decompose(const dmat4& m) {
         out.placement.scale = dvec3(0);
         return out;
     }
-    // The columns are normalised so that the rotation depends only on their directions. If the columns are
-    // perpendicular, the result is exact.
+    // Normalises the columns, so that the rotation depends only on their directions. For perpendicular
+    // columns, the result is exact.
     dmat3 r = linear;
     for (int i = 0; i < 3; ++i) {
         if (length[i] > 0) r[i] /= length[i];

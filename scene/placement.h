@@ -15,11 +15,11 @@ struct Placement {
 
 [[nodiscard]] glm::dmat4 matrix_of(const Placement& p);
 
-/// The placement that approximates a matrix, and its error. To measure the error, the placement and the
-/// matrix are applied to the three unit axes. The error is the largest distance between the two resulting
-/// vectors of an axis, divided by the length of the longest vector. Apart from rounding, the error is 0
-/// unless the matrix contains shear. The rotation is the orthogonal factor of the polar decomposition
-/// [higham1986]. A mirroring matrix gives a negative scale along x, and a singular matrix gives a scale of 0.
+/// The placement that approximates a matrix, and its error. The error is the largest distance between a
+/// column of the given matrix and that of the placement's matrix, divided by the length of the longest given
+/// column. Apart from rounding, it is 0 unless the matrix contains shear. The rotation is the orthogonal
+/// factor of the polar decomposition [higham1986]. A mirroring matrix gives a negative scale along x, and a
+/// singular matrix gives a scale of 0.
 struct Decomposed {
     Placement placement;
     double error = 0;

@@ -1,5 +1,5 @@
-// The files to which a scene refers. They must be in the scene's folder, and are part of the SHA-256 of the
-// scene.
+// The files to which a scene refers, such as textures. They must be in the scene's folder or below. The
+// SHA-256 of the scene covers them, too.
 #pragma once
 
 #include <filesystem>

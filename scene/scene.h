@@ -37,10 +37,10 @@ struct Material {
     /// [schlick1994].
     bool fresnel = false;
     glm::dvec3 reflection_grazing{1}, specular_grazing{1}, transmission_grazing{0};  ///< with `fresnel` only
-    /// Exponents n of the lobes cos^n about the exact directions of reflection and refraction. Infinity means
-    /// that there is no lobe, only the exact direction. The tracer records the mean radiance over a lobe that
-    /// is wider than the lens (tracer/shading_trees/lobe_means.h). Instead of a narrower lobe, it traces the
-    /// exact direction.
+    /// Exponents n of the lobes cos^n around the exact directions of reflection and refraction. Infinity
+    /// means that there is only the exact direction. The tracer records the mean radiance over a lobe that is
+    /// wider than the lens (tracer/shading_trees/lobe_means.h). If the lobe is narrower, the tracer follows
+    /// the exact direction.
     double reflection_exponent = std::numeric_limits<double>::infinity();
     double transmission_exponent = std::numeric_limits<double>::infinity();
     glm::dvec3 emission{0};
@@ -164,8 +164,8 @@ struct Camera {
     std::vector<TransformKey> keys;  ///< rigid motion; empty if the camera does not move
 };
 
-/// A scene in memory. A radiance of 1 is white. Intensities, emissions, background and ambient_light are
-/// those of the file times 2^exposure_stops (tracer/exposure.h).
+/// A scene in memory. A radiance of 1 is white. The intensities, emissions, background and ambient light of
+/// the file are multiplied by 2^exposure_stops (tracer/exposure.h).
 struct Scene {
     std::string name;
     std::string sha256;                           ///< SHA-256 of the file and all files to which it refers
@@ -177,8 +177,8 @@ struct Scene {
     glm::dvec3 background{0};
     glm::dvec3 ambient_light{1};  ///< Ia
     double exposure_stops = 0;    ///< set by `expose`
-    /// Number by which the intensities of photometric lights were divided. Empty if the file has no such
-    /// lights.
+    /// Lumens per watt by which photometric lights (in lux or candela) were divided. Empty if the file has no
+    /// such lights.
     std::optional<double> lumens_per_watt;
     double metres_per_unit = 1;      ///< factor by which all lengths of the file were multiplied
     double time_s = 0;               ///< default time

@@ -7,8 +7,8 @@ namespace postlens {
 namespace {
 
 constexpr int first_square = 4;  ///< texels
-/// Greatest number of texels along an edge of the rectangle that are read one by one. For a larger rectangle,
-/// precomputed squares of texels are read instead, at most this many along an edge.
+/// A rectangle with at most this many texels along each edge is read texel by texel. A larger rectangle is
+/// read in precomputed squares of texels, about this many along an edge.
 constexpr double most_across = 9;
 
 int place(double at, int count, bool wrap) {
@@ -71,8 +71,8 @@ ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x
     }
     const int width = level == 0 ? width_ : levels_[level - 1].width,
               height = level == 0 ? height_ : levels_[level - 1].height;
-    // Positions are wrapped or clamped before they are converted from texels to squares, because the last
-    // square of a row may be incomplete.
+    // Positions are wrapped or clamped before they are converted to squares, because the last square of a row
+    // may contain fewer texels than the others.
     const auto column = [&](double x) { return static_cast<int>(place(x, width_, wrap_x) / edge); };
     const auto row = [&](double y) { return static_cast<int>(place(y, height_, wrap_y) / edge); };
     const auto squares = [](int first, int last, int count, bool wraps) {

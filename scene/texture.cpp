@@ -45,7 +45,8 @@ glm::dvec3 texel(const ImageTexture& image, int column, int row) {
     return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-// Returns the fractional part of a coordinate, in [0, 1]. Returns 0 for NaN.
+// Returns the fractional part of a coordinate, or 0 for NaN. It is in [0, 1], because rounding can turn a
+// value just below 1 into 1.
 double tile_share(double c) {
     const double share = c - std::floor(c);
     return share >= 0 ? std::min(share, 1.0) : 0.0;
@@ -121,8 +122,8 @@ ColourRange Texture::range(const glm::dvec3& low, const glm::dvec3& high) const 
         out.add(colour_at(high));
         return out;
     }
-    // Finds all texels that bilinear interpolation reads. Texels are counted from the upper left, and their
-    // centres are at half-integer positions.
+    // Texels are counted from the upper left, and their centres are at half-integer positions. Bilinear
+    // interpolation therefore reads texels up to half a texel beyond the rectangle.
     const double x = repeat.x * low.x * image_.width, y = (1 - repeat.y * high.y) * image_.height;
     const double x_end = x + across.x * image_.width, y_end = y + across.y * image_.height;
     const double reach = image_.nearest ? 0 : 0.5;

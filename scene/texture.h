@@ -1,5 +1,5 @@
-// Textures, which give colours to a surface. A checker depends on the position in object space or on (u, v).
-// An image depends on (u, v).
+// Textures: colours that depend on the position on a surface. A checker uses the position in object space or
+// (u, v), and an image uses (u, v).
 #pragma once
 
 #include <cstdint>

@@ -25,7 +25,8 @@ dvec3 newell_normal(std::span<const dvec3> polygon) {
     return normal;
 }
 
-// Projects the polygon along the largest axis of its normal. The projected polygon runs counterclockwise.
+// Projects the polygon along the coordinate axis that is closest to its normal. The corners of the result run
+// counterclockwise.
 std::vector<dvec2> flattened(std::span<const dvec3> polygon, const dvec3& normal) {
     int axis = 0;
     for (int i = 1; i < 3; ++i) {

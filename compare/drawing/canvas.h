@@ -1,5 +1,4 @@
-// An 8-bit sRGB image on which OpenCV draws. Only cause_picture.cpp, error_map.cpp, side_by_side.cpp and
-// sweep/contact_sheet.cpp use it.
+// An 8-bit sRGB image on which OpenCV draws images, rectangles and text.
 #pragma once
 
 #include <array>
@@ -34,7 +33,8 @@ class Canvas {
     /// `scale` of 1.
     void text(int x, int y, double scale, const std::string& words);
     [[nodiscard]] static int text_width(double scale, const std::string& words);
-    /// Returns the canvas as scene-linear values. `write_image` encodes them to the bytes of the canvas.
+    /// Returns the canvas as scene-linear values, which `write_image` encodes to exactly the bytes of the
+    /// canvas.
     [[nodiscard]] Image image() const;
     [[nodiscard]] EncodedPicture encoded() const;
 

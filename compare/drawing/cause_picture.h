@@ -6,8 +6,9 @@
 
 namespace postlens {
 
-/// Returns the sRGB colour in which images and the viewer show a cause. Pixels without a cause are grey. The
-/// colours are those of Okabe and Ito, which colour-blind readers can distinguish. The last cause is white.
+/// Returns the sRGB colour that stands for a cause in images and in the viewer. "No cause" is grey, and the
+/// last cause is white. The other colours are those of Okabe and Ito, which colour-blind readers can
+/// distinguish.
 [[nodiscard]] std::array<std::uint8_t, 3> cause_colour(ErrorCause cause);
 
 /// Draws the reference in grey, and each pixel with an error in the colour of the cause of the error. A

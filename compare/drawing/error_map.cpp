@@ -33,8 +33,8 @@ std::vector<Rgb8> viridis() {
     return out;
 }
 
-// Returns the position of a difference on the logarithmic scale, 0 to 1. `steps` is the difference in 8-bit
-// steps.
+// Returns the position of a difference on the logarithmic scale of the map, from 0 to 1. `steps` is the
+// difference in steps of 8-bit sRGB values.
 double place(double steps) {
     const double whole = std::log(map_greatest_steps / map_least_steps);
     return std::clamp(std::log(std::max(steps, map_least_steps) / map_least_steps) / whole, 0.0, 1.0);

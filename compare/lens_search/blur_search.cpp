@@ -14,11 +14,11 @@ namespace {
 constexpr int widest_px = 256;
 constexpr int aperture_steps = 48, focus_steps = 81;
 constexpr double narrowest_coc_px = 0.7;
-/// Blur diameters that the search tests. They are spaced by 0.5 px up to 8 px. Above 8 px, each diameter is a
-/// 16th larger than the one before.
+/// Blur diameters that the search tests. They increase by 0.5 px up to 8 px, and then by a 16th of the
+/// diameter.
 constexpr double step_px = 0.5, even_to_px = 8;
-/// Largest number of pixels to compare. More pixels would not improve the result, because the search only
-/// tests apertures about 10 % apart.
+/// Largest number of pixels to compare. More pixels do not improve the result, because the apertures that are
+/// tested differ by about 10 %.
 constexpr std::size_t most_pixels = 12000;
 /// Residuals above this limit count linearly instead of quadratically. Beside depth edges, the blur model
 /// itself has errors of about this size.
@@ -114,9 +114,8 @@ class RoughModel {
         });
     }
 
-    /// Returns the RMS of the residuals for a lens. The diameter of the circle of confusion is `gain_px` (in
-    /// px m) times the difference between the inverse depth and the inverse focus distance. `gain_px` is
-    /// proportional to the aperture.
+    /// Returns the RMS of the residuals for a lens. At the inverse depth d, the circle of confusion has the
+    /// diameter gain_px * |d - inverse_focus_per_m|. `gain_px`, in px m, is proportional to the aperture.
     [[nodiscard]] double error(double gain_px, double inverse_focus_per_m) const {
         const std::size_t levels = diameters_px_.size();
         double sum = 0;

@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// The two parameters that determine the blur of a lens if the field of view is fixed.
+/// The two parameters of a lens that determine its blur if the field of view is fixed.
 struct LensPlace {
     double aperture_mm = 0;          ///< F / n, > 0
     double inverse_focus_per_m = 0;  ///< 1 / s, 0 or more

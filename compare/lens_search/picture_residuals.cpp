@@ -13,12 +13,15 @@
 namespace postlens {
 namespace {
 
-/// Number of depths that `focus` uses. It is large, so that the image changes smoothly with the lens.
+/// Number of depths for which `focus` computes the blur. It is large, so that the image changes smoothly with
+/// the lens.
 constexpr int levels = 256;
-/// Half the step of the central differences in the logarithm of the aperture; see `lens_from_picture`.
+/// Half the step of the central differences in the logarithm of the aperture. It corresponds to 3 % of the
+/// aperture.
 constexpr double aperture_step = 0.03;
 constexpr std::size_t grain = 4096;
-/// Size of the cache. It holds the images of two lenses, and the four images for the derivatives of each.
+/// Number of images in the cache: the images of two lenses and, for each lens, the four images from which the
+/// derivatives are computed.
 constexpr std::size_t most_kept = 10;
 
 double rms(const std::vector<double>& residuals) {
@@ -65,7 +68,8 @@ const PictureResiduals::Tones& PictureResiduals::tones_at(const LensPlace& place
     }
     throw_if_interrupted();
     FocusSettings s;
-    // The field of view is that of the file. The blur then depends only on F / n, so F can have any value.
+    // The file determines the field of view. The blur then depends only on the aperture F / n, so F can have
+    // any value.
     s.lens = {1000, 1000 / place.aperture_mm};
     s.focus_distance_m = place.inverse_focus_per_m > 0 ? 1 / place.inverse_focus_per_m
                                                        : std::numeric_limits<double>::infinity();

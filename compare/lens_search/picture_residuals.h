@@ -16,8 +16,8 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. The progress counts the images that `focus` has made, out of
-    /// `expected_pictures`.
+    /// Keeps a reference to `file`. `expected_pictures` is the number of images that `focus` is expected to
+    /// make, for the progress display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
@@ -28,15 +28,16 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Makes an image with `focus` and the lens `place`. Writes the robust residuals between this image and
-    /// the given image to `out`. Residuals above `linear_from` count linearly instead of quadratically.
+    /// Makes an image with `focus` and the lens `place`. Writes to `out` the robust residuals between this
+    /// image and the image whose lens is searched. Residuals above `linear_from` count linearly instead of
+    /// quadratically.
     void at(const LensPlace& place, double* out, double linear_from);
     /// Writes two derivatives per residual: with respect to the logarithm of the aperture, then with respect
-    /// to the inverse focus distance 1/s (in 1/m). `focus_step_per_m` is half the step of the central
+    /// to 1/s, where s is the focus distance in m. `focus_step_per_m` is half the step of the central
     /// difference in 1/s.
     void derivatives(const LensPlace& place, double focus_step_per_m, double linear_from, double* out);
-    /// Writes the robust residuals between `image` and the image whose lens is searched. `of_even` does the
-    /// same for a constant image of the median tone.
+    /// Writes the robust residuals between `image` and the image whose lens is searched. `of_even` uses a
+    /// constant image of the median tone instead of `image`.
     void of(const Image& image, double* out, double linear_from) const;
     void of_even(double* out, double linear_from) const;
 

@@ -1,5 +1,5 @@
-// The tone by which images are compared when a lens is fitted: luminance on a scale that is linear in dark
-// areas and logarithmic in bright ones.
+// The tone of pixels, by which images are compared when a lens is fitted. It is nearly linear in the
+// luminance of dark pixels and logarithmic in that of bright ones.
 #pragma once
 
 #include <algorithm>

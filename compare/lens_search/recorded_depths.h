@@ -1,4 +1,5 @@
-// The range of depths in each pixel of a sample file. It determines in which pixels `focus` is reliable.
+// The range of depths in each pixel of a sample file, from which the pixels are found in which `focus` is
+// reliable.
 #pragma once
 
 #include <vector>
@@ -8,8 +9,8 @@
 
 namespace postlens {
 
-/// The range of inverse depths (1/m) of the directly visible surfaces in each pixel, including its border.
-/// There is one entry per pixel, row by row.
+/// The range of inverse depths (1/m) of the directly visible surfaces in each pixel, including those on its
+/// border. There is one entry per pixel, row by row.
 struct RecordedDepths {
     int width = 0, height = 0, overscan_px = 0;
     std::vector<float> nearest_per_m, farthest_per_m;  ///< largest and smallest; 0 where nothing was hit

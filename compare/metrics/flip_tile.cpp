@@ -34,7 +34,8 @@ std::vector<double> taps_of(int radius, const Function& function) {
     return taps;
 }
 
-// Scales the taps so that the positive taps sum to `share` and any negative taps sum to -share.
+// Scales the taps of a filter so that the positive taps sum to `share`, and the negative taps, if there are
+// any, to -share.
 TileChannel normalised(const std::vector<double>& taps, double share = 1) {
     double positive = 0, negative = 0;
     for (const double t : taps) (t > 0 ? positive : negative) += std::abs(t);
@@ -157,7 +158,7 @@ inline float clamp01(float v) {
     return std::min(std::max(v, 0.0F), 1.0F);
 }
 
-// A tile of one image after filtering: its colours in L*a*b*, and the strength of edges and points.
+// A tile of one image after the filters of FLIP: its colours in L*a*b*, and the strength of edges and points.
 struct Seen {
     TileChannel lightness, a, b, edges, points;
     Seen()
@@ -261,8 +262,8 @@ void see(const Tile& tile, const FlipDisplay& display, const FlipFilters& filter
     to_seen(s.out, to);
 }
 
-// Raises each value of `errors` to the FLIP error of this pair of tiles, if that is greater [andersson2020,
-// sec. 4.1.3, 4.2 and 4.3].
+// Computes the FLIP error of tile p against tile q [andersson2020, sec. 4.1.3, 4.2 and 4.3]. Stores it in
+// `errors` where it is greater than the value there.
 POSTLENS_MULTIVERSION
 void raise_errors(const Seen& p, const Seen& q, TileChannel& errors) {
     // The greatest possible colour distance is that between green and blue. A distance of 0.4 times this

@@ -91,8 +91,8 @@ NoisyError error_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which
     return {.mse = product / values, .standard_error = std::sqrt(variance) / values};
 }
 
-// Returns the mean squared error of one reference. It is half the mean squared difference between the
-// references.
+// Returns the mean squared error of one reference, which is half the mean squared difference between two
+// independent references.
 double noise_of(const std::vector<BlockSums>& blocks, Sums BlockSums::*which, double values) {
     double noise = 0;
     for (const BlockSums& b : blocks) noise += (b.*which).noise;

@@ -1,4 +1,4 @@
-// Masks that select the pixels to compare, and operations over pixels such as encoding, sums and means.
+// Masks that select the pixels to compare, and functions that encode, add up or average pixels.
 #pragma once
 
 #include <cstddef>

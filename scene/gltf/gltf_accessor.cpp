@@ -12,7 +12,7 @@
 namespace postlens {
 namespace {
 
-// Largest number of values in all accessors of a document together: 1 GiB of floats.
+// Largest total number of values in all accessors of a document. As floats, they need 1 GiB.
 constexpr std::size_t most_numbers = std::size_t{1} << 28;
 // Largest number of elements of an accessor without a buffer. All its elements are zero.
 constexpr std::size_t most_zeros = std::size_t{1} << 24;

@@ -12,7 +12,8 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// all values, element by element; finite; normalised integers become [-1, 1] or [0, 1]
+    /// all values, element by element; they are finite; normalised integers are converted to [-1, 1] or [0,
+    /// 1]
     std::vector<float> values;
 };
 
@@ -22,13 +23,14 @@ class GltfAccessors {
   public:
     explicit GltfAccessors(const GltfDocument& document) : document_(document) {}
 
-    /// Returns the elements of an accessor, including sparse ones. `index` must be in range. `place` is the
-    /// JSON object that refers to the accessor, for error messages. Throws Error(invalid_input) if the number
-    /// of components is not one of `components`, if elements lie outside the buffer view, or if a number is
-    /// not finite.
+    /// Returns the elements of an accessor, including sparse ones. `index` must be in range. `place`, the
+    /// JSON object that refers to the accessor, is used in error messages. Throws Error(invalid_input) if the
+    /// number of components is not one of `components`, if elements lie outside the buffer view, or if a
+    /// number is not finite.
     [[nodiscard]] GltfValues floats(std::size_t index, std::initializer_list<std::size_t> components,
                                     const JsonPlace& place);
-    /// Returns the unsigned integers of a SCALAR accessor. Throws if one of them is not less than `limit`.
+    /// Returns the values of a SCALAR accessor of unsigned integers. Throws Error(invalid_input) if a value
+    /// is `limit` or more.
     [[nodiscard]] std::vector<std::uint32_t> indices(std::size_t index, std::size_t limit,
                                                      const JsonPlace& place);
 

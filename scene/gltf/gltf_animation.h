@@ -30,7 +30,8 @@ struct GltfCurve {
 /// The curves of one node.
 struct GltfNodeCurves {
     std::optional<GltfCurve> translation, rotation, scale;
-    /// Returns the placement of the node at a time. A component without a curve is taken from `own`.
+    /// Returns the node's placement (translation, rotation, scale) at a time. `own` provides the components
+    /// that have no curve.
     [[nodiscard]] Placement at(double time_s, const Placement& own) const;
     /// Returns the times of all keyframes, ascending. A step curve jumps at every keyframe except the first.
     /// For each jump, an additional time is returned, which is shortest_key_gap_s before the jump.

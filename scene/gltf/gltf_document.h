@@ -1,5 +1,5 @@
-// A glTF 2.0 document [gltf2] and its binary data. The document is a .gltf with files or data URIs, or a
-// .glb.
+// A glTF 2.0 document [gltf2] with its binary data. It is read from a .glb, or from a .gltf and the files or
+// data URIs to which it refers.
 #pragma once
 
 #include <deque>
@@ -44,12 +44,13 @@ struct GltfDocument {
     [[nodiscard]] std::string_view resolve(const std::string& uri, const JsonPlace& place);
 };
 
-/// Largest accepted size, in bytes, of a file and of all buffers of a document together.
+/// Largest accepted size, in bytes, of a file, and of all buffers of a document together.
 inline constexpr std::uintmax_t largest_gltf_bytes = std::uintmax_t{1} << 31;
 
-/// Reads `path` into `out`, which must be empty. The first bytes show whether the file is a .glb or JSON.
-/// Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, for a buffer that is missing or shorter
-/// than stated, for a version other than 2, and for a required extension that is not supported.
+/// Reads `path` into `out`, which must be empty. The first bytes of the file determine whether it is read as
+/// .glb or as JSON. Throws Error(invalid_input) "FILE: PLACE ..." for an invalid file, for a buffer that is
+/// missing or shorter than stated, for a version other than 2, and for a required extension that is not
+/// supported.
 void read_gltf_document(const std::filesystem::path& path, GltfDocument& out);
 
 }  // namespace postlens

@@ -88,13 +88,14 @@ class MaterialReader {
         return out;
     }
 
-    // `has_uv` states whether the texture of the base colour already determines `uv`.
+    // Reads the emissive texture. `has_uv` is true if the base colour's texture already determines `uv`, the
+    // texture coordinates of the material.
     void read_emissive_picture(const JsonPlace& info, bool has_uv, Material& out, UvSource& uv) {
         const RawImage* raw = image_of(info);
         const UvSource own = uv_source(info);
         if (!raw) {
-            // If the emissive texture cannot be read, the surface does not emit. Most of such a texture is
-            // usually black.
+            // If the emissive texture cannot be read, the surface emits nothing, because most of such a
+            // texture is usually black.
             out.emission = dvec3(0);
             notes_.add("a surface whose emissiveTexture is left out emits nothing");
         } else if (has_uv && !(own == uv)) {

@@ -12,7 +12,8 @@ using glm::dvec3;
 
 enum Mode : std::size_t { triangles = 4, strip = 5, fan = 6 };
 
-// Returns the triangles of a list, a strip or a fan. All triangles have the winding of the first one.
+// Returns the triangles of a list, a strip or a fan. In a strip, every second triangle is reversed, so that
+// all triangles have the same winding.
 std::vector<glm::uvec3> assemble(std::size_t mode, const std::vector<std::uint32_t>& corners) {
     std::vector<glm::uvec3> out;
     if (mode == triangles) {

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// A node of the displayed scene. `frame` is the nearest animated node: the node itself or an ancestor. The
-/// node does not move relative to `frame`.
+/// A node of the displayed scene. `frame` is the animated node with which it moves: the node itself or its
+/// nearest animated ancestor.
 struct GltfNode {
     std::size_t index = 0;             ///< in the document
     glm::dmat4 world_from_node{1};     ///< at rest, that is without animations

@@ -12,7 +12,8 @@ namespace {
 
 using glm::dvec3;
 
-// Height of the raster, which glTF does not state. The aspect ratio of the camera gives the width.
+// Height of the raster in px, because glTF only states the camera's aspect ratio. The width is the height
+// times this ratio.
 constexpr int height_px = 540;
 constexpr double least_aspect = 0.01, most_aspect = 100;
 

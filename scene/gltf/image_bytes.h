@@ -18,7 +18,7 @@ struct RawImage {
     bool has_alpha = false;
 };
 
-/// Largest image that is decoded, in pixels. Such an image needs 1 GiB as a RawImage.
+/// Largest image that is decoded, in pixels. As a RawImage, it needs 1 GiB.
 inline constexpr double most_image_pixels = 1 << 26;
 
 /// Decodes a PNG, JPEG or OpenEXR file. Error messages call the file `name`. Throws Error(invalid_input) if

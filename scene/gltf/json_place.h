@@ -15,12 +15,13 @@
 namespace postlens {
 
 /// Parses a document. Throws Error(invalid_input) if the text is not valid JSON, is nested more than 128
-/// levels deep, or has more than 4 million values. A value needs about 100 bytes of memory.
+/// levels deep, or has more than 4 million values. These limits bound the memory: a value needs about 100
+/// bytes.
 [[nodiscard]] nlohmann::json parse_json(std::string_view text, const std::string& file);
 
 /// A JSON value and its position in the document, such as "materials[2].emissiveFactor". Keeps references to
-/// the document and to the name of the file. The accessors take a key of this JSON object and return an empty
-/// value if the key is missing. They throw Error(invalid_input) "FILE: PLACE what (got X; expected Y)" if the
+/// the document and to the name of the file. The functions below return the value of a key, or an empty value
+/// if the key is missing. They throw Error(invalid_input) "FILE: PLACE problem (got X; expected Y)" if the
 /// value has the wrong type or is out of range.
 class JsonPlace {
   public:
@@ -31,7 +32,7 @@ class JsonPlace {
     [[nodiscard]] const std::string& where() const { return where_; }
     [[nodiscard]] bool has(const char* key) const { return value_->contains(key); }
 
-    /// Returns the object (or the array of objects) that this object has under a key.
+    /// Returns the object under a key, or, for `objects`, the elements of an array of objects.
     [[nodiscard]] std::optional<JsonPlace> object(const char* key) const;
     [[nodiscard]] std::vector<JsonPlace> objects(const char* key) const;  ///< empty if the key is missing
     /// extensions.NAME

@@ -16,8 +16,8 @@
 
 namespace postlens {
 
-/// Ambient light of scenes from OBJ and PLY files. Ka is multiplied by it. It is low, because exporters write
-/// a Ka of 1 for every material.
+/// Ambient light of scenes from OBJ and PLY files, by which Ka is multiplied. It is low, because exporters
+/// write a Ka of 1 for every material.
 inline constexpr double mesh_ambient_light = 0.1;
 
 class MeshMaterials {

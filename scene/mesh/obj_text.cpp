@@ -13,7 +13,8 @@
 namespace postlens {
 namespace {
 
-// A loop over this function takes a third of the time of `find_first_of`. Files have millions of lines.
+// A loop over this function takes a third of the time of `find_first_of`, which matters for files with
+// millions of lines.
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
 }
@@ -66,7 +67,7 @@ void move_line_ends(std::string_view& text, std::string& out) {
     for (; !text.empty() && is_line_end(text.front()); text.remove_prefix(1)) out += text.front();
 }
 
-// Appends numbers. Adds a 0 before each decimal point that begins a number.
+// Appends a line of numbers. Adds a 0 before each decimal point that begins a number, so ".5" becomes "0.5".
 void append_numbers(std::string_view line, std::string& out) {
     std::size_t copied = 0;
     for (std::size_t at = line.find('.'); at != std::string_view::npos; at = line.find('.', at + 1)) {
@@ -81,8 +82,8 @@ void append_numbers(std::string_view line, std::string& out) {
     out += line.substr(copied);
 }
 
-// Appends one `mtllib` line per file name, up to a comment. File names may contain blanks, so a name ends
-// only after ".mtl".
+// Appends one `mtllib` line per file name. File names may contain blanks, so a name ends only after ".mtl". A
+// comment ends the list of names.
 void append_libraries(std::string_view names, std::string& out) {
     for (bool first = true; !names.empty() && names[0] != '#'; first = false) {
         std::size_t end = 0;
@@ -100,7 +101,7 @@ class OptionReader {
   public:
     OptionReader(std::string_view words, SceneNotes& notes) : rest_(words), notes_(notes) {}
 
-    // Reads the options into `out`. Returns the file name that follows them.
+    // Reads the options into `out`. Returns the rest of the line, which is the file name.
     std::string_view read(PictureOptions& out) {
         while (rest_.starts_with('-')) {
             const std::string option = lower_case(std::string(take_word()));
@@ -129,7 +130,7 @@ class OptionReader {
         return word;
     }
 
-    // Takes up to `most` numbers, but not the last word, which is the file name.
+    // Reads up to `most` numbers. Never reads the last word of the line, because it is the file name.
     std::vector<double> take_numbers(std::size_t most) {
         std::vector<double> out;
         while (out.size() < most && first_word(rest_).size() < rest_.size()) {
@@ -141,7 +142,8 @@ class OptionReader {
         return out;
     }
 
-    // Reads one to three numbers. The third one is for three-dimensional textures and is not used.
+    // Reads one to three numbers into `to`. A third number is ignored, because only three-dimensional
+    // textures need it.
     void read_pair(glm::dvec2& to) {
         constexpr double most = 1e9;
         const std::vector<double> v = take_numbers(3);
@@ -169,8 +171,8 @@ std::string rewritten_obj(std::string_view text) {
         } else {
             out += line;
         }
-        // Trailing blanks were removed. If blanks followed a backslash, one is added again, so that the
-        // backslash does not continue the line.
+        // Blanks at the end of the line were removed. If the line now ends with a backslash, a blank is
+        // added, because the backslash would otherwise continue the line.
         if (out.ends_with('\\')) out += ' ';
         move_line_ends(text, out);
     }

@@ -1,4 +1,4 @@
-// Rewrites the text of OBJ and MTL files so that assimp reads all of it.
+// Rewrites OBJ and MTL files so that assimp reads every line of them correctly.
 #pragma once
 
 #include <glm/glm.hpp>

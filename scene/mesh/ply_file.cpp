@@ -17,7 +17,7 @@
 namespace postlens {
 namespace {
 
-// Returns the index of the property that has one of the given names. Empty if the element has no such
+// Returns the index of the property that has one of the given names, or empty if the element has no such
 // property.
 std::optional<std::size_t> place_of(const PlyElement& e, std::initializer_list<std::string_view> names,
                                     bool is_list) {
@@ -132,7 +132,7 @@ class PlyReader {
                 "corners)",
                 uvs.size(), corners.size());
         }
-        // If earlier faces had no texture coordinates, their corners get (0, 0).
+        // Corners of earlier faces that had no texture coordinates get (0, 0).
         out_.corner_uvs.resize(out_.corners.size() - corners.size(), glm::dvec2(0));
         for (std::size_t i = 0; i < corners.size(); ++i)
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
@@ -165,8 +165,8 @@ class PlyReader {
         return static_cast<std::uint32_t>(value);
     }
 
-    // Reads one instance of an element. Stores its scalars, by index of the property, and the lists that are
-    // used.
+    // Reads one instance of an element, such as one vertex or one face. Stores its scalars, by index of the
+    // property, and those of its lists that are used.
     void read_instance(const PlyElement& e) {
         scalars_.resize(e.properties.size());
         for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -252,7 +252,7 @@ class PlyReader {
         return static_cast<T>(out);
     }
 
-    // Returns the next word of an ASCII file. Skips lines that begin with the word "comment".
+    // Returns the next word of an ASCII file. Skips lines that begin with "comment" or "obj_info".
     std::string_view word(const PlyElement& e) {
         for (;;) {
             const std::size_t from = rest_.find_first_not_of(" \t\r\n");
@@ -276,8 +276,8 @@ class PlyReader {
     PlyFormat format_ = PlyFormat::ascii;
     PlyFile out_;
     std::vector<double> scalars_;
-    // Two lists of a face are used: its corners and its texture coordinates. For each of these lists,
-    // `kept_lists_` has the index of the property, and `lists_` has the entries.
+    // The two lists of a face that are used: its corners and its texture coordinates. `kept_lists_` contains
+    // the indices of their properties, and `lists_` their entries.
     std::array<std::optional<std::size_t>, 2> kept_lists_;
     std::array<std::vector<double>, 2> lists_;
     bool is_line_start_ = true;

@@ -16,7 +16,7 @@ struct PlyFile {
     std::vector<glm::dvec3> positions;
     std::vector<glm::dvec3> normals;  ///< per position, or empty
     std::vector<glm::dvec2> uvs;      ///< per position, or empty
-    /// one per position, or empty; integers are scaled so that full intensity is 1
+    /// one colour per position, or empty; 1 is full intensity, even if the file stores integers
     std::vector<glm::dvec3> colours;
     /// corners of all faces, face by face; an index may exceed the number of positions
     std::vector<std::uint32_t> corners;

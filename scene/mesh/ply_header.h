@@ -16,7 +16,8 @@ enum class PlyFormat { ascii, little_endian, big_endian };
 struct PlyProperty {
     std::string name;
     PlyType type = PlyType::none;  ///< type of a value, or of each entry of a list
-    /// type of the number of entries; `none` if the property is not a list
+    /// type of the number of entries, which precedes the entries of a list; `none` if the property is not a
+    /// list
     PlyType count_type = PlyType::none;
 };
 

@@ -77,8 +77,8 @@ std::optional<std::string_view> NffTokens::next() {
 
 std::vector<std::string> NffTokens::rest_of_line() {
     std::vector<std::string> rest;
-    // `peek` may already have read the next line. In that case the two line numbers differ, and nothing is
-    // left of the line of the last word.
+    // If `peek` has already read the next line, `line_` and `taken_line_` differ. No words are then left on
+    // the line of the last word.
     while (line_ == taken_line_ && word_at_ < words_.size()) rest.emplace_back(words_[word_at_++]);
     return rest;
 }

@@ -115,7 +115,8 @@ Material read_material(const TomlTable& t, const TexturesByName& textures) {
     t.allow_only({known});
     Material m;
     m.name = t.required(t.text("name"), "name");
-    // `colour` multiplies the three coefficients that depend on the pigment of the surface.
+    // `colour` multiplies the three diffuse coefficients. Reflection, transmission and highlights keep their
+    // own colours.
     const dvec3 colour = t.number_or_vec3("colour", colour_range).value_or(dvec3(1));
     m.ambient = colour * t.number_or_vec3("ambient", colour_range).value_or(m.ambient);
     m.diffuse = colour * t.number_or_vec3("diffuse", colour_range).value_or(m.diffuse);

@@ -7,13 +7,13 @@
 
 namespace postlens {
 
-/// Largest .toml scene that is read, in bytes. Parsed numbers need about fifty times as much memory as their
-/// text.
+/// Largest .toml scene that is read, in bytes. Once parsed, numbers need about fifty times as much memory as
+/// their text.
 inline constexpr std::uintmax_t largest_toml_bytes = 8'000'000;
 
 /// Reads a .toml scene and fills in all defaults. Lengths are multiplied by `options.metres_per_unit`.
 /// Scene::sha256 covers the bytes of the file, followed by a line "name sha256" for each file to which the
-/// scene refers. These lines have the names and the order of the scene file. Throws Error(invalid_input)
+/// scene refers. The lines have the order in which the scene names these files. Throws Error(invalid_input)
 /// "FILE:LINE:COLUMN: ...".
 [[nodiscard]] Scene read_toml_scene(const std::filesystem::path& path, const SceneReadOptions& options);
 

@@ -10,8 +10,8 @@
 
 namespace postlens {
 
-/// Values of the key `shape`. `shape_keys` and `read_shape` take an index into this array. An "instance" is a
-/// copy of another object.
+/// Values of the key `shape`. The parameter `kind` of the functions below is an index into this array. An
+/// "instance" is a copy of another object.
 inline constexpr std::array<std::string_view, 9> shape_kinds{"sphere",   "box",  "disc", "rectangle", "plane",
                                                              "cylinder", "cone", "mesh", "instance"};
 inline constexpr std::size_t instance_kind = 8;
