@@ -55,8 +55,9 @@ struct Comparison {
     std::optional<double> affected_share;
     std::optional<Figures> affected;
     std::optional<PixelErrors> pinhole, pinhole_affected;  ///< errors of the pinhole image
-    // The members below are set only if a second reference is given. The two flags mean that images are
-    // bit-identical. If both references are equal, the noise floor cannot be measured.
+    // The members below are set only if a second reference is given. The first flag means that the image is
+    // bit-identical to one of the references, the second that both references are bit-identical. In the
+    // second case, the noise floor cannot be measured.
     bool image_is_a_reference = false, references_are_equal = false;
     std::optional<NoiseFloor> noise, affected_noise;
 

@@ -96,7 +96,7 @@ Descent descend(PictureResiduals& residuals, const View& view, const LensPlace& 
     // next step changes the parameters by far less than 0.1 %.
     options.function_tolerance = tolerance;
     // The trust region stays large, so the solver stops when full steps no longer lower the error. Smaller
-    // steps would not help, because the images that `focus` makes change only in discrete steps.
+    // steps would not help, because the image computed for a lens changes only in discrete steps.
     options.initial_trust_region_radius = 1e4;
     options.min_trust_region_radius = 1e3;
     options.parameter_tolerance = 2e-5;
@@ -208,8 +208,9 @@ bool alike(const LensPlace& a, const LensPlace& b, double span_per_m) {
            std::abs(a.inverse_focus_per_m - b.inverse_focus_per_m) < 0.1 * span_per_m;
 }
 
-/// Returns at most `most` starting points in different minima, sorted by the error of `focus` at each of
-/// them. Omits points whose error is more than 1.5 times the smallest error.
+/// Returns at most `most` starting points in different minima. For each point, the image is computed with
+/// `focus`, which is more accurate than the blur model of the coarse search. The points are sorted by the
+/// resulting error, and those with more than 1.5 times the smallest error are omitted.
 std::vector<RoughMatch> sifted(PictureResiduals& residuals, const View& view,
                                const std::vector<RoughMatch>& matches, int most) {
     std::vector<RoughMatch> out;

@@ -314,9 +314,9 @@ class MotionBlur {
         return std::find(marks.begin(), marks.end(), 0) == marks.end();
     }
 
-    // Returns background colours for the pixels that moving objects cover in the records. The colours are
-    // interpolated from the surrounding pixels. If moving objects cover every pixel, the colours are
-    // interpolated from the pixels whose light is known in a view.
+    // Returns background colours for the pixels that moving objects cover in the records. They are
+    // interpolated from the surrounding pixels. If moving objects cover every pixel, they are interpolated
+    // from the pixels in which at least one view sees a recorded surface.
     [[nodiscard]] Image fill_behind(const PatchPicture& p, const std::vector<std::uint8_t>& covered) const {
         const bool all = all_of(covered);
         Image out = all ? p.image : file_.picture();

@@ -32,8 +32,8 @@ bool add_extents(const RecordBand& band, const std::vector<std::uint32_t>& only,
 enum class MotionKind {
     still,        ///< stays within 0.01 px of its recorded position
     translation,  ///< parallel to the film: within 0.25 px, every point moves like the box's centre
-    /// Parallel to the film, but nearer points move farther. The displacement of each point is that of the
-    /// box's centre times the ratio of their inverse depths, within 0.25 px.
+    /// Parallel to the film, but nearer points move farther. The displacement of a point is that of the box's
+    /// centre times the ratio of the point's inverse depth to the centre's, within 0.25 px.
     parallax,
     general  ///< rotates, approaches, or passes the camera
 };
@@ -42,8 +42,8 @@ struct IdMotion {
     std::uint32_t id = 0;
     MotionKind kind = MotionKind::still;
     double largest_move_px = 0;  ///< largest displacement of a corner of the box; may be infinite
-    /// Largest difference between the displacement of a corner of the box and that of the box's centre. May
-    /// be infinite.
+    /// Largest difference between the displacement of a corner of the box and that of the box's centre.
+    /// Infinite if the box passes the camera.
     double deviation_px = 0;
     /// Largest difference, in px, between the displacement of a corner of the box and the displacement that
     /// parallax predicts. The prediction is the centre's displacement times the ratio of the corner's inverse

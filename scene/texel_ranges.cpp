@@ -61,7 +61,8 @@ TexelRanges::TexelRanges(std::span<const float> rgb, int width, int height) : wi
 ColourRange TexelRanges::of(std::span<const float> rgb, double x_first, double x_last, double y_first,
                             double y_last, bool wrap_x, bool wrap_y) const {
     std::array<float, 6> range = nothing;
-    // Finds the finest level at which the rectangle spans at most `most_across` squares along each edge.
+    // Finds the smallest squares of which the rectangle spans at most `most_across` along each edge. Level 0
+    // means single texels.
     const double across = std::max(x_last - x_first, y_last - y_first) + 1;
     std::size_t level = 0;
     double edge = 1;

@@ -13,8 +13,8 @@
 namespace postlens {
 namespace {
 
-/// Number of depths for which `focus` computes the blur. It is large, so that the image changes smoothly with
-/// the lens.
+/// Number of depths for which the blur of a lens is computed. It is large, so that the image changes smoothly
+/// with the lens.
 constexpr int levels = 256;
 /// Half the step of the central differences in the logarithm of the aperture. It corresponds to 3 % of the
 /// aperture.

@@ -1,5 +1,5 @@
-// Computes the residuals between an image and the result of `focus` with a given lens, and the derivatives of
-// the residuals with respect to the lens.
+// Computes the residuals between a given image and the image that a lens makes from the records of a sample
+// file (`focus`). Also computes the derivatives of the residuals with respect to the lens.
 #pragma once
 
 #include <deque>
@@ -16,8 +16,8 @@ namespace postlens {
 
 class PictureResiduals {
   public:
-    /// Keeps a reference to `file`. `expected_pictures` is the number of images that `focus` is expected to
-    /// make, for the progress display.
+    /// Keeps a reference to `file`. `expected_pictures` is the expected number of images to compute, for the
+    /// progress display.
     PictureResiduals(const SampleFileReader& file, const Image& picture, const Impulse& impulse,
                      std::uint64_t expected_pictures);
 
@@ -28,7 +28,7 @@ class PictureResiduals {
     [[nodiscard]] std::size_t size() const { return used_.size(); }
     [[nodiscard]] int pictures() const { return pictures_; }
 
-    /// Makes an image with `focus` and the lens `place`. Writes to `out` the robust residuals between this
+    /// Computes the image of the lens `place` with `focus`. Writes to `out` the robust residuals between this
     /// image and the image whose lens is searched. Residuals above `linear_from` count linearly instead of
     /// quadratically.
     void at(const LensPlace& place, double* out, double linear_from);
@@ -55,7 +55,7 @@ class PictureResiduals {
 
     const SampleFileReader& file_;
     Impulse impulse_;
-    /// Cache of images made by `focus`, newest last. The solver often returns to a lens that it has evaluated
+    /// Cache of computed images, newest last. The solver often returns to a lens that it has evaluated
     /// before.
     std::deque<std::pair<LensPlace, Tones>> focused_;
     Tones wanted_;

@@ -1,5 +1,5 @@
-// The tone of pixels, by which images are compared when a lens is fitted. It is nearly linear in the
-// luminance of dark pixels and logarithmic in that of bright ones.
+// The tone of pixels, by which images are compared when a lens is fitted. Dark tones are nearly linear in the
+// luminance, and bright ones logarithmic.
 #pragma once
 
 #include <algorithm>

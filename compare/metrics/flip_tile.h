@@ -32,7 +32,7 @@ class FlipDisplay {
     [[nodiscard]] float operator()(float linear) const {
         const float x = scale_ * (linear > 0 ? linear : 0.0F);
         const float v = (x * (n2_ * x + n1_)) / (x * (d2_ * x + d1_) + d0_);
-        // For very bright values, both products overflow and v is NaN. The comparison is then false, and the
+        // For very bright values, the terms of v overflow and v is NaN. The comparison is then false, and the
         // result is white.
         return v < 1 ? v : 1.0F;
     }

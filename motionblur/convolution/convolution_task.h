@@ -27,8 +27,7 @@ struct ConvolutionTask {
     ConvolutionTask(const Planes& a, const PathRaster& b, const CellWindow& wanted);
 
     [[nodiscard]] bool is_empty() const { return out.width() <= 0 || out.height() <= 0; }
-    /// Returns a pointer p to row y of a plane of the object's raster, such that p[x] is the cell in column
-    /// x.
+    /// Returns a pointer p to row y of a plane of the object's raster. p[x] is the cell in column x.
     [[nodiscard]] const float* row(std::size_t plane, int y) const {
         return i1.planes[plane].data() +
                static_cast<std::ptrdiff_t>(y - i1.y_begin) * static_cast<std::ptrdiff_t>(i1.width) -

@@ -94,8 +94,8 @@ struct Orientation {
 Orientation orient(const ConvolutionTask& task) {
     Orientation as_is{runs_of(task.path, [&](int x, int y) { return task.i2.at(x, y); }), false};
     Orientation turned{runs_of(transposed(task.path), [&](int x, int y) { return task.i2.at(y, x); }), true};
-    // Cost of transposing the object's raster and the result, in the unit of runs.cost. It is about the cost
-    // of 12 cells of the path.
+    // Time for transposing the object's raster and the result, in multiples of the time for one cell of the
+    // path.
     constexpr double turning = 12;
     return turned.runs.cost + turning < as_is.runs.cost ? turned : as_is;
 }

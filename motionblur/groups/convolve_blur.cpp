@@ -119,7 +119,8 @@ class Composite {
                 known = std::max(known, static_cast<std::size_t>(g));
                 continue;
             }
-            // Number of groups that are nearer than the surface. depths_ is in descending order.
+            // Number of groups that are nearer than the surface. depths_ contains the inverse depths of the
+            // groups in descending order.
             const auto rank = static_cast<std::size_t>(
                 std::partition_point(depths_.begin(), depths_.end(),
                                      [&](double depth) { return depth > static_cast<double>(s.inverse_z); }) -

@@ -17,8 +17,7 @@ namespace postlens {
 /// during the exposure.
 struct Crossing {
     std::size_t other = 0;  ///< the group with the largest `most_mse`
-    /// Upper bound of the mean squared error over the pixels that the group touches, if no radiance exceeds
-    /// 1.
+    /// Upper bound of the mean squared error over the pixels that the group touches, for radiances up to 1.
     double most_mse = 0;
 };
 

@@ -41,7 +41,7 @@ struct QuarterCells {
 [[nodiscard]] QuarterCells quarter_cells(const PointSample& leaf_at, float leaf_size, std::size_t corner,
                                          int cells_per_px);
 
-/// Returns the nearest surface at a point sample that belongs to moving group g, or nullptr if there is none.
+/// Returns the nearest surface of moving group g at a point sample, or nullptr if there is none.
 [[nodiscard]] const LayerSurface* surface_of(const BandSurfaces& band, std::uint32_t sample,
                                              const GroupTable& table, int g);
 

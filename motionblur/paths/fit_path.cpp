@@ -52,7 +52,7 @@ struct Cubic {
 };
 
 /// Fits a cubic to the points [first, last] by least squares. If `start` is given, the cubic begins there.
-/// Returns nothing if its distance from any point exceeds the tolerance.
+/// Returns nothing if a point is farther from the cubic than the tolerance.
 std::optional<Cubic> fit_cubic(Points points, std::size_t first, std::size_t last,
                                const std::optional<dvec2>& start, double tolerance_px) {
     constexpr std::size_t most_used = 512;  // more than enough for a cubic; the error is tested at all points

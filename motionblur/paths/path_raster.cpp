@@ -17,8 +17,8 @@ using glm::dvec2;
 /// thousandth of a cell.
 constexpr double farthest_cell = 1e13;
 
-/// A piece of a path with constant velocity. Positions are in cells, plus 0.5, so that positions in [i, i +
-/// 1) belong to cell i.
+/// A piece of a path with constant velocity. Positions are in cells, plus 0.5, so that cell i contains the
+/// positions from i to i + 1.
 struct Piece {
     double begin, end;  ///< times, as fractions of the exposure
     dvec2 from, to;
@@ -224,8 +224,8 @@ PathRaster draw_path(std::span<const PathPoint> points, glm::dvec2 origin_px, do
             const double light = at > 1 ? curve.light(p.end) : curve.light(p.begin + at * (p.end - p.begin));
             // The path is in the current cell from `before` to `at`, where it crosses the cell's border. The
             // light of this time is multiplied by the path's value at the middle of it, which is exact if the
-            // shutter's transmission is constant. If rounding makes `at` smaller than `before`, the light is
-            // 0.
+            // shutter's transmission is constant. If rounding makes `at` smaller than `before`, no light is
+            // added.
             const double value = p.value_at(0.5 * (before + std::min(at, 1.0)));
             add(along_x.cell(), along_y.cell(), value * std::max(0.0, light - light_before));
             if (at > 1) break;

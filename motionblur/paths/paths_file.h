@@ -15,7 +15,7 @@
 
 namespace postlens {
 
-/// Largest size of the file, in bytes. A larger file is rejected before it is read.
+/// Largest accepted size of a paths file, in bytes. A larger file is rejected before it is read.
 inline constexpr std::uintmax_t largest_paths_bytes = 256'000'000;
 
 /// Keyframes of a rigid motion in scene coordinates, in m. There is at least one keyframe, and the times
@@ -31,8 +31,8 @@ struct ObjectPath {
     std::variant<ScreenPath, RigidKeys> motion;
 };
 
-/// Reads the file. Throws Error(invalid_input) with the message "FILE:LINE:COLUMN: ...", or "FILE: ..." if
-/// `path` is not a regular file.
+/// Reads a file of paths. Throws Error(invalid_input) with the message "FILE:LINE:COLUMN: ...", or "FILE:
+/// ..." if `path` is not a regular file.
 [[nodiscard]] std::vector<ObjectPath> read_paths(const std::filesystem::path& path);
 
 /// Returns, for each path, the ids of the objects that it moves: the ids that the path lists, and all ids

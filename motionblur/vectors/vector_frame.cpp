@@ -60,7 +60,8 @@ class Reader {
         const std::size_t id_part = colours_.matte ? colours_.matte->ranks[0].part : colours_.id_part;
         const ForeignChannels& c = colours_;
         list_.emplace(file_, c.part);
-        // Pixels that are missing in one of the file's parts do not move and are infinitely far away.
+        // The parts of the file may have different windows. Pixels that a part does not contain do not move
+        // and are infinitely far away.
         rgb_ = {list_->add(c.part, c.r, 0), list_->add(c.part, c.g, 0), list_->add(c.part, c.b, 0)};
         u_ = list_->add(vectors_.part, vectors_.u, static_cast<float>(vectors_.offset.x));
         v_ = list_->add(vectors_.part, vectors_.v, static_cast<float>(vectors_.offset.y));
@@ -191,8 +192,7 @@ class Reader {
             if (!(z >= 0)) refuse(list_->name(*z_), x, y, stored, "a depth of 0 or more");
             out.inverse_z = z == 0 || z >= ForeignDepths::nothing_z ? 0 : 1 / z;
         } else {
-            // Without depth, faster pixels count as nearer. Any increasing function of the speed would give
-            // this order.
+            // Without depth, faster pixels count as nearer: this value increases with the speed.
             out.inverse_z = 1 + std::hypot(out.right_px, out.down_px);
         }
         if (alpha_ && finite(alpha_) == 0) out.inverse_z = 0;

@@ -12,8 +12,7 @@ namespace postlens {
 struct GltfValues {
     std::size_t count = 0;
     std::size_t components = 1;  ///< number of values per element: 1 for a SCALAR, 3 for a VEC3, ...
-    /// all values, element by element; they are finite; normalised integers are converted to [-1, 1] or [0,
-    /// 1]
+    /// finite values, element by element; normalised integers are scaled to [-1, 1] or [0, 1]
     std::vector<float> values;
 };
 

@@ -26,9 +26,9 @@ struct GltfPart {
     std::optional<std::size_t> material;  ///< index in the document; empty for the default material
 };
 
-/// Returns the primitives of mesh `index` that have triangles, in metres. Points, lines, triangles without
-/// area and morph targets are ignored, with a note to the user. `uvs` states, for each material of the
-/// document, which texture coordinates its textures use. Throws Error(invalid_input).
+/// Returns the primitives of mesh `index` that have triangles. Positions are in metres. Points, lines,
+/// triangles without area and morph targets are ignored, with a note to the user. `uvs` states, for each
+/// material of the document, which texture coordinates its textures use. Throws Error(invalid_input).
 [[nodiscard]] std::vector<GltfPart> read_gltf_mesh(const GltfDocument& document, std::size_t index,
                                                    GltfAccessors& accessors, const std::vector<UvSource>& uvs,
                                                    double metres_per_unit, SceneNotes& notes);

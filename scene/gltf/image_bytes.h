@@ -10,8 +10,8 @@
 namespace postlens {
 
 /// The values stored in an image file, four per pixel (red, green, blue, alpha), top row first. Integers are
-/// scaled to 0..1. The transfer curve is not inverted. If the file has no alpha, alpha is 1. Grey is copied
-/// to all three colours.
+/// scaled to 0..1. sRGB values are not linearised. If the file has no alpha, alpha is 1. Grey is copied to
+/// all three colours.
 struct RawImage {
     int width = 0, height = 0;
     std::vector<float> rgba;

@@ -138,9 +138,9 @@ class PlyReader {
             out_.corner_uvs.emplace_back(uvs[2 * i], uvs[2 * i + 1]);
     }
 
-    // Adds the triangles of strips. Every second triangle of a strip has the opposite winding. An index of -1
-    // ends a strip. Triangles with repeated corners are omitted, because they only serve to join parts of a
-    // strip.
+    // Adds the triangles of strips. Every second triangle of a strip is reversed, so that all have the same
+    // winding. An index of -1 ends a strip. Triangles with repeated corners are omitted, because they only
+    // serve to join parts of a strip.
     void add_strips() {
         const auto& corners = lists_[0];
         std::size_t from = 0;

@@ -20,8 +20,8 @@ class NffTokens {
     /// Throws Error(invalid_input) if the path is not a readable file.
     explicit NffTokens(const std::filesystem::path& path);
 
-    /// Returns the next word and moves past it. The word may be on a later line. Empty at the end of the
-    /// file. The word is valid until the next line is read.
+    /// Returns the next word and moves past it. The word may be on a later line. Returns empty at the end of
+    /// the file. The word is valid until the next line is read.
     [[nodiscard]] std::optional<std::string_view> next();
     /// Returns the word that `next` would return, without moving past it.
     [[nodiscard]] std::optional<std::string_view> peek();

@@ -139,7 +139,8 @@ Light read_light(const TomlTable& t, double unit) {
         light.attenuation = t.vec3("attenuation", {.min = 0, .max = 1e12}).value_or(light.attenuation);
         if (light.attenuation == dvec3(0))
             t.fail_at("attenuation", "'attenuation' is 0 everywhere (expected one term above)");
-        // In the file, a1 is in 1/unit and a2 in 1/unit^2. They are converted to 1/m and 1/m^2.
+        // The attenuation is 1 / (a0 + a1 r + a2 r^2). In the file, r is in scene units. Here, a1 and a2 are
+        // converted so that r is in metres.
         light.attenuation /= dvec3(1, unit, unit * unit);
     }
     if (has_aim) light.direction = t.required(read_direction(t, "direction"), "direction");
