@@ -38,8 +38,7 @@ bool shows_other_motion(const Record* r, const Record* end, const std::vector<st
 }
 
 /// Calls tree(first, end) for each eye ray of a pixel. [first, end) are the records of the surfaces that the
-/// ray and its reflections and refractions hit. Surfaces hidden from the pinhole (layers above 0) are left
-/// out.
+/// ray and its reflections and refractions hit. Hidden surfaces (layers above 0) are left out.
 template <typename OnTree>
 void for_each_tree(const RecordBand& band, std::size_t pixel, const OnTree& tree) {
     const Record* r = band.records.data() + band.offsets[pixel];

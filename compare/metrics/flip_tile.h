@@ -39,8 +39,7 @@ class FlipDisplay {
 
   private:
     float scale_ = 1;
-    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give the curve f(x) =
-    // x.
+    // Coefficients of the tone curve x (n2 x + n1) / (x (d2 x + d1) + d0). The defaults give f(x) = x.
     float n2_ = 0, n1_ = 1, d2_ = 0, d1_ = 0, d0_ = 1;
 };
 
