@@ -133,17 +133,27 @@ FieldHighlights::OverViews::Nearest FieldHighlights::OverViews::nearest_of(
     const std::vector<LensViewPoint>& views, int edge, const Away& away2) {
     Nearest out(static_cast<std::size_t>(edge) * static_cast<std::size_t>(edge));
     parallel_for(static_cast<std::size_t>(edge), [&](std::size_t row) {
+        const auto of_cell = [edge](std::size_t i) {
+            return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
+        };
+        // The views are visited in the order of their distances from the row, until all others are farther
+        // from the row than the views found are from the cell.
+        const double q_y = of_cell(row);
+        std::vector<std::pair<double, std::uint32_t>> by_row;
+        for (std::uint32_t v = 0; v < views.size(); ++v) {
+            const double d = views[v].lens.y - q_y;
+            by_row.emplace_back(d * d, v);
+        }
+        std::sort(by_row.begin(), by_row.end());
         for (std::size_t x = 0; x < static_cast<std::size_t>(edge); ++x) {
-            const auto of_cell = [edge](std::size_t i) {
-                return (2 * (static_cast<double>(i) + 0.5) / edge - 1) * table_reach;
-            };
-            const glm::dvec2 q(of_cell(x), of_cell(row));
+            const double q_x = of_cell(x);
             auto& to = out[row * static_cast<std::size_t>(edge) + x];
             std::array<std::pair<double, std::uint32_t>, std::tuple_size_v<Nearest::value_type>> best;
             best.fill({HUGE_VAL, 0});
-            for (std::uint32_t v = 0; v < views.size(); ++v) {
-                const glm::dvec2 d = views[v].lens - q;
-                std::pair<double, std::uint32_t> candidate{glm::dot(d, d) + away2(v), v};
+            for (const auto& [d_y2, v] : by_row) {
+                if (d_y2 > best.back().first) break;
+                const double d_x = views[v].lens.x - q_x;
+                std::pair<double, std::uint32_t> candidate{d_x * d_x + d_y2 + away2(v), v};
                 if (!(candidate < best.back())) continue;
                 for (auto& b : best) {
                     if (candidate < b) std::swap(candidate, b);
