@@ -23,13 +23,14 @@ double checked_stop_radius(const FirstOrder& wide_open, const TracedLensSettings
                            const Prescription& lens) {
     if (!settings.f_number) return wide_open.stop_radius_mm;
     const double n = *settings.f_number;
-    // The tolerance of 1e-6 accepts an f-number that was typed with the digits that the program displays.
-    if (!(n >= wide_open.f_number * (1 - 1e-6)) || !std::isfinite(n)) {
+    // The program displays f-numbers with four digits. The tolerance accepts a number that was rounded so.
+    constexpr double rounding = 5e-4;
+    if (!(n >= wide_open.f_number * (1 - rounding)) || !std::isfinite(n)) {
         fail(ExitCode::wrong_arguments,
              "--f-number: out of range (got {}; expected a finite number from {:.5g} on, which {} opens to)",
              n, wide_open.f_number, lens.file);
     }
-    return wide_open.stop_radius_mm * wide_open.f_number / n;
+    return wide_open.stop_radius_mm * std::min(1.0, wide_open.f_number / n);
 }
 
 double checked_wavelength(const Prescription& lens, const TracedLensSettings& settings) {
