@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Sets the colours of all light in the scene to those of its file, multiplied by 2^stops, except for
-/// rounding.
+/// Scales all light of the scene to 2^stops times its brightness in the scene's file, except for rounding. An
+/// exposure that was set before is replaced.
 void expose(Scene& scene, double stops);
 
 /// Returns the exposure, in stops, that `--exposure auto` uses. A small preview of the scene is traced at the

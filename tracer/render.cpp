@@ -32,7 +32,7 @@ double seconds_since(Clock::time_point start) {
 
 // Renders the image in tiles, and each tile in rounds of a few samples per pixel. The rays of a tile in one
 // round are traced together, and their radiance is added in a fixed order. The result is therefore
-// bit-identical for any number of threads, and also if the render was interrupted.
+// bit-identical for any number of threads, and also if the render is interrupted and resumed.
 class Renderer {
   public:
     Renderer(const RenderSetup& setup, const RenderSettings& settings, RenderState& state)

@@ -57,8 +57,8 @@ struct RenderSettings {
     /// Text that marks each written file as a part of a render (pictures/picture_part.h). If empty, the files
     /// are ordinary images.
     std::string part_mark;
-    /// If set, this run renders only part number [0] (counted from 0) of [1] parts of the samples of every
-    /// pixel (render_state.h). Both halves of the samples are then written to one file. Used with
+    /// If set to {i, n}, the samples of every pixel are divided into n parts, and this run renders only part
+    /// i, counted from 0 (render_state.h). Both halves of the samples are then written to one file. Used with
     /// `part_mark`.
     std::optional<std::array<int, 2>> sample_share;
 };
@@ -79,7 +79,7 @@ struct RenderResult {
 /// Error(wrong_arguments) if there are more parts than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
-/// Returns the paths of the two files of `halves`, NAME.a.EXT and NAME.b.EXT.
+/// Returns the paths of the two additional files of `halves`, NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
 /// Returns the path of an unfinished image, NAME.partial.exr. Any viewer can display this file. Its
 /// additional channels contain the sums from which the render resumes.

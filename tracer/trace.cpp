@@ -164,7 +164,7 @@ double lens_radius_m(const Scene& scene, const TraceSettings& settings) {
 }
 
 // Returns the overscan, px, that the lens and the shutter need at one recorded instant. `motion` predicts
-// positions at all instants at which the records of this instant are used. It may be null.
+// where surfaces are at all instants that are reprojected from this one. It may be null.
 int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotion* motion) {
     const CameraModel& camera = instant.camera();
     std::optional<FocusGeometry> lens;
@@ -181,8 +181,8 @@ int overscan_for(const TraceSettings& s, const Instant& instant, const FilmMotio
     return find_overscan(instant.tracer(), camera, lens, motion);
 }
 
-// Returns instants from the previous key (recorded instant) to the next one. At these instants, reprojection
-// uses the records of the key `at_s`.
+// Returns instants from the previous recorded instant to the next one. Images at these instants are
+// reprojected from the records at `at_s`.
 std::vector<double> instants_near(double at_s, const std::vector<double>& recorded_s) {
     double before_s = at_s, after_s = at_s;
     for (const double t : recorded_s) {
@@ -360,7 +360,8 @@ TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked,
     const int width = camera.width, height = camera.height, o = result.overscan_px;
     require_trace_memory(camera, o, settings, path);
     const SampledWindow window{-o, width + o, -o, height + o};
-    // A file has only one grid, so the grid needs enough levels for the narrow objects at every instant.
+    // All instants share one quadtree grid, so it needs enough levels for the narrow objects at every
+    // instant.
     std::vector<SmallThings> small_things(result.instants_s.size());
     settings.subdivision.edge_levels = settings.subdivision.levels;
     settings.subdivision.colour_levels =

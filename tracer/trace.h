@@ -38,14 +38,13 @@ struct TraceSettings {
     /// Target PSNR, in dB, of light that changes between two recorded instants (light_keys). Used if `keys`
     /// is absent. At 43 dB, changing light causes half of the squared error of an image of 40 dB.
     double light_db = 43;
-    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, which is the
-    /// loss if half as many instants are recorded and the light changes smoothly.
+    /// Value of `light_db` for methods that also trace rays into the scene. It is 12 dB lower, so that half
+    /// as many instants suffice if the light changes smoothly.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file changes two lens radii in these settings. With `for_f_number`, `lens_radius_m` and
-    /// `bend_radius_m` become the radius of that lens. Otherwise, `bend_radius_m` is kept, and
-    /// `lens_radius_m` becomes the radius of the camera's lens, or of an f/1.4 lens if the camera has no
-    /// f-number.
+    /// trace_to_file sets `lens_radius_m` to the radius of a lens of `for_f_number`. If that is absent, it is
+    /// the radius of the camera's lens, or of an f/1.4 lens if the camera has no f-number. With
+    /// `for_f_number`, it sets `bend_radius_m` to the same radius.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -103,8 +102,8 @@ void require_trace_memory(const Scene& scene, const TraceSettings& settings,
 /// of the scene as a separate value. The file appears only when it is complete. Throws Error.
 TraceResult trace_to_file(const Scene& placed, const TraceSettings& asked, const std::filesystem::path& path);
 
-/// Returns the header that a trace with these settings writes. The only recorded instant (key) in this header
-/// is that of the frame. Also used by tests and benchmarks.
+/// Returns the header that a trace with these settings writes if it records only the frame's own instant.
+/// Also used by tests and benchmarks.
 [[nodiscard]] SampleHeader sample_header(const Scene& scene, const TraceSettings& settings,
                                          const CameraModel& camera, double time_s, int overscan_px);
 

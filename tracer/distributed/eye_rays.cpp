@@ -29,8 +29,8 @@ void make_eye_rays(const RenderSetup& setup, const Sampler& sampler, bool times,
         }
     }
     if (lane == 0) return;
-    // The last group of rays has fewer than 16 samples. Its unused entries are set to 0, and their rays are
-    // removed from the batch.
+    // If the last group of rays has fewer than 16 samples, its unused entries are set to 0, and their rays
+    // are removed from the batch.
     for (std::size_t i = lane; i < 16; ++i) {
         samples.x[i] = samples.y[i] = samples.lens_u[i] = samples.lens_v[i] = samples.time[i] = 0;
     }

@@ -49,7 +49,7 @@ LensCamera::Frame LensCamera::frame_at(double time_s) const {
             pose.direction(rest_.forward)};
 }
 
-// Computes everything in single precision. The resulting error is at most 1e-4 px on the raster.
+// Computes 16 rays in single precision. Their error on the raster is at most 1e-4 px.
 POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Optics& optics, Local& out) {
     constexpr float quarter = std::numbers::pi_v<float> / 4;
     for (std::size_t i = 0; i < lanes; ++i) {
@@ -77,7 +77,7 @@ POSTLENS_MULTIVERSION void LensCamera::local_rays(const LensSamples& s, const Op
     }
 }
 
-// Returns the image position that the pinhole assigns to a direction with the given tangent. It is measured
+// Returns the position in the image of a ray through the pinhole that has the given tangent. It is measured
 // from the image centre, in units of half the image diagonal, as in Aperture.
 dvec2 LensCamera::field_of(const dvec2& tangent) const {
     return tangent * lens_.gain_px / (0.5 * std::hypot(width_, height_));

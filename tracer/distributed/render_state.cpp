@@ -27,13 +27,13 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes the channels of a file, as JSON: the number of halves of the
-/// samples, the number of blocks, whether there is a sum of an unfinished block, and the exposure in stops.
+/// Name of the file attribute that describes the channels of a file, as JSON: the number of halves and of
+/// blocks of the samples, whether there is a sum of an unfinished block, and the exposure in stops.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each half of the samples has 1
-// channel for its sample count, and 6 channels (three doubles) for each sum of samples. There is one sum per
-// block, and one for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel: 3 for R, G and B, and for each half of the samples 1 for
+// the sample count and 6 for each sum (three doubles). There is one sum per block of samples, and one more
+// for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));
@@ -165,7 +165,7 @@ void RenderState::add(const RenderState& part) {
 
 namespace {
 
-/// Returns the sum of channel c of a pixel in one half.
+/// Returns the sum of colour channel c over the samples of one half, for one pixel.
 double sum_of(const RenderState& s, std::size_t half, std::size_t pixel, std::size_t c) {
     const std::size_t values = 3 * s.samples[half].size();
     double sum = s.sums[half][3 * pixel + c];

@@ -29,8 +29,8 @@ struct RenderState {
     int blocks = 1;             ///< number of separate sums; block b begins at b * 3 * width * height
     double exposure_stops = 0;  ///< exposure of the sums
     std::array<std::vector<double>, 2> sums;
-    /// Sum of the block that is being rendered, kept apart until the block is complete. Used only if `blocks`
-    /// is 1. Empty if every block is traced in one step.
+    /// Sum of the block that is being rendered. It is added to `sums` when the block is complete. Empty if
+    /// `blocks` is more than 1 or if every block is traced in one step.
     std::array<std::vector<double>, 2> open;
     std::array<std::vector<std::uint32_t>, 2> samples;  ///< per pixel
 
@@ -38,17 +38,16 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the samples of another part of the render. They must follow those of all parts that were added
-    /// before.
+    /// Adds the samples of another part of the render. Parts must be added in the order of their samples.
     void add(const RenderState& part);
     /// Returns the mean over all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;
     [[nodiscard]] Image half(int which) const;
 };
 
-/// Writes an OpenEXR file. R, G, B contain the radiance so far. Further channels contain the exact bits of
-/// all sums and counts. `settings` identifies the render. If `part_mark` is not empty, it is stored in the
-/// file to mark it as a part of a render. Throws Error(cannot_write).
+/// Writes an OpenEXR file. R, G, B contain the mean radiance so far. Further channels contain the exact bits
+/// of all sums and sample counts. `settings` identifies the render. If `part_mark` is not empty, it is stored
+/// in the file to mark it as a part of a render. Throws Error(cannot_write).
 void write_state(const std::filesystem::path& path, const RenderState& state, const std::string& settings,
                  const std::string& part_mark = "");
 
@@ -58,15 +57,15 @@ struct RenderPart {
     std::string settings, mark;  ///< as passed to write_state
 };
 
-/// Reads a part of a render (--share) that write_state has written. Empty if the file is not such a part. If
-/// `facts_only` is set, the state contains its size but no sums or counts. Throws Error(invalid_input) if the
-/// part is damaged.
+/// Reads a part of a render (--share) from a file that write_state has written. Empty if the file is not such
+/// a part. If `facts_only` is set, only the size, the number of halves and the exposure are read. Throws
+/// Error(invalid_input) if the part is damaged.
 [[nodiscard]] std::optional<RenderPart> read_render_part(const std::filesystem::path& path,
                                                          bool facts_only = false);
 
-/// Reads a file into `state`. The file must have been written with the same settings. The caller must have
-/// set the size and the number of halves of `state`. Throws Error(invalid_input) if the file was not written
-/// by write_state, is damaged or has other settings.
+/// Reads a file that write_state has written with the same `settings`. The caller must have set the size and
+/// the number of halves of `state`. Throws Error(invalid_input) if the file was not written by write_state,
+/// is damaged or has other settings.
 void read_state(const std::filesystem::path& path, const std::string& settings, RenderState& state);
 
 }  // namespace postlens

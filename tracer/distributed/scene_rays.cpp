@@ -18,8 +18,8 @@ SceneRays::SceneRays(const RenderSetup& setup, const DistributedSettings& settin
         std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.has_extent(); });
     for (const Object& o : scene.objects) {
         const Material& m = scene.materials[o.material];
-        // On a surface with a scattering lobe or lit by an area light, a ray takes one random sample, while a
-        // record contains the mean. Their radiances therefore differ.
+        // On a surface that scatters light or is lit by an area light, a ray computes one random sample of
+        // the radiance, but a record contains the mean.
         if (m.has_lobe() || (sampled && m.answers_lights())) unsteady_.insert(o.id);
         if (m.has_lobe()) steady_mirrors_ = false;
     }

@@ -12,8 +12,9 @@ namespace postlens {
 
 class SceneRays : public SightRays {
   public:
-    /// `lines` is the largest number of rays (SightLine) per pixel and set of views. SightLine::view must be
-    /// below `lines`. Keeps a reference to `setup`, which must not have a lens prescription.
+    /// `lines` is the largest number of rays per pixel whose random samples are stratified together.
+    /// SightLine::view, the index of a ray among them, must be below `lines`. Keeps a reference to `setup`,
+    /// which must not have a lens prescription.
     SceneRays(const RenderSetup& setup, const DistributedSettings& settings, int lines,
               std::uint64_t seed = 1);
     void trace(std::span<const SightLine> lines, const LightElsewhere& less,
@@ -23,8 +24,9 @@ class SceneRays : public SightRays {
     void inverse_depths(std::span<const SightLine> lines, std::uint32_t id,
                         std::span<glm::dvec3> inverse_z) const override;
     [[nodiscard]] bool steady(NodePath path, std::uint32_t id) const override;
-    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. The
-    /// value was chosen by timing images of six scenes.
+    /// Returns how many patches (planar parts of surfaces) can be drawn in the time that one ray takes. If a
+    /// pixel needs more patches, rays are traced instead. The value was chosen by timing images of six
+    /// scenes.
     [[nodiscard]] std::size_t patches_per_ray() const override { return 32; }
     /// Returns the number of rays traced so far.
     [[nodiscard]] RayCounts counts() const;

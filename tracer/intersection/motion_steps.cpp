@@ -80,9 +80,9 @@ std::vector<Bounds> moving_bounds(const MotionPath& path, const Shape& shape, co
     };
     std::vector<Bounds> out;
     for (int i = 0; i <= steps; ++i) out.push_back(at(begin_s + (end_s - begin_s) * i / steps));
-    // `excess` is the distance by which the true box extends beyond the interpolated box. It is sampled at
-    // evenly spaced instants between keyframes. Between two samples, the excess may be larger by about 1/8 of
-    // `bend`, the largest second difference of the samples. For safety, 1/4 of `bend` is added.
+    // `excess` is the distance by which the bounds of the moving shape extend beyond the interpolated boxes.
+    // It is sampled at evenly spaced instants. Between two samples, it may be larger by about 1/8 of `bend`,
+    // the largest second difference of the bounds. For safety, 1/4 of `bend` is added.
     dvec3 excess(0), bend(0);
     constexpr int looks = 8;
     const std::vector<double> keys = path.intervals(begin_s, end_s);

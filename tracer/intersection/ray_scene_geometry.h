@@ -45,7 +45,7 @@ struct RayContext {
         nullptr;  ///< per geometry id of the top-level scene; null if all exist during the whole span
 };
 
-/// Objects that are still spheres after their transform to world space. They are stored as a structure of
+/// Objects that remain spheres when they are transformed to world space. They are stored as a structure of
 /// arrays, for packets of rays.
 struct SphereSet {
     std::vector<glm::vec3> centre;

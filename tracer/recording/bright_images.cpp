@@ -16,8 +16,8 @@ using glm::dmat2;
 using glm::dvec2;
 using glm::dvec3;
 
-/// The rays at the four corners of a cell, after the same bounces, combined to a beam with a mean origin and
-/// a mean direction.
+/// The rays at the four corners of a quadtree cell, after the same bounces, combined into one beam with a
+/// mean origin and a mean direction.
 struct Beam {
     explicit Beam(const std::array<const Arrival*, 4>& at) {
         for (std::size_t k = 0; k < 4; ++k) {
@@ -59,8 +59,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Images dimmer than this radiance are not searched for. As an sRGB value, this radiance is an eighth of
-/// white.
+/// Least radiance of the reflected or refracted image of a bright object for which cells are subdivided. As
+/// an sRGB value, it is an eighth of white.
 constexpr double dimmest = 0.0144;
 
 }  // namespace
@@ -133,8 +133,8 @@ WantedCells BrightImages::wanted(const std::array<const Arrival*, 4>& at, double
         const dvec2 image = -(cell_by * middle);
         const dvec2 reach(s.radius * std::hypot(cell_by[0][0], cell_by[1][0]),
                           s.radius * std::hypot(cell_by[0][1], cell_by[1][1]));
-        // The cell extends to 0.5. Curved mirrors make the linear model inexact, so an image slightly outside
-        // the cell is also accepted.
+        // In these units, the cell extends from -0.5 to 0.5. Curved mirrors make the linear model inexact, so
+        // an image slightly outside the cell is also accepted.
         constexpr double border = 0.55;
         if (!(std::abs(image.x) <= border + 1.1 * reach.x && std::abs(image.y) <= border + 1.1 * reach.y))
             return;

@@ -32,7 +32,7 @@ class CellSplit {
 
     [[nodiscard]] bool splits(const CornerCell& c) const;
     /// Returns whether the sample at the centre of the cell differs from the samples at its corners, so that
-    /// the cell is divided. `centre` is the index of the sample at the centre. Only visible layers are
+    /// the cell is divided. `centre` is the index of the sample at the centre. Hidden surfaces are not
     /// compared.
     [[nodiscard]] bool centre_differs(const CornerCell& c, std::uint32_t centre) const;
     /// A record and its RecordMark. `record` is the index of the record in its chunk.
@@ -41,16 +41,16 @@ class CellSplit {
         std::uint8_t mark = 0;
     };
     using Marks = std::vector<Mark>;
-    /// Appends marks for records at the corners of a cell that is not divided. `fine_texture` marks nodes
-    /// whose texture has contrast between the corners. `gap` marks corners that show several parts of one
-    /// object, or between which the outline of another part crosses the cell. Each criterion is tested only
-    /// if the cell is too small to be divided by it.
+    /// Appends marks for the records at the corners of an undivided cell. `fine_texture` means that the
+    /// texture has contrast between the corners. `gap` means that the corners show several parts of one
+    /// object, or that the outline of another part crosses the cell. A mark is set only if the cell is too
+    /// small to be divided for the same reason.
     void mark_leaf(const CornerCell& c, Marks& marks) const;
 
   private:
-    /// Summary of one layer of a sample, by which cells are compared: the id and the part of the layer's
-    /// first node, and the radiance of all its nodes. These are the records [first, first + count) of
-    /// `chunk`, sorted by path.
+    /// Summary of one layer of a sample, by which cells are compared. A layer is the shading tree of the
+    /// visible surface or of a hidden one. `id` and `part` are those of its root, and `rgb` is the radiance
+    /// of the whole tree. Its records are [first, first + count) of `chunk`, sorted by path.
     struct Seen {
         std::uint32_t id = 0, part = 0;
         std::array<float, 3> rgb{};
@@ -85,8 +85,8 @@ class CellSplit {
     [[nodiscard]] static std::optional<std::uint32_t> node_like(const Record& wanted, const Seen& in,
                                                                 std::uint32_t guess);
     [[nodiscard]] static bool shadows_differ(const Seen* s, const NodeOfEach& node, int count);
-    /// True if the radiance of the node, estimated from its texture, has contrast within the range of the
-    /// samples' texture positions.
+    /// True if the texture varies so much between the samples that the radiance of the node has contrast. The
+    /// radiance is estimated from the texture colours in the box around the samples' texture positions.
     [[nodiscard]] bool texture_differs(const Seen* s, const NodeOfEach& node, int count) const;
     [[nodiscard]] Seen visible_layer(const CornerSample& s) const {
         return {s.id, s.part, {s.r, s.g, s.b}, &chunks_[s.chunk], s.first, s.visible};
@@ -94,8 +94,8 @@ class CellSplit {
     /// Returns the layer that begins at record `at` of the sample. Sets `at` to the index after the last
     /// record of the layer.
     [[nodiscard]] Seen take_layer(const CornerSample& s, std::uint32_t& at) const;
-    /// True if the cell may contain a narrow object that all corners of the cell miss. Objects behind the
-    /// farthest visible node are ignored, unless a corner of the cell has hidden layers.
+    /// True if the cell may contain a narrow object that all its corners miss. Objects behind the farthest
+    /// surface that the corners see directly are ignored, unless a hidden surface is recorded at a corner.
     [[nodiscard]] bool small_things_ask(const CornerCell& c, bool hidden) const;
     /// True if all corners of the cell show one part of an object, and the outline of another part crosses
     /// the cell in front of it.
@@ -103,12 +103,12 @@ class CellSplit {
     /// True if the cell may contain the image of a small bright object in a mirror or in glass. `s` holds the
     /// visible layers of its corners.
     [[nodiscard]] bool bright_images_ask(const CornerCell& c, const std::array<Seen, 4>& s) const;
-    /// True if the hidden layers of the corners divide the cell, by the same criteria as the visible layers.
-    /// A hidden layer may begin after a bounce. Layers are compared only if their first nodes have the same
-    /// path. Corners that have no such layer are ignored.
+    /// True if the hidden surfaces at the corners divide the cell, by the same criteria as the visible ones.
+    /// Hidden surfaces are compared only if they are seen after the same sequence of bounces. Corners that
+    /// have no such surface are ignored.
     [[nodiscard]] bool hidden_layers_differ(const CornerCell& c) const;
-    /// Returns the path, as bits, of the first node of the layer that begins at record `at` of the sample.
-    /// Returns `none` if there is no such record.
+    /// Returns the bits of the path (sequence of bounces) of the first node of the layer that begins at
+    /// record `at` of the sample. Returns `none` if there is no such record.
     [[nodiscard]] std::uint32_t next_path(std::uint32_t sample, std::uint32_t at, std::uint32_t none) const;
 
     const WhittedTracer& tracer_;

@@ -133,8 +133,8 @@ class BandSampler {
         return s;
     }
 
-    // Traces the pixel corners of the band. Unless this is the first band, its first row of corners has
-    // already been traced with the band above.
+    // Traces the pixel corners of a band of pixel rows. Unless it is the first band, its uppermost row of
+    // corners has already been traced with the band above.
     void start_band(int y_begin, int y_end, bool first) {
         const int rows = y_end - y_begin + 1, first_row = first ? 0 : 1;
         corners_.assign(static_cast<std::size_t>(rows) * static_cast<std::size_t>(grid_.columns), 0);
@@ -173,8 +173,8 @@ class BandSampler {
         });
     }
 
-    // Makes a sample of the band above available in this band: in corners_ if it is at a pixel corner,
-    // otherwise in carried_over_.
+    // Makes a sample that was traced with the band of rows above available in this band: in corners_ if it is
+    // at a pixel corner, otherwise in carried_over_.
     void place(std::uint32_t i, int y_begin) {
         const CornerSample& s = samples_[i];
         if (s.x % grid_.unit == 0 && s.y % grid_.unit == 0) {
@@ -267,9 +267,8 @@ class BandSampler {
         used_chunks_ = chunks;
     }
 
-    // Traces the centre and the midpoints of the sides of every cell. A midpoint that neighbouring cells
-    // share is traced once. A midpoint on the upper edge of the band may already have been traced with the
-    // band above.
+    // Traces the centre and the midpoints of the sides of every cell. A midpoint that neighbouring cells or
+    // neighbouring bands of rows share is traced once.
     void trace_missing(const CellRows& cells, int y_begin, int y_end) {
         // There is one list of points per row of pixels. A point on the edge between two rows belongs to the
         // lower row. The last list is for the lower edge of the band.
@@ -315,7 +314,8 @@ class BandSampler {
     }
 
     // Returns the samples at the four corners of the pixel that contains a point. A point on the lower edge
-    // of the band belongs to the pixel above it, because the corners of the pixel below are not traced yet.
+    // of the band of rows belongs to the pixel above it, because the corners of the pixel below are not
+    // traced yet.
     [[nodiscard]] SamplesAround corners_around(CornerKey k, int y_begin, int y_end) const {
         const int column = std::min(static_cast<int>(grid_.to_pixels(static_cast<std::uint32_t>(k))),
                                     grid_.columns - 2),
@@ -351,8 +351,8 @@ class BandSampler {
         }
     }
 
-    // Keeps the samples on the lower edge of the band, because the next band also needs them. They lie at
-    // pixel corners and at midpoints of the sides of cells.
+    // Keeps the samples on the lower edge of the band for the band of rows below. They lie at pixel corners
+    // and at midpoints of the sides of cells.
     void carry(int y_end) {
         const std::uint32_t edge = grid_.row(y_end);
         carried_.records.clear();
@@ -378,8 +378,8 @@ class BandSampler {
             samples_[kept++] = s;
         }
         samples_.resize(kept);
-        // The next band reuses the chunks, because releasing and allocating their memory took longer than
-        // tracing.
+        // The next band reuses the buffers of records, because releasing and allocating their memory took
+        // longer than tracing.
         std::swap(chunks_[0], carried_);
         used_chunks_ = 1;
     }

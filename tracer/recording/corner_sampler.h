@@ -13,11 +13,11 @@ namespace postlens {
 
 struct SubdivisionSettings {
     int levels = 0;  ///< greatest depth of the subdivision, 0 to 8
-    /// Greatest depth to which the edges of objects subdivide, at most `levels`. Beyond this depth, only
-    /// narrow objects (SmallThings) subdivide.
+    /// Greatest depth of subdivision at the edges of objects, at most `levels`. Deeper cells are made only
+    /// near narrow objects (SmallThings).
     int edge_levels = 8;
-    /// Largest contrast of a colour channel that does not divide a cell. The contrast is (max - min) / (max +
-    /// min + 0.05) over the corners of the cell.
+    /// A cell is divided if the contrast of a colour channel exceeds this value. The contrast is (max - min)
+    /// / (max + min + 0.05) over the corners of the cell.
     double threshold = 0.1;
     int colour_levels = 8;  ///< greatest depth to which colour contrast subdivides
 };

@@ -42,8 +42,9 @@ std::uint64_t expected_file_bytes(const WhittedTracer& tracer, const SampledWind
                 const int end = std::min(band.y_end, stripe.y_end);
                 bytes += packed_bytes(header, compression, band, band.y_begin, end);
                 looked_at += end - band.y_begin;
-                // A row of the file's flat image also needs the samples at the corners below it. Below the
-                // last row of a band, these samples may belong to the next band, so this row is left out.
+                // The file also contains a flat image, each row of which is made from the samples at the
+                // corners above and below it. Those below the last row of a band may belong to the next band,
+                // so this row is left out.
                 const int picture_end = std::min({end, band.y_end - 1, header.height});
                 for (int y = std::max(0, band.y_begin); y < picture_end; ++y) {
                     picture_bytes += packed_picture_bytes(header, compression, band, y);

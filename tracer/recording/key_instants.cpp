@@ -21,8 +21,8 @@ namespace {
 
 using glm::dvec3;
 
-// Number of steps into which the shutter interval is divided. The keyframes of the motion are added as
-// further instants. From one step to the next, directions are assumed to turn by less than 180 degrees.
+// Number of steps into which the shutter interval is divided to measure rotations. Keyframes are added as
+// further instants. Between two instants, rotations are assumed to be less than 180 degrees.
 constexpr int steps = 512;
 
 // An object needs a key (recorded instant) at which it has at least this fraction of its largest size. Its
@@ -44,8 +44,8 @@ struct View {
     }
 };
 
-// Returns `views` with the camera's views at the instants of `keys` added. Keyframes outside the time span of
-// `views` are ignored.
+// Returns `views` and also the camera's views at the keyframes `keys`, sorted by time. Keyframes outside the
+// time span of `views` are ignored.
 std::vector<View> with_keys(const std::vector<View>& views, const Camera& camera,
                             const std::vector<TransformKey>& keys) {
     std::vector<View> out = views;
@@ -203,8 +203,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
         return shutter.open_s + first * length <= visit.close_s;
     };
     constexpr auto most = static_cast<int>(SampleHeader::most_keys);
-    // Visits that are so short that no key lies within them, for any number of keys up to `most`, are
-    // ignored.
+    // Time spans that are so short that no key (recorded instant) lies within them, for any number of keys up
+    // to `most`, are ignored.
     std::erase_if(visits, [&](const TimeSpan& v) {
         for (int keys = 2; keys <= most; ++keys) {
             if (has_key(v, keys)) return false;
@@ -241,8 +241,8 @@ KeyCount automatic_keys(const Scene& scene, const Camera& camera, const CameraOv
 }
 
 int keys_for_sweep(double sweep_degrees, double degrees_per_key) {
-    // Relative tolerance for the rounding error of the sweep, which is a sum over many steps. With it, a
-    // sweep of exactly 60 degrees needs no additional key.
+    // Relative tolerance for the rounding error of the angle, which is a sum over many steps. With it, an
+    // angle of exactly 60 degrees needs no additional key.
     constexpr double rounding = 1e-6;
     if (sweep_degrees <= degrees_per_key * (1 + rounding)) return 1;
     const double keys = 1 + std::ceil(sweep_degrees / degrees_per_key - rounding);

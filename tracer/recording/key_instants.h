@@ -41,10 +41,10 @@ struct KeyCount {
 };
 
 /// Returns the smallest number of evenly spaced keys (recorded instants), from `at_least` to 64, that records
-/// all visits of moving objects. A visit is a span of time in which the object is in view and, if its
-/// keyframes scale it, has at least half of its largest size. A key or the instant `recorded_s` must lie
-/// within it. Visits that no number of keys records are ignored. An object is in view if its bounding sphere
-/// reaches into the frame, even if other objects hide it.
+/// moving objects whenever they are in view. A key, or the instant `recorded_s`, must lie within each time
+/// span in which an object is in view and, if its keyframes scale it, has at least half of its largest size.
+/// Time spans that no number of keys records are ignored. An object is in view if its bounding sphere reaches
+/// into the frame, even if other objects hide it.
 [[nodiscard]] int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverrides& overrides,
                                   double recorded_s, const TimeSpan& shutter, int at_least);
 
@@ -55,8 +55,8 @@ struct KeyCount {
                                       const CameraOverrides& overrides, double recorded_s,
                                       const TimeSpan& shutter, const KeyRules& rules);
 
-/// Returns the number of keys (recorded instants) for a sweep. It is 1 for a sweep of up to
-/// `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
+/// Returns the number of keys (recorded instants) that are needed if an object or the camera turns by
+/// `sweep_degrees`. It is 1 up to `degrees_per_key`, else 1 + ceil(sweep / degrees_per_key), but at most 64.
 [[nodiscard]] int keys_for_sweep(double sweep_degrees, double degrees_per_key);
 
 /// Returns `count` evenly spaced instants of the shutter interval, including both ends, in ascending order.

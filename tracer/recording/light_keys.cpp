@@ -26,7 +26,7 @@ constexpr int light_steps = 64;
 // file can have at most SampleHeader::most_keys (64).
 constexpr int fewest_steps = light_steps / (most_light_keys - 1);
 
-// Number of points along the longer side of the frame, in the grid of rays that select the surface points.
+// Number of rays along the longer side of the grid that finds the observed surface points.
 constexpr int longer_side = 80;
 
 /// A point of a surface, without its object's motion.

@@ -53,8 +53,8 @@ class MeshOutlines {
     void add_mesh(const Object& object, const Mesh& mesh, std::size_t index, const ObjectParts& parts,
                   const CameraModel& camera, double time_s);
     void index_rows();
-    /// Returns 1/z', or -z' if the camera is orthographic. Both increase towards the camera and are linear
-    /// functions of the raster position along an edge and on a plane.
+    /// Returns the inverse depth, or minus the depth if the camera is orthographic. Both increase towards the
+    /// camera and are linear functions of the raster position along an edge and on a plane.
     [[nodiscard]] double nearness(double z_m) const { return orthographic_ ? -z_m : 1 / z_m; }
     template <typename Take>
     void each_pixel(const Edge& edge, const Take& take) const;

@@ -12,7 +12,7 @@ namespace {
 constexpr int step_px = 8;
 constexpr int largest_px = 4096;
 
-// Returns the radius, px, of the widest circle of confusion among the visible nodes of one traced sample.
+// Returns the radius, px, of the widest circle of confusion among all surfaces that one sample sees.
 double widest_radius_px(const FocusGeometry& lens, std::span<const Record> records) {
     double widest = 0;
     for (const Record& r : records) {

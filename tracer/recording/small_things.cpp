@@ -21,8 +21,8 @@ constexpr int tile_px = 16;
 // Number of pieces into which a long object is divided along its axis. The width and depth of a piece are
 // assumed to be constant.
 constexpr int pieces = 16;
-// Largest number of times that the piece at a tip is halved. The remaining tip is then narrow, even that of
-// the widest cone.
+// Largest number of times that the piece at a tip is halved. The remaining tip is then narrow even if the
+// cone is wide.
 constexpr int most_halves = 16;
 // Width of the smallest cells, px. An object that is narrower may lie between all corners of cells.
 constexpr double narrowest_px = 1.0 / (1 << SmallThings::most_levels);
@@ -48,8 +48,8 @@ std::array<dvec3, 2> perpendicular_to(const dvec3& axis) {
     return {u, glm::normalize(glm::cross(axis, u))};
 }
 
-/// Returns the centre and half axes of a box that extends over the ranges `sides` along the columns of the
-/// rotation `turn`.
+/// Returns the centre and half axes of a box. The axes are parallel to the columns of the rotation `turn`,
+/// along which the box covers the ranges `sides`.
 Axes box(const Bounds& sides, const dmat3& turn = dmat3(1)) {
     const dvec3 h = (sides.max - sides.min) / 2.0;
     return {turn * ((sides.min + sides.max) / 2.0), {h.x * turn[0], h.y * turn[1], h.z * turn[2]}};
@@ -165,8 +165,8 @@ struct Sight {
     dvec2 slope{0};
 };
 
-// Replaces the half axes of an ellipsoid by conjugate half axes that fit its projection, an ellipse. The
-// first two are projected to the half axes of this ellipse, the longer one first. The third points along the
+// Replaces the half axes of an ellipsoid by three conjugate half axes of the same ellipsoid. The first two
+// are projected to the half axes of its image, an ellipse, the longer one first. The third points along the
 // line of sight. Returns the longer axis of the ellipse divided by the shorter one, or 0 if the ellipsoid is
 // not visible.
 double turn_to_sight(const CameraModel& camera, Axes& axes) {
@@ -308,8 +308,7 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
         seen[k] = sight.px_of(half[k]);
         if (k > 0 || from == to) half_depth_m += std::abs(glm::dot(half[k], camera.forward));
     }
-    // `across` is half the width of the piece's image, perpendicular to the longest projected half axis. It
-    // is exact for the ellipsoid with these half axes. Half the width of their bounding box would be larger.
+    // `across` is half the width of the ellipsoid's image, perpendicular to the longest projected half axis.
     const dvec2 longest = *std::max_element(seen.begin(), seen.end(), [](const dvec2& p, const dvec2& q) {
         return glm::length(p) < glm::length(q);
     });
@@ -339,15 +338,15 @@ void SmallThings::add_piece(const dvec3& from, const dvec3& to, const std::array
     // of neighbouring cells along the outline cancel.
     r.outline_px = brightness > 1 && from == to ? std::max(r.width * bright_share, finest) : 1;
     pieces_.push_back(r);
-    // Limits the memory for pieces. Every piece needs at least three cells, so the pieces need more cells
-    // than most_cells_per_pixel allows, and keep_affordable() removes at least a third of them.
+    // Limits the memory for pieces. Each needs at least three cells, so this many pieces exceed
+    // most_cells_per_pixel, and keep_affordable() removes at least a third of them.
     if (static_cast<double>(pieces_.size()) > most_cells_per_pixel / 2 * raster_px() + (1 << 16))
         keep_affordable();
 }
 
 double SmallThings::Piece::cells() const {
-    // Estimates the number of cells of width find_px within one cell of the object, and of the smaller cells
-    // along its outline.
+    // Estimates the number of cells of width find_px on and beside the piece, and of the smaller cells along
+    // its outline.
     const double length = glm::length(to - from) + 2 * reach;
     return length * 2 * (reach + find_px) / (find_px * find_px) +
            (outline_px < find_px ? 4 * length / outline_px : 0);

@@ -1,5 +1,5 @@
-// Traces a share of a frame: some rows of the records, written to a separate sample file. `merge` joins the
-// files of all shares.
+// Traces a share of a frame, that is, some of its rows, for a separate sample file. `merge` joins the files
+// of all shares.
 #pragma once
 
 #include <functional>
@@ -15,13 +15,12 @@ struct RowRange {
     int begin = 0, end = 0;
 };
 
-/// Divides the rows [y_begin, y_end) of records into shares and returns the rows of one share. The sizes of
+/// Divides the rows [y_begin, y_end) of a frame into shares and returns the rows of one share. The sizes of
 /// two shares differ by at most one row. Throws Error(wrong_arguments) if there are more shares than rows.
 [[nodiscard]] RowRange rows_of_share(const Share& share, int y_begin, int y_end);
 
-/// Traces the rows of `window` that belong to the share, as sample_corners does. Passes all rows of the
-/// window to `take`. In place of the rows of other shares, it passes rows in which all rays hit nothing
-/// (records/lost_rows.h).
+/// Traces those rows of `window` that belong to the share, as sample_corners does. All other rows are also
+/// passed to `take`, but their rays hit nothing (records/lost_rows.h).
 RayCounts sample_share(const Share& share, const WhittedTracer& tracer, const SampledWindow& window,
                        const SubdivisionSettings& settings,
                        const std::function<void(const RecordBand&)>& take, const SmallThings& things);

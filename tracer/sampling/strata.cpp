@@ -16,9 +16,9 @@ struct StrataTask {
     std::uint32_t n, rows, first;
 };
 
-/// An integer divisor, up to 2^20, and its reciprocal. With them, integer quotients of up to 2^24 are exact,
-/// although they are computed by a multiplication. 0.5 is added to the dividend, so that rounding errors
-/// cannot change the result.
+/// An integer divisor, up to 2^20. Division is replaced by multiplication with the reciprocal. Quotients of
+/// up to 2^24 are still exact, because 0.5 is added to the dividend, so that rounding errors cannot change
+/// the result.
 struct Divisor {
     explicit Divisor(double d) : value(d), inverse(1 / d) {}
     double value, inverse;

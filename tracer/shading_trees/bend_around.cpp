@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the node of `layer` with the given path. If there is none, returns the node of layer 0 with this
-/// path, because a hidden layer that begins after a bounce has no nodes before that bounce. Null if neither
-/// layer has such a node.
+/// Returns the record of `layer` that has the given path (sequence of bounces), or else that of layer 0. The
+/// layer of a hidden surface may begin after a bounce, and shares the nodes before it with layer 0. Null if
+/// neither exists.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -29,8 +29,8 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
     return true;
 }
 
-/// Summary of the nodes of one sample that have the same path as a given node and bounced at the same
-/// objects.
+/// Summary of the records of one sample whose rays bounced like those of a given node: in the same sequence
+/// and at the same objects.
 struct Seen {
     float greatest = 0;  ///< greatest nonlinear W (second-order error of W) of these nodes, 1/m^2
     bool any = false;    ///< there is such a node

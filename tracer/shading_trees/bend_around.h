@@ -1,6 +1,6 @@
-// Estimates the nonlinear W of a node (`w_bend`, the second-order error of its matrix W) from the values at
-// samples around it. If these values are small or similar, the estimate replaces a measurement and saves its
-// rays.
+// Estimates `w_bend` of a node from the values at samples around it, which saves the rays of a measurement.
+// `w_bend` is the second-order motion of the node's image when the lens point moves. The matrix W describes
+// the first order.
 #pragma once
 
 #include <array>

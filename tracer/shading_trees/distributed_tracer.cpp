@@ -23,13 +23,13 @@ constexpr std::uint32_t no_node = 0xFFFFFFFFU;
 
 struct Shadow {
     std::uint32_t sample = 0;
-    /// Index of the LimitedNode (a node with clamped radiance) that receives the light. If it is `no_node`,
-    /// the eye ray receives the light.
+    /// Index of the LimitedNode (a node with clamped radiance) to which the light is added. If it is
+    /// `no_node`, the light is added to the eye ray.
     std::uint32_t node = no_node;
     dvec3 radiance{0};
 };
 
-/// A node whose radiance is clamped, because the image gets the rest of its light as highlights
+/// A node whose radiance is clamped, because the light above the clamp is drawn separately, as highlights
 /// (LightElsewhere). The light of the node is summed first, and then the sum is clamped.
 struct LimitedNode {
     std::uint32_t sample = 0;
@@ -37,8 +37,8 @@ struct LimitedNode {
     bool counts = false;  ///< see add_limited
 };
 
-/// Clamps the radiance of a node to eye.less->above and adds it to the radiance of its ray. If `counts` is
-/// true, the radiance above the clamp is added to EyeRays::left_out.
+/// Clamps the radiance of a node to `eye.less->above` and adds the result to the radiance of its ray. If
+/// `counts` is true, the rest is added to EyeRays::left_out.
 void add_limited(const dvec3& radiance, std::size_t ray, bool counts, EyeRays& eye) {
     const dvec3 kept = glm::min(radiance, dvec3(static_cast<double>(eye.less->above)));
     eye.radiance[ray] += kept;

@@ -18,9 +18,9 @@ namespace postlens {
 struct DistributedSettings {
     int max_depth = 5;               ///< nodes along a path, as in WhittedSettings
     double min_contribution = 1e-3;  ///< radiance, as in WhittedSettings
-    /// Russian roulette. A reflected or refracted ray is traced with a probability equal to its greatest
-    /// coefficient, and its weight is divided by this probability. The expected radiance stays the same, with
-    /// fewer rays but more noise.
+    /// Russian roulette. A reflected or refracted ray is traced with a probability equal to the largest
+    /// channel of its reflectance or transmittance, and its weight is divided by this probability. The
+    /// expected radiance stays the same, with fewer rays but more noise.
     bool roulette = false;
 };
 
@@ -35,7 +35,7 @@ struct EyeRays {
     std::vector<double> importance;
     const LightElsewhere* less = nullptr;  ///< radiance that the rays must not include; may be null
     /// Returns the raster position, px, at which the pinhole sees the point at distance t on a ray. Needed
-    /// only with `less`, which depends on this position.
+    /// only if `less` is set, because what it excludes depends on this position.
     std::function<glm::dvec2(std::size_t ray, double t)> recorded_at;
     std::vector<glm::dvec3> radiance;  ///< the result
     /// Result: the radiance that `less` excludes. Empty if `less` is null.
@@ -77,8 +77,8 @@ class DistributedTracer {
     void resolve_shadows(EyeRays& eye, Workspace& w) const;
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
-    /// Returns whether the radiance above the clamp at a node is added to EyeRays::left_out, that is, whether
-    /// EyeRays::left_out_of identifies this node.
+    /// Returns whether the radiance above the clamp at a node is added to EyeRays::left_out. This is so if
+    /// the node is identified by EyeRays::left_out_of.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

@@ -26,9 +26,9 @@ class FilmMotion {
     /// world position at `from_s` is `point`, m. Empty if the point is behind the camera at instant i.
     [[nodiscard]] std::optional<glm::dvec2> place(std::uint32_t id, const glm::dvec3& point,
                                                   std::size_t i) const;
-    /// Returns the raster position, px, at instant i, of a point at infinite distance in `direction`. It
-    /// represents a ray that hits nothing. For an orthographic camera, the result is `at`, the raster
-    /// position of the ray.
+    /// Returns the raster position, px, at instant i, of the background that a ray in `direction` sees if it
+    /// hits nothing. The background is infinitely far away. For an orthographic camera, the result is `at`,
+    /// the raster position of the ray.
     [[nodiscard]] std::optional<glm::dvec2> place_of_nothing(const glm::dvec3& direction,
                                                              const glm::dvec2& at, std::size_t i) const;
 

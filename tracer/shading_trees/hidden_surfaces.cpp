@@ -62,10 +62,9 @@ class Follower {
         if (goes_on(c)) chains.push_back(std::move(c));
     }
 
-    // Returns the distance, m, at which the ray is traced further. It lies just before the last hit, so that
-    // a surface at the same position is found too (such as a floor under a box). The primitive that was hit
-    // last is excluded. If all surfaces at this position have been found (`beyond`), the distance lies just
-    // behind the hit.
+    // Returns the distance, m, from which the ray is traced further. It lies just before the last hit, so
+    // that another surface at the same position is found too (such as a floor under a box). If all of these
+    // have been found (`beyond`), it lies just behind the hit.
     [[nodiscard]] double start(const Chain& c) const {
         const double step = RayScene::offset(eye_[c.ray].origin + c.t * eye_[c.ray].direction);
         return c.beyond ? c.t + step : c.t - step;
@@ -118,8 +117,8 @@ class Follower {
         take(c, key, s);
     }
 
-    // Adds the next layer to the chain, which is a surface or the background. If the layer is hidden and the
-    // caller needs it, it is also added to the result.
+    // Adds the next surface on the ray, or the background behind all surfaces, to the chain. If it is hidden
+    // and the caller needs it, it is also added to the result.
     void take(Chain& c, const HitKey& key, const SurfacePoint& s) {
         const int layer = c.layers++;
         const bool visible = layer == 0;
@@ -164,9 +163,9 @@ class Follower {
             inverse_depth = 1 / (s.t * e.cos_axis);
         }
         const bool first = c.layers == 1;
-        // An object seen in a mirror or through glass is usually deeper than the mirror or glass, and the
-        // lens sees more of it behind an edge. For mirrors and glass, it is therefore sufficient that the
-        // lens sees a surface at any depth behind the edge.
+        // Objects in a mirror or behind glass usually have a greater depth than the mirror or glass, and the
+        // lens sees more of them past an edge. A mirror or glass is therefore included if the lens could see
+        // a surface at any depth on the ray.
         const bool seen = !first && (wanted_.lens->may_see(c.covers, inverse_depth) ||
                                      (key.valid() && shows_more(s) && wanted_.lens->may_see_past(c.covers)));
         if (first) c.covers.nearest = c.covers.farthest = inverse_depth;
@@ -182,8 +181,8 @@ class Follower {
                (m.transmission != glm::dvec3(0) && !lobe_is_wide(m.transmission_exponent, radius, s.t));
     }
 
-    // True if motion may uncover surface `s`. For each surface that the ray has passed, there must be an
-    // instant at which it has moved away from `s` on the film. Adds the raster positions of `s` to the chain.
+    // True if motion may uncover surface `s`. For each surface in front of `s`, there must be an instant at
+    // which its raster position differs from that of `s`. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

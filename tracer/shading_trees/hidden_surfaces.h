@@ -21,15 +21,15 @@ struct HiddenLayers {
     /// Largest number of hidden surfaces per eye ray if `motion` is set. Shading a hidden surface costs as
     /// much as shading a visible one, and images rarely show more than four hidden surfaces on one ray.
     static constexpr int most_uncovered = 4;
-    /// Largest number of hidden surfaces per ray that only a lens reveals, that is, if `motion` is null or
-    /// after a bounce. It is smaller than `most_uncovered`, because motion reveals more behind an edge than a
-    /// lens does.
+    /// Largest number of hidden surfaces per ray if only a lens can reveal them, that is, if `motion` is null
+    /// or the ray has bounced. It is smaller than `most_uncovered`, because motion reveals more behind an
+    /// edge than a lens does.
     static constexpr int most_seen_past = 3;
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
-    /// reveal a surface if each surface in front of it is displaced on the film, at some instant, by more
-    /// than a quarter of a pixel relative to it.
+    /// reveal a surface if, for each surface in front of it, their raster positions differ by more than a
+    /// quarter of a pixel at some instant.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. Surfaces behind reflections and refractions are included.
@@ -51,8 +51,8 @@ struct FirstHit {
     std::uint32_t parent = 0;        ///< id of the object of the last bounce; 0 if none
     RayDifferentials differentials;  ///< at the origin of the ray; set only after a bounce
 
-    /// Returns the limit of the inverse depth, 1/m, of points on the ray at increasing distance (see
-    /// LensReach). It is 0 for an eye ray, but not after a curved mirror.
+    /// Returns the inverse depth, 1/m, that points on the ray approach with increasing distance (see
+    /// LensReach). It is 0 for an eye ray, but not for a ray that a curved mirror reflects.
     [[nodiscard]] double inverse_depth_limit() const;
 };
 

@@ -36,9 +36,9 @@ class LensReach {
     /// two reasons: the position of an edge is known only up to the diagonal of a pixel, and the recorded
     /// strip must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge where the shift of its image over the lens changes by at least this value from
-    /// one pixel to the next, px/px. Within a plane, the shift changes this much only if the plane is very
-    /// steep, and then no lens point sees behind the plane.
+    /// A surface has an edge between two neighbouring pixels if the shifts of its images over the lens differ
+    /// by at least this value, px/px. Within a plane, they differ this much only if the plane is seen very
+    /// obliquely, and then no lens point sees behind it.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -51,16 +51,15 @@ class LensReach {
     LensReach(const RayScene& scene, const CameraModel& camera, double aperture_radius_m, int max_depth,
               int x_begin, int x_end, int y_begin, int y_end);
 
-    /// The surfaces that one ray has passed so far ("covers"). They may hide the next surface. All of them
-    /// have the same path, and the last bounce of this path is at the same object.
+    /// The surfaces that one ray has passed so far ("covers"). They may hide the next surface on the ray.
     struct Covers {
         glm::dvec2 at{0};          ///< raster position of the eye ray, px
         NodePath path;             ///< path of these surfaces; empty for an eye ray
         std::uint32_t parent = 0;  ///< id of the object of the last bounce; 0 if none
         double nearest = 0;        ///< inverse depth of the first surface, 1/m
         double farthest = 0;       ///< inverse depth of the farthest surface, 1/m
-        /// Inverse depth of a point at infinite distance on the ray, 1/m. It is 0 for an eye ray, but not
-        /// after a curved mirror.
+        /// Inverse depth, 1/m, that points on the ray approach with increasing distance. It is 0 for an eye
+        /// ray, but not for a ray that a curved mirror reflects.
         double limit = 0;
     };
     /// Returns whether some lens point may see a surface behind all `covers`, on the same ray. `behind` is
@@ -74,7 +73,7 @@ class LensReach {
     [[nodiscard]] double aperture_radius_m() const { return aperture_radius_m_; }
 
     /// Returns the inverse depth of a node, 1/m, as the mean over the two raster axes. It is half the trace
-    /// of the node's matrix W.
+    /// of the matrix W, which describes how the node's image moves with the lens point.
     [[nodiscard]] static double inverse_depth(const Mat2& w) {
         return (static_cast<double>(w.xx) + static_cast<double>(w.yy)) / 2;
     }
@@ -92,9 +91,9 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Shift, px, of the images of two surfaces relative to each other, from the centre to the outline of the
-    /// lens, per difference of their inverse depths, 1/m. It is the lens radius, m, divided by the camera's
-    /// tangent per pixel.
+    /// Factor from a difference of inverse depths, 1/m, to a shift, px: that of the images of two surfaces
+    /// relative to each other when the lens point moves from the centre to the outline of the lens. It is the
+    /// lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;
     std::map<View, MinMaxPyramid> views_;
 };

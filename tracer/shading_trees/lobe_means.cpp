@@ -18,12 +18,12 @@ namespace {
 using glm::dvec3;
 
 constexpr double target_noise = 1.0 / 510;  // standard deviation of encoded image values
-// Limit of the weight that a hit gives to a ray of another hit. Without this limit, rays at the edge of the
-// other hit's lobe, where its density is small, would have high weights and cause high variance.
+// Limit of the weight of a ray that was sampled from the lobe of another hit. Where the density of that lobe
+// is small, the weight would otherwise be high and cause high variance.
 constexpr double most_weight = 8;
 
-// True if two hits may share rays. The axes of their lobes must differ by less than the width of the wider
-// lobe.
+// True if each of two hits may use the rays that were sampled from the other's lobe. The axes of the lobes
+// must differ by less than the width of the wider lobe.
 bool overlap(const LobeHit& a, const LobeHit& b) {
     const double width2 = 1 / std::max(1.0, std::min(a.exponent, b.exponent));
     return glm::dot(a.axis, b.axis) > 1 - width2 / 2;
@@ -37,9 +37,9 @@ double window(const LobeHit& a, const LobeHit& b) {
     return share > 0 ? share * share : 0;
 }
 
-// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Positions that are close
-// on the curve are close on the raster, so hits sorted by this index have stratified rays. 16 bits per
-// coordinate are enough to distinguish the hits of one batch.
+// Returns the index of a raster position along a Morton curve with steps of 1/4 px. Hits are sorted by this
+// index, so that hits close to each other on the raster use consecutive, stratified points (lobe_point). 16
+// bits per coordinate are enough to distinguish the hits of one batch.
 std::uint32_t curve_index(const glm::dvec2& at) {
     const auto spread = [](double v) {
         auto bits = static_cast<std::uint32_t>(static_cast<std::int64_t>(std::floor(4 * v))) & 0xFFFFU;
@@ -198,8 +198,8 @@ void LobeMeans::average(std::span<const LobeHit> hits, std::vector<dvec3>& means
         for (std::size_t k = g.first; k < g.end; ++k) weight += largest(hits[order[k]].weight);
         weight *= std::max(1.0, bound_[static_cast<std::size_t>(hits[order[first]].nodes_left)]) /
                   static_cast<double>(count);
-        // `weight` is NaN if it is 0 times an infinite bound. The result must then be `count`, which std::min
-        // returns because `count` is its first argument.
+        // `weight` is NaN if it is 0 times an infinite bound. std::min then returns its first argument,
+        // `count`.
         const auto pilots = static_cast<std::size_t>(
             std::min(static_cast<double>(count), std::ceil(weight / target_noise) + 1));
         for (std::size_t j = 0; j < pilots; ++j) send(g, order[g.first + (2 * j + 1) * count / (2 * pilots)]);

@@ -81,8 +81,8 @@ MinMaxPyramid::Squares MinMaxPyramid::squares_around(const glm::dvec2& at, doubl
 // to descend into a square, to skip it or to end the search. `distance2()` is the squared distance from `at`
 // to the nearest integer position in the square. A square of level 0 is a single value.
 //
-// `promise(range)` determines the order: of the four parts of a square, the part with the greatest promise is
-// searched first. When it is a part's turn, it is skipped if `keeps(promise)` is false.
+// `promise(range)` rates a square by its range of values. Of the four parts of a square, the part with the
+// highest rating is searched first. When it is a part's turn, it is skipped if `keeps(promise)` is false.
 template <typename Visit, typename Promise, typename Keeps>
 void MinMaxPyramid::descend(const glm::dvec2& at, double radius, const Visit& visit, const Promise& promise,
                             const Keeps& keeps) const {

@@ -16,18 +16,18 @@ using glm::dvec3;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Largest number of Newton steps in the search for the ray from a lens point to a node. All steps use the
-// derivatives at the pinhole, so each step gains about one digit. If the last step is not enough, the
-// estimated distance to the solution is added to the error of W. If the steps grow, this error is infinite.
+// derivatives at the pinhole, so each step reduces the distance to the solution only about tenfold. If the
+// search has not converged, the estimated remaining distance is added to the result.
 constexpr int most_steps = 5;
-// The search for a ray has converged if its last step is at most `settled_px`. It has also converged if the
-// estimated distance to the solution is at most `settled_share` of the difference between the ray and its
-// prediction by W.
+// The search for a ray has converged if its last step is at most `settled_px`, or if the estimated distance
+// to the solution is at most `settled_share` of the result, the difference between the ray and its
+// first-order prediction.
 constexpr double settled_share = 0.05, settled_px = 0.1;
-// Assumed distance to the solution after the first Newton step, as a fraction of that step. After later
-// steps, the distance is estimated from the ratio of the last two steps.
+// Assumed distance to the solution after the first Newton step, as a fraction of the length of that step.
+// After later steps, the distance is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// Four lens points are used, in two opposite pairs. If the rays from one lens point of each pair differ from
-// their prediction by W by at most this fraction of settled_px, the opposite lens points are skipped.
+// There are two opposite pairs of lens points. If the rays from one point of each pair differ from their
+// first-order prediction by at most this fraction of settled_px, the opposite points are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray passes through on the way to a node that lies behind them.
@@ -156,7 +156,7 @@ void follow(const RayScene& scene, const Prober& prober, std::vector<Probe>& pro
 namespace {
 
 /// Greatest accepted tangent of a ray from a lens point. Larger tangents occur only if the Newton steps
-/// diverge or if the node lies where the image folds, so that W is unbounded.
+/// diverge or if the first-order prediction is unbounded.
 constexpr double widest_tangent = 1e3;
 
 bool runs_away(const dvec2& tangent) {
@@ -164,17 +164,17 @@ bool runs_away(const dvec2& tangent) {
 }
 
 /// Finds the rays from lens points that reach given nodes. Computes the difference between the tangent of
-/// each ray and the tangent that W predicts.
+/// each ray and its first-order prediction.
 struct Search {
     std::vector<Probe> probes;
     std::vector<std::uint32_t> open;  ///< indices of the probes that have not converged
     // Per node:
     std::vector<bool> ended;  ///< one of its rays is lost
-    /// Per node, the greatest difference between the tangent of a ray and its prediction by W, over the rays
-    /// that have converged.
+    /// Per node, the greatest difference between the tangent of a ray and its first-order prediction, over
+    /// the rays that have converged.
     std::vector<double> greatest;
-    /// Per node, a lower bound of the greatest difference between the tangent of a ray and its prediction by
-    /// W, over all rays.
+    /// Per node, a lower bound of the greatest difference between the tangent of a ray and its first-order
+    /// prediction, over all rays.
     std::vector<double> at_least;
 
     void begin(std::span<const BentNode> nodes) {
@@ -196,7 +196,7 @@ struct Search {
     }
     void settle(const RayScene& scene, const Prober& prober, double settled_tangent,
                 std::uint64_t& rays_spent);
-    /// Returns the difference between the tangent of the ray that a probe has found and its prediction by W.
+    /// Returns the difference between the tangent of the ray that was found and its first-order prediction.
     /// Infinite if no ray was found. Must not be called if `hidden` is set.
     [[nodiscard]] static double departure(const Probe& p) {
         return p.lost || !p.converges || runs_away(p.tangent) ? infinity : p.departure + p.unsettled;
@@ -210,8 +210,8 @@ void Search::correct(const Prober& prober, bool first_step) {
     for (const std::uint32_t i : open) at_least[probes[i].node] = greatest[probes[i].node];
     for (const std::uint32_t i : open) {
         Probe& p = probes[i];
-        // If one ray to a node cannot be found, the error of the node is infinite. The other rays of this
-        // node need no search.
+        // If one ray to a node cannot be found, the result for the node is infinite, so its other rays need
+        // no search.
         if (p.lost) ended[p.node] = true;
         if (p.ended()) continue;
         const dvec2 change = prober.correction(p);
@@ -235,8 +235,8 @@ void Search::settle(const RayScene& scene, const Prober& prober, double settled_
         std::erase_if(open, [&](std::uint32_t i) {
             Probe& p = probes[i];
             if (ended[p.node] || p.hidden) return true;
-            // Only the greatest difference from the prediction counts. A ray is therefore dropped if another
-            // ray to the same node is known to have a greater difference.
+            // Only the greatest difference from the prediction counts. The search for a ray therefore ends if
+            // another ray to the same node is known to have a greater difference.
             const bool smaller = p.converges && p.departure + p.unsettled < at_least[p.node];
             const bool settled = p.last_step <= settled_tangent ||
                                  (step > 0 && p.converges && p.unsettled <= settled_share * p.departure);
@@ -262,9 +262,9 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         for (const dvec2 q : {dvec2(1, 0), dvec2(0, 1)}) search.add(nodes[i], i, radius_m * q);
     }
     search.settle(scene, prober, settled_tangent, rays_spent);
-    // The differences from the prediction by W are of second order, and therefore almost equal on opposite
-    // sides of the lens. If they are small for two rays at right angles, the two opposite rays need not be
-    // traced. This is so for most nodes.
+    // The differences from the first-order prediction are of second order, and therefore almost equal on
+    // opposite sides of the lens. If they are small for two rays at right angles, the two opposite rays need
+    // not be traced. This is so for most nodes.
     std::vector<bool> straight(nodes.size(), true);
     for (const Probe& p : search.probes) {
         if (p.hidden || !(Search::departure(p) <= straight_share * settled_tangent)) straight[p.node] = false;
@@ -281,8 +281,8 @@ void measure_bends(const RayScene& scene, const CameraModel& camera, double radi
         const float rounded = Imath::half(static_cast<float>(Search::departure(p) / (radius_m * radius_m)));
         out[p.node] = std::max(out[p.node], rounded);
     }
-    // A negative value means that no ray from the lens has reached the node. The error of its matrix W is
-    // then unknown and is recorded as infinity.
+    // A negative value means that no ray from the lens has reached the node. The result is then unknown and
+    // is set to infinity.
     for (float& bend : out) {
         if (bend < 0) bend = std::numeric_limits<float>::infinity();
     }

@@ -1,6 +1,6 @@
-// Measures the error of the matrix W. If the lens point moves by q, the image of a node behind mirrors and
-// glass moves by -W q to first order. The second-order error of this motion is measured with exact rays from
-// the outline of a lens.
+// Measures how exactly the matrix W predicts the image of a node behind mirrors and glass. If the lens point
+// moves by q, the image moves by -W q to first order. The second-order difference from the true motion is
+// measured with rays from the outline of a lens.
 #pragma once
 
 #include <array>
@@ -22,8 +22,8 @@ struct Bounces {
     bool flat = true;  ///< all bounces are reflections at flat surfaces, for which W is exact
 };
 
-/// A node (hit of a shading tree) after at least one bounce, and the target that a ray from another lens
-/// point has to reach.
+/// A node (hit of a shading tree) seen in a mirror or through glass. `target` is the point or direction that
+/// a ray from another lens point must reach after the same bounces.
 struct BentNode {
     std::uint32_t node = 0;  ///< index for the caller's use
     NodePath path;

@@ -34,8 +34,8 @@ struct WhittedSettings {
 };
 
 /// Numbers of traced rays, in the categories of the Standard Procedural Databases. `hidden` counts rays that
-/// continue behind a surface. `lens` counts rays from lens points that measure the nonlinear W (`w_bend`, the
-/// second-order error of the matrix W).
+/// continue behind a surface. `lens` counts rays from lens points that measure `w_bend`, the second-order
+/// motion of a node's image when the lens point moves.
 struct RayCounts {
     std::uint64_t eye = 0, eye_hits = 0, reflect = 0, refract = 0, shadow = 0, hidden = 0, lens = 0;
     RayCounts& operator+=(const RayCounts& o) {
@@ -59,8 +59,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture, the shadows and the part of the object that a record shows. If these differ between the
-/// corners of a cell, the cell is subdivided even if the colours are equal.
+/// The texture, the shadows and the part of the object at a record. If these differ between the corners of a
+/// cell, the cell is subdivided even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -69,13 +69,13 @@ struct ColourSource {
 };
 
 /// The records of a batch of samples. Sample i has the records [offsets[i], offsets[i + 1]). They are sorted
-/// by layer and then by path, so the primary node is first.
+/// by layer (the visible surface, then hidden ones) and then by path, so the primary node is first.
 struct TracedSamples {
     std::vector<Record> records;
     std::vector<std::uint32_t> offsets;
     /// For each record, the part of its radiance (r, g, b) that has sampling noise. It contains the means
-    /// over lobes. In the penumbra of an area light, it also contains the difference between the light's
-    /// contribution and half of its unshadowed contribution. Empty if no record has noise.
+    /// over lobes. In the penumbra of an area light, it also contains the light's contribution minus the
+    /// noise-free estimate ExtentLit::steady. Empty if no record has noise.
     std::vector<glm::vec3> noisy;
     /// One entry per record. Empty if WhittedSettings::parts is null and the scene has neither textures nor
     /// lights.
@@ -101,13 +101,13 @@ class WhittedTracer {
     /// Traces point samples at raster positions, px. It is fastest if the positions of each group of 16 are
     /// close together. Thread-safe.
     ///
-    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. The nonlinear W of a
-    /// node (the second-order error of its matrix W) is then estimated from these samples by bend_around. It
+    /// If given, `around(i)` returns earlier samples within a pixel of positions[i]. From them, bend_around
+    /// estimates `w_bend` of a node, the second-order motion of its image when the lens point moves. `w_bend`
     /// is measured only where there is no estimate.
     void trace(std::span<const glm::dvec2> positions, TracedSamples& out, RayCounts& counts,
                const std::function<SamplesAround(std::size_t)>& around = {}) const;
-    /// The nonlinear part of W counts as small if it displaces the image of the node by less than this value,
-    /// px, for every lens point.
+    /// `w_bend` of a node counts as small if the second-order motion that it describes displaces the node's
+    /// image by less than this value, px, for every lens point.
     static constexpr double little_bend_px = 0.125;
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.

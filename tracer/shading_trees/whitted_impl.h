@@ -50,8 +50,8 @@ struct WhittedTracer::Impl {
         Arrival arrival;
     };
 
-    // The node to which the mean over a lobe is added, the factor `share` of this mean, and the node's
-    // throughput.
+    // The node to which the mean over a lobe is added, the factor `share` by which the mean is multiplied,
+    // and the node's throughput.
     struct LobeTarget {
         std::uint32_t node = 0;
         glm::dvec3 share{0}, throughput{1};
@@ -89,9 +89,9 @@ struct WhittedTracer::Impl {
         std::vector<PathRay> chain_rays;
         std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
-        // Used only if nonlinear W (the second-order error of W) is measured. `bounces` contains the objects
-        // at which each ray has bounced, at the index of the ray's differentials. `bent` contains the nodes
-        // to be measured.
+        // Used only if `w_bend`, the second-order motion of a node's image over the lens, is measured.
+        // `bounces` contains the objects at which each ray has bounced, at the index of the ray's
+        // differentials. `bent` contains the nodes to be measured.
         Pool<Bounces> bounces, next_bounces;
         std::vector<BentNode> bent;
         std::vector<float> bends;
@@ -128,8 +128,8 @@ struct WhittedTracer::Impl {
     // a glass object are not stored, because the transmitted ray finds the surfaces behind them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces hidden surfaces that are seen by reflection or refraction. Each becomes a separate layer of its
-    // sample, and this layer has no primary node.
+    // Traces hidden surfaces that are seen in mirrors or through glass. Each becomes the root of a separate
+    // layer, which does not repeat the mirror or glass.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
     // of it.
@@ -154,12 +154,12 @@ struct WhittedTracer::Impl {
     void average_extents(Workspace& w, RayCounts& counts) const;
     [[nodiscard]] bool noisy() const { return lobe_means || has_extents; }
     [[nodiscard]] bool measures_bends() const { return refocus && settings.bend_radius_m > 0; }
-    // Stores a node whose matrix W may be inexact, so that the error of W is measured later. `s` is null if
-    // the ray hit nothing.
+    // Stores a node for the later measurement of `w_bend`, unless its matrix W is exact. `s` is null if the
+    // ray hit nothing.
     void keep_bent(const PathRay& ray, const SurfacePoint* s, Workspace& w) const;
     void trace_bends(Workspace& w, RayCounts& counts) const;
-    // Estimates the nonlinear W (`w_bend`, the second-order error of W) of nodes from earlier samples nearby,
-    // where possible. The nodes that must be measured remain in w.bent.
+    // Estimates `w_bend`, the second-order motion of a node's image over the lens, from earlier samples
+    // nearby, where possible. The nodes that must be measured remain in w.bent.
     void take_bends_around(Workspace& w, const std::function<SamplesAround(std::size_t)>& around) const;
     // Converts the nodes to records. Nodes are ordered by their number of bounces, but records are ordered by
     // sample, layer and path.

@@ -1,5 +1,5 @@
-// Completes the nodes of shading trees when all rays are traced. Adds the means over lobes and lights and the
-// nonlinear W (the error of the matrix W), and converts the nodes to records.
+// Completes the nodes of shading trees when all rays are traced. Adds the means over lobes and lights,
+// measures the second-order motion of the nodes' images over the lens, and converts the nodes to records.
 #include <algorithm>
 #include <array>
 #include <cstddef>
