@@ -8,8 +8,8 @@
 
 namespace postlens {
 
-/// Scales all light of the scene to 2^stops times its brightness in the scene's file, except for rounding. An
-/// exposure that was set before is replaced.
+/// Scales all light of the scene to 2^stops times its brightness in the scene file, except for rounding. An
+/// earlier exposure of the scene is replaced.
 void expose(Scene& scene, double stops);
 
 /// Returns the exposure, in stops, that `--exposure auto` uses. A small preview of the scene is traced at the

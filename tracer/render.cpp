@@ -90,7 +90,6 @@ class Renderer {
         static_cast<void>(sample_blocks(count, settings.spp, settings.halves));  // refuses too many shares
         return {blocks * index / count, blocks * (index + 1) / count, false};
     }
-    /// Returns an empty state for these settings.
     static RenderState state_for(const RenderSetup& setup, const RenderSettings& settings, double stops,
                                  const std::string& what) {
         const int halves = settings.halves ? 2 : 1;

@@ -79,7 +79,7 @@ struct RenderResult {
 /// Error(wrong_arguments) if there are more parts than blocks.
 [[nodiscard]] int sample_blocks(int shares, int spp, bool halves);
 
-/// Returns the paths of the two additional files of `halves`, NAME.a.EXT and NAME.b.EXT.
+/// Returns the paths of the two images that RenderSettings::halves adds, NAME.a.EXT and NAME.b.EXT.
 [[nodiscard]] std::array<std::filesystem::path, 2> half_paths(const std::filesystem::path& path);
 /// Returns the path of an unfinished image, NAME.partial.exr. Any viewer can display this file. Its
 /// additional channels contain the sums from which the render resumes.

@@ -42,9 +42,9 @@ struct TraceSettings {
     /// as many instants suffice if the light changes smoothly.
     static constexpr double ray_light_db = 31;
     bool seek_small_things = true;  ///< subdivide at narrow objects (SmallThings), unless `levels` is 0
-    /// trace_to_file sets `lens_radius_m` to the radius of a lens of `for_f_number`. If that is absent, it is
-    /// the radius of the camera's lens, or of an f/1.4 lens if the camera has no f-number. With
-    /// `for_f_number`, it sets `bend_radius_m` to the same radius.
+    /// trace_to_file sets `lens_radius_m` to the radius of a lens with the f-number `for_f_number`. If that
+    /// is absent, it uses the radius of the camera's lens, or of an f/1.4 lens if the camera has no f-number.
+    /// With `for_f_number`, it sets `bend_radius_m` to the same radius.
     WhittedSettings whitted;
     int overscan_px = 0;
     bool overscan_auto =
@@ -67,8 +67,8 @@ struct TraceSettings {
     std::optional<double> auto_exposure_stops;
     RecordCompression compression = RecordCompression::zips;
     std::string made_by;  ///< written to the file (SampleHeader::made_by)
-    /// If set, only the rows of this share are traced. The other rows of the file contain rays that hit
-    /// nothing (trace_share.h).
+    /// If set, only this share of the frame's rows is traced. The other rows of the file contain rays that
+    /// hit nothing (trace_share.h).
     std::optional<Share> share;
     /// Called before the records are traced, with the predicted size of the file in bytes
     /// (tracer/recording/expected_size.h). An exception from this function ends the trace. If the function is

@@ -47,7 +47,7 @@ class LensCamera {
     /// LensSamples adds the same rays, except for rounding.
     void add_rays(const PointSamples& samples, RayBatch& batch, std::vector<float>& weights) const;
 
-    /// Adds one group of 16 rays with unit directions to the batch. The rays get times only if the batch has
+    /// Adds one group of 16 rays with unit directions to the batch. Their times are set only if the batch has
     /// times. If `loses_rays()` is true, the transmittance of the lens for each ray is appended to `weights`.
     /// Rays with a transmittance of 0 are set to hit nothing.
     void add_rays(const LensSamples& samples, RayBatch& batch, std::vector<float>& weights) const;

@@ -27,13 +27,13 @@ namespace {
 
 constexpr const char* settings_attribute = "postlens:render";
 constexpr const char* checksum_attribute = "postlens:checksum";
-/// Name of the file attribute that describes the channels of a file, as JSON: the number of halves and of
-/// blocks of the samples, whether there is a sum of an unfinished block, and the exposure in stops.
+/// Name of the file attribute with the layout of a file, as JSON: into how many halves and blocks the samples
+/// are divided, whether an unfinished block has its own sum, and the exposure in stops.
 constexpr const char* layout_attribute = "postlens:layout";
 
-// Returns the number of 32-bit channels per pixel: 3 for R, G and B, and for each half of the samples 1 for
-// the sample count and 6 for each sum (three doubles). There is one sum per block of samples, and one more
-// for an unfinished block if `with_open` is true.
+// Returns the number of 32-bit channels per pixel. R, G and B are 3 channels. Each half of the samples adds 1
+// channel for the sample count and 6 channels (three doubles) per sum. There is one sum per block of samples,
+// and one more for an unfinished block if `with_open` is true.
 std::size_t words_per_pixel(int halves, int blocks, bool with_open) {
     return 3 + static_cast<std::size_t>(halves) *
                    (1 + 6 * (static_cast<std::size_t>(blocks) + (with_open ? 1U : 0U)));

@@ -38,7 +38,7 @@ struct RenderState {
     RenderState(int w, int h, int count, double stops = 0, int blocks_apart = 1, bool with_open = false);
     [[nodiscard]] static std::uint64_t bytes(int width, int height, int halves, int blocks = 1,
                                              bool with_open = false);
-    /// Adds the samples of another part of the render. Parts must be added in the order of their samples.
+    /// Adds the samples of another part of the render. Parts must be added in the order of their numbers.
     void add(const RenderState& part);
     /// Returns the mean over all samples so far. Pixels without samples are black.
     [[nodiscard]] Image picture() const;

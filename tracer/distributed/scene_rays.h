@@ -32,7 +32,6 @@ class SceneRays : public SightRays {
     [[nodiscard]] RayCounts counts() const;
 
   private:
-    /// Makes the rays of the sight lines.
     void aim(std::span<const SightLine> lines, EyeRays& eye) const;
     /// Traces the sight lines. The results are the members of `eye`.
     void trace(std::span<const SightLine> lines, const LightElsewhere& less, EyeRays& eye) const;

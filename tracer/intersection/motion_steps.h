@@ -27,8 +27,8 @@ inline constexpr int most_motion_steps = 128;
 /// each entry of the matrices linearly between these instants.
 struct MotionSteps {
     std::vector<glm::dmat4> world_from_object;
-    /// Greatest distance, px, of an interpolated corner of the box from its true position. It may exceed
-    /// `tolerance_px`.
+    /// Greatest distance, px, of a corner of the object's bounding box from its true position. It may exceed
+    /// MotionAccuracy::tolerance_px.
     double error_px = 0;
 };
 /// Returns the smallest number of steps that keeps the corners of `box` within the tolerance. The number is a

@@ -59,8 +59,8 @@ struct Beam {
     double radius = 0, spread = 0;  // greatest deviation of an origin, m, and of a direction
 };
 
-/// Least radiance of the reflected or refracted image of a bright object for which cells are subdivided. As
-/// an sRGB value, it is an eighth of white.
+/// Reflected and refracted images of bright objects are searched for only above this radiance. As an sRGB
+/// value, it is an eighth of white.
 constexpr double dimmest = 0.0144;
 
 }  // namespace

@@ -398,7 +398,6 @@ class BandSampler {
     std::vector<CornerKey> wanted_;
     std::vector<std::size_t> wanted_rows_;  // per row, the index of its first point in wanted_
     std::uint32_t first_wanted_ = 0;        // the sample of wanted_[0]
-    /// The marks of each row of pixels.
     std::vector<CellSplit::Marks> marks_;
     CellSplit cells_;
     CornerRecords records_;

@@ -99,8 +99,8 @@ double sweep(const Object& object, const std::vector<View>& views, bool orthogra
     return sum * 180 / std::numbers::pi;
 }
 
-// Returns whether the frame may show a sphere, given by its position before its motion. Part of the sphere
-// must be in front of the camera and inside the four planes through the edges of the frame.
+// Returns whether the frame may show a moving sphere with the given centre and radius before its motion. Part
+// of the sphere must be in front of the camera and inside the four planes through the edges of the frame.
 bool may_see(const CameraModel& camera, const MotionPath::Pose& pose, const dvec3& centre, double radius_m) {
     const dvec3 from_camera = pose.point(centre) - camera.position, scale = glm::abs(pose.scale);
     const double radius = radius_m * std::max({scale.x, scale.y, scale.z}),

@@ -19,7 +19,6 @@ struct Range {
     double begin = 0, end = 1;
 };
 
-/// Returns the part of the segment that lies in a box, if any.
 std::optional<Range> clip(const dvec2& from, const dvec2& to, const dvec2& low, const dvec2& high) {
     Range out;
     for (int axis = 0; axis < 2; ++axis) {

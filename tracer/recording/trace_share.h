@@ -1,5 +1,5 @@
-// Traces a share of a frame, that is, some of its rows, for a separate sample file. `merge` joins the files
-// of all shares.
+// Traces a share of a frame (some of its rows), so that several runs can divide the work. `merge` joins their
+// sample files.
 #pragma once
 
 #include <functional>

@@ -7,7 +7,6 @@
 
 namespace postlens {
 
-/// Position of a point in its cell.
 enum class CellPoint { centre, random };
 
 /// Divides the unit square into n cells of area 1/n, for any n in 1 .. 2^20. There are round(sqrt(n)) rows.

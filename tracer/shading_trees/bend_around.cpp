@@ -6,9 +6,9 @@
 namespace postlens {
 namespace {
 
-/// Returns the record of `layer` that has the given path (sequence of bounces), or else that of layer 0. The
-/// layer of a hidden surface may begin after a bounce, and shares the nodes before it with layer 0. Null if
-/// neither exists.
+/// Returns the record of `layer` with the given path (sequence of bounces). If there is none, returns that of
+/// layer 0, because the layer of a hidden surface does not repeat the mirrors and glass in front of it. Null
+/// if neither exists.
 const Record* find_node(std::span<const Record> records, std::uint32_t layer, NodePath path) {
     const Record* visible = nullptr;
     for (const Record& r : records) {
@@ -32,9 +32,9 @@ bool seen_in_the_same(std::span<const Record> records, const Record& r, const Ch
 /// Summary of the records of one sample whose rays bounced like those of a given node: in the same sequence
 /// and at the same objects.
 struct Seen {
-    float greatest = 0;  ///< greatest nonlinear W (second-order error of W) of these nodes, 1/m^2
-    bool any = false;    ///< there is such a node
-    bool same = false;   ///< one of these nodes lies on the same object as the given node
+    float greatest = 0;  ///< greatest `w_bend` of these records, 1/m^2
+    bool any = false;    ///< there is such a record
+    bool same = false;   ///< one of these records lies on the same object as the given node
 };
 
 Seen seen_by(std::span<const Record> records, const ChainNode& node) {

@@ -78,7 +78,7 @@ class DistributedTracer {
     /// Returns whether a node's radiance is clamped (LightElsewhere).
     [[nodiscard]] bool limits(const PathRay& ray, std::uint32_t object, double t, const EyeRays& eye) const;
     /// Returns whether the radiance above the clamp at a node is added to EyeRays::left_out. This is so if
-    /// the node is identified by EyeRays::left_out_of.
+    /// the entry of EyeRays::left_out_of for this ray is the node.
     [[nodiscard]] bool counts_as_left_out(const PathRay& ray, std::uint32_t object, const EyeRays& eye) const;
 
     const RayScene& scene_;

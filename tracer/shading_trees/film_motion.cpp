@@ -17,8 +17,8 @@ namespace {
 // than tracing the ray.
 constexpr std::size_t most_balls = 64;
 
-// Up to this translation of the pinhole, the camera is assumed only to rotate, because the translation may be
-// a rounding error. The unit is 1 m plus the distance of the pinhole from the origin.
+// If the pinhole moves less than this, the camera is assumed only to rotate, because the motion may be a
+// rounding error. The value is relative to 1 m plus the distance of the pinhole from the origin.
 constexpr double still = 1e-9;
 
 }  // namespace

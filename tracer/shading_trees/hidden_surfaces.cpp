@@ -182,7 +182,7 @@ class Follower {
     }
 
     // True if motion may uncover surface `s`. For each surface in front of `s`, there must be an instant at
-    // which its raster position differs from that of `s`. Adds the raster positions of `s` to the chain.
+    // which the two have different raster positions. Adds the raster positions of `s` to the chain.
     [[nodiscard]] bool comes_to_light(Chain& c, const HitKey& key, const SurfacePoint& s) const {
         const FirstHit& e = eye_[c.ray];
         Places mine(wanted_.motion->instants());

@@ -28,8 +28,8 @@ struct HiddenLayers {
 
     int count = 0;  ///< number of surfaces examined behind the first hit, 0 to `most`
     /// If not null, only surfaces that motion may reveal are returned, at most `most_uncovered`. Motion may
-    /// reveal a surface if, for each surface in front of it, their raster positions differ by more than a
-    /// quarter of a pixel at some instant.
+    /// reveal a surface if, for each surface in front of it, there is an instant at which the two are more
+    /// than a quarter of a pixel apart on the raster.
     const FilmMotion* motion = nullptr;
     /// If not null, surfaces that some lens point may see are returned, in addition to those that `motion`
     /// may reveal. Surfaces behind reflections and refractions are included.

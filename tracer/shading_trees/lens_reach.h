@@ -36,9 +36,9 @@ class LensReach {
     /// two reasons: the position of an edge is known only up to the diagonal of a pixel, and the recorded
     /// strip must include the corners of all pixels that show it.
     static constexpr double margin_px = 2.5;
-    /// A surface has an edge between two neighbouring pixels if the shifts of its images over the lens differ
-    /// by at least this value, px/px. Within a plane, they differ this much only if the plane is seen very
-    /// obliquely, and then no lens point sees behind it.
+    /// A surface has an edge where the shift of its image over the lens differs by at least this value
+    /// between neighbouring pixels, px/px. Within a plane, it differs this much only if the plane is seen
+    /// very obliquely, and then no lens point sees behind the plane.
     static constexpr double edge_slope = 0.125;
     /// Largest number of bounces after which hidden surfaces are recorded. After more bounces, hidden
     /// surfaces are numerous and faint.
@@ -91,7 +91,7 @@ class LensReach {
     void add_view(const View& view, std::span<const Seen> seen);
 
     double aperture_radius_m_;
-    /// Factor from a difference of inverse depths, 1/m, to a shift, px: that of the images of two surfaces
+    /// Factor that converts a difference of inverse depths, 1/m, to px: to the shift of two surfaces' images
     /// relative to each other when the lens point moves from the centre to the outline of the lens. It is the
     /// lens radius, m, divided by the camera's tangent per pixel.
     double px_per_inverse_m_;

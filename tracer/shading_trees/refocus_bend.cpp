@@ -26,8 +26,8 @@ constexpr double settled_share = 0.05, settled_px = 0.1;
 // Assumed distance to the solution after the first Newton step, as a fraction of the length of that step.
 // After later steps, the distance is estimated from the ratio of the last two steps.
 constexpr double first_step_leaves = 0.25;
-// There are two opposite pairs of lens points. If the rays from one point of each pair differ from their
-// first-order prediction by at most this fraction of settled_px, the opposite points are skipped.
+// Rays are traced from two pairs of opposite lens points. If the rays from one point of each pair differ from
+// their first-order prediction by at most this fraction of settled_px, the opposite points are skipped.
 constexpr double straight_share = 0.5;
 
 // Largest number of surfaces that a ray passes through on the way to a node that lies behind them.

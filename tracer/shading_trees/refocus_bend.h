@@ -38,9 +38,10 @@ struct BentNode {
     Mat2 w;
 };
 
-/// Computes the nonlinear W (`w_bend`) of each node, 1/m^2. It is the largest |e| / |q|^2 over several lens
-/// points q. The vector e is the difference between the tangent of the exact ray from q to the target and its
-/// first-order prediction p - W q. Here p is the tangent of the eye ray.
+/// Computes `w_bend` of each node, 1/m^2: the second-order motion of its image when the lens point moves. It
+/// is the largest |e| / |q|^2 over several lens points q. The vector e is the difference between the tangent
+/// of the exact ray from q to the target and its first-order prediction p - W q. Here p is the tangent of the
+/// eye ray.
 ///
 /// There are four lens points, at `radius_m` on the raster axes. The first two are at right angles. If both
 /// have an error below 0.05 px, the other two are not used. Newton's method finds the ray from each lens

@@ -24,7 +24,7 @@ struct WhittedSettings {
     int max_depth = 5;
     double min_contribution = 1e-3;  ///< radiance; subtrees that contribute less are not traced
     bool refocus_matrices = true;    ///< compute W of nodes after a bounce (perspective cameras only)
-    double bend_radius_m = 0;        ///< lens radius for which nonlinear W is measured; not if 0
+    double bend_radius_m = 0;        ///< lens radius, m, for which `w_bend` is measured; 0: not measured
     /// Lens radius, m. If the lobe of a surface is wider than this lens, as seen from the surface
     /// (lobe_is_wide), the mean radiance over the lobe is recorded. Otherwise only the radiance from the
     /// exact direction of reflection or refraction is recorded. If 0, all lobes are averaged.
@@ -59,8 +59,8 @@ struct Arrival {
     std::uint32_t parent = 0;         ///< id of the object that reflected or transmitted the ray
 };
 
-/// The texture, the shadows and the part of the object at a record. If these differ between the corners of a
-/// cell, the cell is subdivided even if the colours are equal.
+/// The texture, the shadows and the part of the object at the surface point of a record. If these differ
+/// between the corners of a cell, the cell is subdivided even if the colours are equal.
 struct ColourSource {
     const Texture* texture = nullptr;  ///< colour texture, or else emission texture; may be null
     glm::vec3 place{0};                ///< texture position of the node (Texture::place)
@@ -112,9 +112,8 @@ class WhittedTracer {
 
     /// True if a material reflects or transmits, so that nodes after a bounce can occur.
     [[nodiscard]] bool has_deeper_nodes() const;
-    /// True if nonlinear W is measured.
+    /// True if `w_bend` (Record) is measured.
     [[nodiscard]] bool measures_bends() const;
-    /// True if a material has a texture.
     [[nodiscard]] bool has_textures() const;
     /// True if the parts of meshes are recorded (WhittedSettings::parts).
     [[nodiscard]] bool has_parts() const;

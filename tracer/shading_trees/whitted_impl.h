@@ -87,7 +87,7 @@ struct WhittedTracer::Impl {
         // their rays.
         std::vector<FirstHit> chain_hits;
         std::vector<PathRay> chain_rays;
-        std::vector<Bounces> chain_bounces;     // only if nonlinear W is measured
+        std::vector<Bounces> chain_bounces;     // only if `w_bend` is measured
         std::vector<std::uint32_t> next_layer;  // of each sample
         // Used only if `w_bend`, the second-order motion of a node's image over the lens, is measured.
         // `bounces` contains the objects at which each ray has bounced, at the index of the ray's
@@ -128,8 +128,8 @@ struct WhittedTracer::Impl {
     // a glass object are not stored, because the transmitted ray finds the surfaces behind them.
     void keep_chain(const PathRay& ray, const SurfacePoint& s, const HitKey& key, Workspace& w) const;
     void trace_hidden(Workspace& w, RayCounts& counts) const;
-    // Traces hidden surfaces that are seen in mirrors or through glass. Each becomes the root of a separate
-    // layer, which does not repeat the mirror or glass.
+    // Traces hidden surfaces that are seen in mirrors or through glass. Each begins a separate layer of
+    // records, in which the mirror or glass is not repeated.
     void trace_hidden_in_chains(Workspace& w, RayCounts& counts) const;
     // Adds a hidden surface as the root of a separate shading tree. It is shaded as if nothing were in front
     // of it.
