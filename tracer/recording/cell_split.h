@@ -74,8 +74,8 @@ class CellSplit {
     [[nodiscard]] bool is_larger(const CornerCell& c, int levels) const {
         return c.size > grid_.unit >> std::min(levels, settings_.levels);
     }
-    /// Returns one node per sample: the n-th node of the first sample, and the node with the same path and id
-    /// in each other sample. Empty if a sample has no such node.
+    /// Returns one node per sample: the n-th node of the first sample, and the node on the same object and
+    /// after the same bounces in every other sample. Empty if a sample has no such node.
     [[nodiscard]] static std::optional<NodeOfEach> nodes_like(const Seen* s, int count, std::uint32_t n);
     /// Returns the node with the given path in a layer. The node with index `guess` is tested first, because
     /// most corners of a cell have the same shading tree.

@@ -195,8 +195,8 @@ int keys_for_visits(const Scene& scene, const Camera& camera, const CameraOverri
     }
     std::erase_if(visits,
                   [&](const TimeSpan& v) { return v.open_s <= recorded_s && recorded_s <= v.close_s; });
-    // Returns whether a key lies within a visit if `keys` keys are evenly spaced in the shutter interval. A
-    // visit is a time span in which an object is in view.
+    // Returns whether a key lies within `visit`, a time span in which an object is in view, if `keys` keys
+    // (recorded instants) are evenly spaced in the shutter interval.
     const auto has_key = [&](const TimeSpan& visit, int keys) {
         const double length = shutter.close_s - shutter.open_s, gap = 1.0 / (keys - 1);
         const double first = std::ceil((visit.open_s - shutter.open_s) / length / gap) * gap;

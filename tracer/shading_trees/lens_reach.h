@@ -25,7 +25,7 @@ namespace postlens {
 /// pitch, R is the radius of the lens, and 1/z1 and 1/z2 are the inverse depths of the surfaces.
 ///
 /// The inverse depth of a node is half the trace of W, the matrix that describes how the node's image moves
-/// with the lens point. For a surface that is seen directly, this is 1/z', where z' is the depth.
+/// with the lens point. For a surface that is seen directly, this is the reciprocal of its depth.
 class LensReach {
   public:
     /// Two surfaces are treated as one if their images shift by less than this value, px, relative to each
