@@ -19,17 +19,17 @@ constexpr float least_step_px = 1;
 /// Largest distance, in px, at which a farther surface is searched for.
 constexpr float farthest_px = 512;
 
-/// Two signed CoC radii of a sample, in px. `own` follows from the true depth of the sample, which decides
-/// what hides what. `blur` is the radius with which the sample is blurred. The two differ if an effect, such
-/// as "keep this object sharp", changes the blur. Both are infinite for empty space, which is not blurred.
+/// Two signed CoC radii of a sample, in px. `own` follows from the sample's true depth and decides what hides
+/// what. `blur` is the radius with which the sample is blurred. It differs from `own` if an effect, such as
+/// "keep this object sharp", changes the blur. Empty space is marked by infinite radii.
 struct Radii {
     float own = std::numeric_limits<float>::infinity();
     float blur = std::numeric_limits<float>::infinity();
     [[nodiscard]] bool is_nothing() const { return std::isinf(own); }
 };
 
-/// Returns whether `other` lies behind `own` and must be another surface, because one of its CoC radii
-/// differs by at least least_step_px.
+/// Returns whether the sample `other` lies behind the sample `own` and belongs to another surface. It does if
+/// the two samples' true radii or blur radii differ by at least least_step_px.
 bool is_farther(const Radii& other, const Radii& own) {
     return other.own - own.own >= least_step_px ||
            (other.own > own.own && std::abs(other.blur - own.blur) >= least_step_px);
@@ -37,8 +37,8 @@ bool is_farther(const Radii& other, const Radii& own) {
 
 }  // namespace
 
-/// The search compares pixels by the last samples of their stacks. A pixel that is not opaque counts as empty
-/// space, unless it is marked in `fills_`.
+/// Each pixel has a stack of samples, from front to back. The search compares only the last samples of
+/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -59,8 +59,8 @@ class BehindSearch::Impl {
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
             for (std::size_t i = y * static_cast<std::size_t>(width_);
                  i < (y + 1) * static_cast<std::size_t>(width_); ++i) {
-                // A stack may have further samples behind its first opaque one. The last sample counts,
-                // because the surface to be estimated lies behind all samples.
+                // The last sample represents the pixel, because the surface to be estimated lies behind all
+                // samples.
                 const auto stack = p_.stack_of(i);
                 double left = 1;
                 for (const StackSample& s : stack) left *= 1 - static_cast<double>(s.alpha);
@@ -89,8 +89,8 @@ class BehindSearch::Impl {
     }
 
   private:
-    /// Marks in `fills_` the translucent pixels behind and around which there is only empty space. The search
-    /// treats them as opaque, and all other pixels that are not opaque as empty space.
+    /// Marks translucent pixels in `fills_` if there is only empty space behind and around them. The search
+    /// treats the marked pixels as opaque. It treats all other pixels that are not opaque as empty space.
     void find_translucent() {
         fills_.assign(pixels(), 0);
         parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
@@ -186,7 +186,8 @@ class BehindSearch::Impl {
         const float other = b.is_nothing() ? 0 : std::abs(b.blur) + aberration_px_;
         return distance_px <= std::abs(a.blur) + aberration_px_ + other + 1;
     }
-    /// Largest distance at which a circle of confusion of this radius may touch another one.
+    /// Returns the largest distance, in px, at which another circle of confusion may touch one of this
+    /// radius.
     [[nodiscard]] float limit_of(float blur_px) const {
         return std::min(farthest_px, std::abs(blur_px) + widest_px_ + 2 * aberration_px_ + 1);
     }
@@ -234,13 +235,13 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds, for each stored pixel, the next depth edge in direction `d`. A depth edge is a pixel that is
-    /// farther from the camera than the pixel before it. The depth of a pixel is that of the last sample in
-    /// its stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
+    /// Finds, for each stored pixel, the next depth edge in direction `d`: the next pixel that is farther
+    /// from the camera than the pixel before it. The depth of a pixel is that of the last sample in its
+    /// stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
     /// farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);
-        // Columns whose neighbour is within the stored window, if the neighbour's row is.
+        // In columns [first, end), the neighbour in direction `d` lies in a stored column.
         const int first = d.dx < 0 ? 1 : 0, end = d.dx > 0 ? width_ - 1 : width_;
         for (int row = 0; row < height_; ++row) {
             // The neighbour in direction d is visited before the pixel itself.
@@ -265,8 +266,9 @@ class BehindSearch::Impl {
             }
         }
     }
-    /// Computes the steps of `count` pixels of a row from `here` on. The neighbour of each is as far from
-    /// `next`. `backwards` begins with the last pixel.
+    /// Computes `steps` for `count` adjacent pixels of a row, which begin at index `here`. Their neighbours
+    /// in the direction of the search begin at index `next`. If `backwards` is set, the last pixel comes
+    /// first.
     template <typename IsFarther>
     static void count_steps(bool backwards, std::size_t here, std::size_t next, std::size_t count,
                             std::vector<std::uint16_t>& steps, const IsFarther& is_farther_than) {
@@ -284,8 +286,8 @@ class BehindSearch::Impl {
         }
     }
 
-    /// Returns whether blur may reveal a farther surface at this pixel, because a depth edge is near. A depth
-    /// edge is a pixel that is farther from the camera than the pixel before it, in one of the eight
+    /// Returns whether a depth edge is so near that blur may reveal a farther surface at this pixel. At a
+    /// depth edge, a pixel is farther from the camera than the pixel before it, in one of the eight
     /// directions.
     [[nodiscard]] bool is_near_an_edge(std::size_t here) const {
         const float limit_px = limit_of(last_of(here).blur);
@@ -324,9 +326,9 @@ class BehindSearch::Impl {
         return 1 / (static_cast<double>(f.distance_px) * static_cast<double>(f.distance_px));
     }
 
-    /// Selects one object, the one with the largest sum of weights (1 / squared distance). Moves its surfaces
-    /// to the front, in their order, and returns their number. Without this selection, a small emitter beside
-    /// an edge would colour everything behind the edge.
+    /// Selects the object with the largest sum of weights (1 / squared distance). Moves its surfaces to the
+    /// front of `finds`, keeps their order, and returns their number. Without this selection, a small emitter
+    /// beside an edge would colour everything behind the edge.
     static std::size_t keep_most_seen(std::array<Find, directions.size()>& finds, std::size_t count) {
         std::uint32_t most = 0;
         double most_weight = 0;

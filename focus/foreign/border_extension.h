@@ -15,11 +15,11 @@ namespace postlens {
 
 /// Continues the surfaces at the border of an image beyond the border. On average, the border cuts a surface
 /// in the middle. A sample at the border is therefore continued outwards as far as its surface extends into
-/// the image, but not farther than its blur reaches. Its colour and alpha are means over this part of the
-/// surface.
+/// the image, but not farther than its blur reaches. Its colour and alpha are means over the same distance
+/// inwards.
 ///
-/// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Nothing is continued
-/// into pixels of the raster that are not stored, because they are empty space.
+/// Samples of neighbouring pixels belong to one surface if are_one_surface returns true. Pixels of the raster
+/// that are not stored are empty space, so nothing is continued into them.
 class BorderExtension {
   public:
     /// `aberration_px` is the distance by which spherical aberration spreads light beyond the CoC radius.
@@ -29,8 +29,8 @@ class BorderExtension {
     /// continued.
     [[nodiscard]] const RasterWindow& window() const { return window_; }
     /// Sets `stack` to the samples that are continued into the pixel (x, y). The pixel must lie outside both
-    /// the raster and the stored pixels. Returns the index of the stored pixel from which the samples are
-    /// continued, or nothing if there are no such samples.
+    /// the raster and the stored pixels. Returns the index of the stored pixel that the samples come from, or
+    /// nothing if there are no samples.
     [[nodiscard]] std::optional<std::size_t> continued(int x, int y, std::vector<StackSample>& stack) const;
 
   private:
@@ -40,8 +40,8 @@ class BorderExtension {
         StackSample sample;
         int length_px = 0;
     };
-    /// The samples of each pixel along one side, nearest first. The list is empty if the raster continues
-    /// beyond the stored pixels on this side, because the raster is empty there.
+    /// The samples of each pixel along one side, nearest first. The list is empty if the raster extends
+    /// beyond the stored pixels on this side, because the raster is empty space there.
     using Side = std::vector<std::vector<Continued>>;
 
     [[nodiscard]] Side side(int x, int y, int along_x, int along_y) const;

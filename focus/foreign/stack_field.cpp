@@ -41,8 +41,9 @@ std::vector<View> views_of(const StackFieldSettings& s) {
     return out;
 }
 
-/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and 0 otherwise. In a
-/// pixel with the value 1, views that see none of the samples see empty space, which is not blurred.
+/// Returns, for each pixel of the window, 1 if there is empty space behind its samples, and 0 otherwise. A
+/// view that sees none of the samples sees empty space in the first case, and something unknown in the
+/// second.
 std::vector<std::uint8_t> nothing_behind(const ForeignPicture& p, const std::vector<Behind>& behind,
                                          const RasterWindow& window) {
     std::vector<std::uint8_t> out;
@@ -80,7 +81,7 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` is the result of nothing_behind, with one value per pixel of the window.
+    /// `nothing` contains, for each pixel of the window, 1 if there is empty space behind its samples, or 0.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),
@@ -132,8 +133,7 @@ class Band {
 
   private:
     /// Position of a quadrilateral in the depth order. Of two quadrilaterals with the same depth, the one
-    /// with fewer samples in front of it in its own pixel comes first. Parts of one sample thus keep their
-    /// order even if they are blurred differently.
+    /// with fewer samples in front of it in its own pixel is nearer.
     struct Depth {
         float inverse_z = -1;  ///< farther than all if negative
         std::uint32_t layer = ~std::uint32_t{0};
@@ -243,8 +243,8 @@ class Band {
                 sum.held_out += s.alpha;
             }
         }
-        // The view sees past the image in a pixel that has no opaque quadrilateral, or whose nearest opaque
-        // quadrilateral lies beyond the image's border.
+        // The view sees nothing in a pixel without an opaque quadrilateral, or in a pixel whose nearest
+        // opaque quadrilateral lies beyond the image's border.
         for (std::size_t i = 0; i < sums_.size(); ++i) {
             const bool ends = nearest_[i].inverse_z >= 0 && !facets_.facet(nearest_[i].number).beyond;
             if (!ends && (passed_.empty() || passes_[i] != 0)) ++sums_[i].unseen;

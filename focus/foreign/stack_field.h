@@ -39,12 +39,12 @@ struct StackField {
     /// The mean of the views, with premultiplied colours and an alpha for every pixel. Alpha is a random
     /// estimate, so it may exceed 1.
     Image image;
-    /// Per pixel of the window, the fraction of the views that see nothing there, because they see past the
-    /// image's border or past a pixel's last sample. Views that see known empty space do not count.
+    /// Per pixel of the window, the fraction of the views that see nothing known there. Such a view looks
+    /// past the image's border or past the pixel's last sample. Views that see empty space do not count.
     std::vector<float> unseen;
-    /// Per pixel of the window, the sum of the alphas of the samples that a view sees, holdouts included, as
-    /// a mean over the views. On average it is 1 minus `unseen`. In a pixel with empty space behind its
-    /// samples, it is raised to at least 1.
+    /// Per pixel of the window: the sum of the alphas of all samples that views see, holdouts included,
+    /// divided by the number of views. On average it is 1 minus `unseen`. In a pixel with empty space behind
+    /// its samples, it is at least 1.
     std::vector<float> covered;
     std::vector<std::vector<ObjectShare>> shares;  ///< per pixel of the window; empty if not computed
 };
@@ -68,8 +68,9 @@ struct StackField {
 [[nodiscard]] StackField stack_field(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                      const StackFieldSettings& settings);
 
-/// Divides colours and alpha by StackField::covered, and limits alpha to 1. Views that see past the image
-/// then no longer count in the mean. A pixel in which `covered` is 0 keeps its values.
+/// Divides the colours and alpha of each pixel by StackField::covered, the share of the views that see
+/// something there, and limits alpha to 1. Views that look past the image thus do not darken the pixel. A
+/// pixel in which `covered` is 0 keeps its values.
 void divide_by_covered(StackField& field);
 
 }  // namespace postlens

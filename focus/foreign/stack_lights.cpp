@@ -34,17 +34,18 @@ void StackLights::add_surface(std::uint32_t surface, const Depths& depths, const
         sum = sums_.end() - 1;
     }
     const double radius_px = geometry_.coc_diameter_px(depths.spread) / 2;
-    // `hidden` is light that other surfaces hide. Light behind a sample of its own surface does not count,
-    // because both samples move together when the lens point moves, so no lens point sees it.
+    // `seen` is the share of the sample's light that the pinhole sees, and `hidden` the share that other
+    // surfaces hide. Light behind a sample of the same surface is in neither: samples of one surface move
+    // together when the lens point moves, so no lens point sees this light.
     const double seen = behind_all ? 0 : left_, hidden = std::max(0.0, sum->left - seen);
-    // `covered` is the part of the hidden light that no lens point sees, because the surfaces in front move
-    // together with it when the lens point moves. `apart` is 0 for surfaces that move together, and 1 for
-    // surfaces that move independently. Behind a translucent sample, it is computed as in `composite`.
+    // `covered` is the part of `hidden` that no lens point sees, because the hiding surface moves together
+    // with the hidden one when the lens point moves. `apart` is 0 for two surfaces that move together, and 1
+    // for two that move independently. Behind a translucent sample, it is computed as in `composite`.
     const bool opaque = behind_all || left_ <= least_share;
     double covered = 0, covering = 0;
     for (const Met& m : met_) {
         if (m.surface == surface) continue;
-        // Empty space looks the same from every lens point, so all surfaces move independently of it.
+        // Empty space looks the same from every lens point, so no surface moves together with it.
         const double apart = surface == nothing ? 1
                              : opaque           ? std::min(1.0, std::abs(radius_px - m.radius_px))
                                                 : independence(radius_px, m.radius_px);

@@ -12,8 +12,7 @@
 
 namespace postlens {
 
-/// The value of a sample that is converted to light: its colour, or its alpha as the value of all three
-/// channels.
+/// What is converted to light: a sample's colour, or its alpha as the value of all three channels.
 enum class StackValue { colour, alpha };
 
 /// Converts stacks one at a time.
@@ -27,16 +26,16 @@ enum class StackValue { colour, alpha };
 /// limit is a 16th of the radius.
 class StackLights {
   public:
-    /// `with_nothing` states whether empty space is also converted, to black light that is not blurred.
+    /// If `with_nothing` is set, empty space is also converted to light, which is black and not blurred.
     StackLights(const FocusGeometry& geometry, bool with_nothing)
         : geometry_(geometry), with_nothing_(with_nothing) {}
 
     /// Converts the stack of samples of a pixel in column `x` and appends the light to `out`. `behind` is the
     /// estimated surface behind the stack, or null.
     ///
-    /// `fills` states that the last sample is translucent but fills the whole pixel. Set it only if there is
-    /// nothing but empty space behind the pixel and its neighbours. The weights of the sample are then scaled
-    /// as if it were opaque.
+    /// `fills` states that the last sample fills the whole pixel although it is translucent. Its weight is
+    /// then that of an opaque sample. This is correct if there is only empty space behind the pixel and its
+    /// neighbours.
     void add(int x, std::span<const StackSample> stack, bool fills, const Behind* behind, StackValue value,
              std::vector<PixelLight>& out);
 
