@@ -8,13 +8,12 @@ namespace {
 
 using Kind = LayerPart::Kind;
 
-/// Smallest sum of weights with which the records of a reflection or refraction alone determine its radiance
-/// at a pixel. If the sum is smaller, a substitute is blended in: the same radiance, scattered with the
-/// kernels of the mirror or glass.
+/// If the weights of a reflection's own records add up to less than this at a pixel, a substitute is blended
+/// in: the reflection, scattered with the kernels of the mirror. The same applies to refraction.
 constexpr double enough_weight = 0.05;
 
-/// The sums of the splats (impulse responses) of one path at a pixel, and the path's radiance there. A path
-/// is a sequence of reflections and transmissions.
+/// One path (sequence of reflections and transmissions) at a pixel: the sums of its splats (impulse
+/// responses) and its radiance.
 struct Chain {
     std::span<const LayerTerm> terms;
     std::array<double, 3> rgb{};
@@ -29,9 +28,9 @@ SurfaceLight light_of(const LayerTerm* term) {
     return {std::max(term->weight, 0.0), term->rgb, term->lens};
 }
 
-/// Adds the radiance of a path (sequence of reflections and transmissions) to the surface that shows it.
-/// `mask` is the part of the surface that shows the path. The radiance is assumed to pass through the same
-/// lens points as the surface's own light.
+/// Adds the radiance of a path (sequence of reflections and transmissions), such as a mirror image, to the
+/// surface that shows it. `mask` is the part of the surface that shows the path. The radiance is assumed to
+/// pass through the same lens points as the surface's own light.
 void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<double, 3>& rgb) {
     const double share = surface.alpha > 0 ? mask.alpha / surface.alpha : 0;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -42,7 +41,7 @@ void show(SurfaceLight& surface, const SurfaceLight& mask, const std::array<doub
 }
 
 /// Adds the radiance of a path, for example a mirror image, to `fragment`, the light of a surface at this
-/// pixel. `shown` identifies the surface.
+/// pixel. `shown` is the key of this surface.
 void show(Fragment& fragment, const SurfaceKey& shown, const Chain& chain) {
     for (const LayerTerm& term : chain.terms) {
         if (term.part->shown != shown) continue;
@@ -62,9 +61,9 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
                     hidden != nullptr ? std::max(hidden->covered, 0.0) : 0.0};
 }
 
-/// Converts the sums of one path (sequence of reflections and transmissions) at a pixel to fragments, one per
-/// surface that is seen along the path. Adds to each fragment the radiance of those paths in `longer` that
-/// continue this path. Returns the sum of the weights.
+/// Computes the light of all surfaces that are seen along one path (sequence of reflections and
+/// transmissions) at a pixel, one fragment per surface. Each fragment includes the radiance of the paths in
+/// `longer` that continue from its surface. Returns the sum of the weights.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();
@@ -109,8 +108,7 @@ Chain resolve_chain(std::span<const LayerTerm> terms, std::span<const Chain> lon
         if (next.path().parent() != out.path() || !(next.outer > smallest_layer_weight)) continue;
         const double share = std::min(next.outer / out.masks, 1.0);
         for (std::size_t c = 0; c < 3; ++c) out.rgb[c] += share * next.rgb[c];
-        // The path that continues this one has already added its radiance to `out.rgb`, so no substitute is
-        // needed for missing records.
+        // `out.rgb` now contains the radiance of a path that continues this one, so no substitute is needed.
         own = 1;
     }
     for (std::size_t c = 0; own < 1 && c < 3; ++c)

@@ -11,8 +11,8 @@
 
 namespace postlens {
 
-/// The sums at one pixel of all splats (impulse responses) of one part. A part (LayerPart) is a surface
-/// itself, or the light that it reflects or transmits along one path.
+/// The sums at one pixel of all splats (impulse responses) of one LayerPart. A LayerPart is a surface itself,
+/// or the light that the surface reflects or transmits along one path.
 struct LayerTerm {
     const LayerPart* part = nullptr;
     std::array<double, 3> rgb{};

@@ -137,10 +137,9 @@ const LayerSplats::RowBuilder::Met* LayerSplats::RowBuilder::met_at(NodePath pat
     return found == met_.end() ? nullptr : &*found;
 }
 
-// A ray that enters a glass object leaves it through the far side, which thus has no outline of its own. What
-// is seen through the far side is therefore outlined by the near side, and its mask (the share of a pixel
-// that shows it) is blurred with the near side's kernel. The kernel from the far side's own reprojection
-// matrix could be far too large.
+// A ray through a glass object hits its near side and its far side. The far side has no outline of its own:
+// it ends where the near side ends. What is seen through the far side is therefore masked and blurred with
+// the kernel of the near side. The kernel from the far side's own reprojection matrix could be far too large.
 const LayerSplats::RowBuilder::Met& LayerSplats::RowBuilder::outline_of(const Met& from) const {
     const Met* met = &from;
     while (met->node->path != NodePath() && met->node->path.kind() == NodePath::Bounce::transmitted) {
@@ -177,7 +176,7 @@ void LayerSplats::RowBuilder::add_tree(const PointSample& s, std::span<const Rec
     covered_ = 0;
     const NodeResponse primary = t_.responses_.to_depth(inverse_depth, place_px_);
     if (kind == LayerPart::Kind::seen) {
-        // Only directly visible surfaces at a finite depth count for the largest CoC, as in `scatter`.
+        // Only directly visible surfaces at a finite depth count for the largest CoC.
         if (inverse_depth > 0)
             row_.largest_radius_px = std::max(row_.largest_radius_px, primary.exact_radius_px);
         t_.border_.note(t_.source_, s, y_, primary.farthest_px);

@@ -58,8 +58,8 @@ class LayerSplats::RowBuilder {
     /// Returns the node whose kernel blurs the outline of the node `from`. It differs from `from` for the far
     /// side of a glass object.
     [[nodiscard]] const Met& outline_of(const Met& from) const;
-    /// Adds the mask of the path that ends at the node `met`. The mask is the share of the parent `from` that
-    /// shows this path, and it is blurred like the parent. `from` must have been added before.
+    /// Adds the mask of the path that ends at the node `met`: the share of the parent node `from` that shows
+    /// this path. The mask is blurred like the parent. `from` must have been added before.
     void add_mask(const PointSample& s, const Met& from, const Met& met);
     void add_node(const PointSample& s, const NodeResponse& response, const Record& node,
                   const std::array<float, 3>& rgb, const LayerPart& part);

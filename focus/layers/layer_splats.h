@@ -1,4 +1,4 @@
-// Builds splats (impulse responses of samples) from records, separated by surface, for the method `layers`.
+// Builds splats (impulse responses of records), grouped by surface, for the method `layers`.
 #pragma once
 
 #include <array>
@@ -30,9 +30,9 @@ struct SurfaceKey {
     friend auto operator<=>(const SurfaceKey&, const SurfaceKey&) = default;
 };
 
-/// Identifies splats that are summed up together. They belong either to a surface itself, or to the light
-/// that the surface reflects or transmits along one path. Parts are sorted by surface, then by path, with a
-/// path before the paths that continue it.
+/// Identifies a group of splats that are summed up together. They belong either to a surface itself, or to
+/// the light that the surface reflects or transmits along one path. Groups are sorted by surface, then by
+/// path. A path comes before longer paths that begin with it.
 struct LayerPart {
     enum class Kind : std::uint32_t {
         seen,         ///< nodes that the pinhole sees
@@ -43,28 +43,28 @@ struct LayerPart {
     };
     SurfaceKey surface;      ///< surface of the primary node
     std::uint32_t path = 0;  ///< NodePath::bits; 0 for the surface itself
-    /// The surface that is seen along the path. For a mask, it is the surface that shows the path, or empty
-    /// if that is the first surface on the eye ray. For an outer mask, it is empty.
+    /// The surface that is seen along the path. For a mask, it is the reflecting or transmitting surface that
+    /// shows the path. It is empty if that is the first surface on the eye ray, and for outer masks.
     SurfaceKey shown;
     Kind kind = Kind::seen;
     // NOLINTNEXTLINE(modernize-use-nullptr): as above
     friend auto operator<=>(const LayerPart&, const LayerPart&) = default;
 };
 
-/// The impulse response of one record of a point sample. Colour and weight are multiplied by the sample's
-/// weight. `depth` is the weight times the inverse depth 1/z'.
+/// The impulse response of one record of a point sample. r, g, b and `weight` are multiplied by the sample's
+/// weight. `depth` is `weight` times the inverse depth 1/z'.
 struct LayerSplat {
     std::int32_t x = 0, y = 0;  ///< anchor
     std::uint32_t kernel = 0;
     float r = 0, g = 0, b = 0, weight = 0, depth = 0;
-    /// Change of the lens point per px of the kernel, in lens radii. Light that arrives at an offset of d px
-    /// from the anchor (x, y) passed, on average, through the lens point d * lens_per_px.
+    /// Converts positions in the kernel to lens points. Light that arrives at an offset of d px from the
+    /// anchor (x, y) passed, on average, through the lens point d * lens_per_px, in lens radii.
     float lens_per_px = 0;
-    /// The part of the weight that no lens point sees, because the surface in front of it moves together with
-    /// it when the lens point moves (Fragment::covered).
+    /// The part of `weight` that no lens point sees. It is hidden by a surface in front that moves together
+    /// with the record's surface when the lens point moves (Fragment::covered).
     float covered = 0;
-    /// The rectangle that contains the kernel, relative to the anchor (x, y), in steps of `reach_step_px`.
-    /// Blocks of the image outside this rectangle skip the splat. Set by LayerSplats.
+    /// Rectangle around the kernel, relative to the anchor (x, y), in units of `reach_step_px`. The splat is
+    /// skipped in blocks of the image outside this rectangle. LayerSplats computes it.
     std::int16_t x_first = 0, x_last = 0, y_first = 0, y_last = 0;
     static constexpr int reach_step_px = 4;  ///< so that 16 bits suffice for the largest image
     /// Returns whether the window and `rows` have a pixel in common.
@@ -74,7 +74,7 @@ struct LayerSplat {
     }
 };
 
-/// The splats of one LayerPart in one row of one tile, as a range of the row's splats.
+/// The splats of one LayerPart in one row of a tile (64 x 64 px): elements [begin, end) of the row's splats.
 struct LayerRun {
     std::uint32_t row = 0;
     std::uint32_t begin = 0, end = 0;
@@ -96,7 +96,8 @@ struct RadianceRange {
     void include(const RadianceRange& other);
 };
 
-/// Usage: add each row once, in bands in any order. Then call finish.
+/// The splats of an image, grouped by surface. Add each row once, in bands in any order, and then call
+/// finish().
 class LayerSplats {
   public:
     /// The arguments are those of SplatTables.
@@ -125,9 +126,9 @@ class LayerSplats {
     /// Builds the kernels and sorts the splats. Call it after the last row.
     void finish();
 
-    /// Prepares an image that is made in strips, because its splats would exceed a memory limit. Call it
-    /// before the first row is added. The splats of rows that are added before finish() are not stored
-    /// (SplatTables::survey).
+    /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
+    /// is added. Splats of rows that are added before finish() are not stored, because the rows are added
+    /// again for each strip.
     void survey() { keep_ = Keep::none; }
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
@@ -180,7 +181,8 @@ class LayerSplats {
     void sort_cells();
     void begin_tile_rows();
     void find_reach(LayerCell& cell);
-    /// Stores the splats of row y that are needed in memory, and removes all others from `made`.
+    /// Stores the splats of row y in rows_. Those that are not needed in memory are first removed from
+    /// `made`.
     void store(int y, Row& made);
     [[nodiscard]] RasterWindow reach_of(const LayerSplat& splat) const;
 

@@ -38,16 +38,16 @@ struct PlainValues {
     }
 };
 
-/// The values of PlainValues, and those from which lens_at() computes the lens moments (sums of light times
-/// lens point). The additional values are the light times lens_per_px, and this product times the splat's x
-/// coordinate.
+/// The values of PlainValues, and those for lens moments (sums of light times lens point). `by_lens` is the
+/// light times lens_per_px, and `by_x` is `by_lens` times the splat's x coordinate. LayerSums::lens_at()
+/// computes the moments from the sums of these values.
 struct LensValues {
     static constexpr std::size_t count = 18;
     FourDoubles light{}, by_lens{}, by_x{};
     TwoDoubles depth{};
 
     LensValues() = default;
-    /// `x` is the column of the splat's anchor, counted from the corner of the block.
+    /// `x` is the column of the splat's anchor, relative to the upper left corner of the block.
     LensValues(const LayerSplat& s, int x)
         : light{static_cast<double>(s.r), static_cast<double>(s.g), static_cast<double>(s.b),
                 static_cast<double>(s.weight)},
@@ -60,7 +60,7 @@ struct LensValues {
         by_x += other.by_x * tap;
         depth += other.depth * tap;
     }
-    /// `y` is the row of the anchors, counted from the corner of the block.
+    /// `y` is the row of the splat's anchor, relative to the upper left corner of the block.
     __attribute__((always_inline)) void add_to(double* pixel, double y) const {
         *reinterpret_cast<FourStored*>(pixel) += light;
         *reinterpret_cast<FourStored*>(pixel + 4) += by_lens;
@@ -112,9 +112,9 @@ __attribute__((always_inline)) inline void convolve(std::span<const Values> valu
     }
 }
 
-/// Sets `taps` to the differences between neighbouring kernel values at one edge of the kernel's uniform
-/// interior. `edge` contains the `count` values between `before` and `after`, the values on the two sides of
-/// the edge.
+/// Sets `taps` to the differences between neighbouring values of a kernel row, at one edge of its uniform
+/// interior. `edge` contains the `count` values at this edge. `before` and `after` are the values to the left
+/// and right of them.
 __attribute__((always_inline)) inline void set_differences(const float* edge, int count, double before,
                                                            double after, std::vector<double>& taps) {
     taps.resize(static_cast<std::size_t>(count) + 1);
@@ -127,8 +127,8 @@ __attribute__((always_inline)) inline void set_differences(const float* edge, in
 }
 
 /// Adds adjacent splats that share a kernel to one row of the block. (x, y) is the position of the first
-/// anchor, relative to the corner of the block. `sums` and `changes` are the sums of this row and the
-/// differences between its neighbouring pixels.
+/// splat's anchor, relative to the upper left corner of the block. `sums` contains the values of the pixels,
+/// and `changes` the differences between neighbouring pixels.
 template <typename Values>
 __attribute__((always_inline)) inline void add_run(std::span<const Values> values, const Kernel& kernel,
                                                    const KernelRow& row, int x, double y, int width,

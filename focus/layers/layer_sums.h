@@ -20,8 +20,9 @@ namespace postlens {
 /// Adjacent splats that share a kernel are added together, row by row, which is three times as fast.
 class LayerSums {
   public:
-    /// Sets the sums of the pixels of `rows` to 0. `with_lens` states whether lens moments are summed as
-    /// well. `from_anchor_px` is the distance of samples from their anchors, both to the right and down.
+    /// Sets the sums of the pixels of `rows` to 0. If `with_lens` is set, lens moments are summed as well.
+    /// Each sample lies `from_anchor_px` to the right of its anchor (integer raster position), and as far
+    /// below it.
     void begin(const RasterWindow& rows, bool with_lens, double from_anchor_px = 0);
     /// Adds splats with the kernels of one channel.
     void add(std::span<const LayerSplat> splats, const KernelTable& kernels, std::size_t channel);
@@ -49,10 +50,10 @@ class LayerSums {
     double from_anchor_px_ = 0;
     std::size_t width_ = 0;   ///< pixels per row of the buffers, one more than in rows_
     std::size_t stride_ = 6;  ///< values per pixel
-    /// Values of each pixel: red, green, blue, weight, depth and covered weight. With lens moments, there are
-    /// twelve more values between weight and depth: the first four values times LayerSplat::lens_per_px, then
-    /// these products times the splat's x coordinate, and then times its y coordinate. Coordinates are
-    /// relative to the corner of rows_.
+    /// Values of each pixel: red, green, blue, weight, depth and covered weight. With lens moments, twelve
+    /// more values follow the weight: the first four values times LayerSplat::lens_per_px, then these four
+    /// products times the splat's x coordinate, and then times its y coordinate. Coordinates are relative to
+    /// the upper left corner of rows_.
     std::vector<double> sums_, changes_;
     std::vector<double> taps_;  ///< buffer of add()
 };

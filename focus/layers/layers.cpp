@@ -26,8 +26,8 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
            float* out) {
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
-    // `open` is the share of the lens that transmits light to this pixel. The weight of a surface that fills
-    // the pixel equals this share, and is scaled to 1 here.
+    // `open` is the share of the lens that transmits light to this pixel (vignetting). A surface that fills
+    // the pixel has the weight `open`, which the division scales to 1.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {
@@ -45,9 +45,9 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     }
 }
 
-/// Returns whether the splats of a part need lens moments, which state through which side of the lens the
-/// light passes. Light that a surface reflects or transmits needs none, because only the surface itself is
-/// composited by depth.
+/// Returns whether the splats of a part need lens moments, which state through which side of the lens light
+/// passes. They are only needed for compositing by depth. Only the surface itself is composited by depth, not
+/// the light that it reflects or transmits.
 bool wants_lens(const LayerPart& part) {
     return part.path == 0;
 }

@@ -14,7 +14,8 @@ double independence(double radius_px, double other_px) {
 namespace {
 
 /// A transmittance or coverage that varies over the lens, as a linear function of the lens point q: S(q) =
-/// mean + 4 tilt . q. `tilt` is the mean of S(q) q over the lens, in lens radii.
+/// mean + 4 tilt . q. `tilt` is the mean of S(q) q over the lens, in lens radii. The factor 4 is needed
+/// because the coordinates of q have the variance 1/4.
 struct OverLens {
     double mean = 0;
     LensMoment tilt;
@@ -33,7 +34,7 @@ struct OverLens {
     }
 };
 
-/// A surface that has already been composited and lies in front of all later ones.
+/// A surface that has already been composited. It lies in front of all surfaces that follow.
 struct Laid {
     double radius_px;
     OverLens cover;  ///< its coverage over the lens
@@ -76,9 +77,9 @@ void sort_by_depth(std::span<Fragment> fragments) {
 
 namespace {
 
-/// Light of a surface at the pixel that is not hidden by the surfaces in front of it. `add` multiplies
-/// `light` by `times` and adds what the transmittance `open` transmits. Each colour channel and alpha are
-/// attenuated separately, according to their own lens moments.
+/// The light of a surface that passes the surfaces in front of it. `add` multiplies `light` by `times` and by
+/// the transmittance `open`. Each colour channel and alpha are attenuated separately, according to their own
+/// lens moments.
 struct Arrived {
     std::array<double, 3> rgb{};
     double alpha = 0;
@@ -98,9 +99,8 @@ struct Arrived {
 };
 
 /// Returns the coverage by those surfaces in front that move together with a given surface when the lens
-/// point moves. `radius_px` is the signed CoC radius of the given surface. The search goes from this surface
-/// towards the lens. It ends at the first surface that moves independently, because all surfaces in front of
-/// that one do so, too.
+/// point moves. `radius_px` is the signed CoC radius of the given surface. The search begins at the farthest
+/// surface in front. It ends at the first that moves independently, because all nearer ones also do.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {
@@ -129,20 +129,20 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
     double total = 0;
     for (const Fragment& f : fragments) {
         const double radius_px = geometry.coc_diameter_px(f.inverse_depth_per_m) / 2;
-        // Surfaces in front with a similar CoC move together with this surface when the lens point moves.
-        // They do not hide any part of it that the pinhole sees, so their coverage does not count.
+        // A surface in front with a similar CoC moves together with this one when the lens point moves. It
+        // hides nothing that the pinhole sees, so its coverage does not count.
         OverLens open = free;
         open.add(moving_along(laid, radius_px), 1);
         Arrived light;
         light.add(f.seen, 1, open);
         if (f.hidden.alpha > 0) light.add(f.hidden, 1 - f.covered / f.hidden.alpha, free);
         // Limit the coverage by this surface. It is at most the share of the lens that is still uncovered. It
-        // is at least the part of the surface that no surface in front can hide.
+        // is at least what remains of the surface if the surfaces in front hide as much of it as they can.
         const double whole = f.seen.alpha + f.hidden.alpha;
         const double least = std::min(whole, 1.0) - std::max(1 - free.mean, f.covered);
         const double got = std::clamp(light.alpha, std::max(least, 0.0), free.mean);
-        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, equal
-        // fractions of the hidden alpha and of the hidden light are restored. Scaling up the visible light
+        // If the limit reduces alpha, the light is reduced in the same ratio. If it increases alpha, the same
+        // fraction of the hidden light is restored as of the hidden alpha. Scaling up the visible light
         // instead could make a pixel arbitrarily bright where almost no alpha is visible.
         const double kept = got < light.alpha ? got / light.alpha : 1;
         const double regained = got > light.alpha ? (got - light.alpha) / (whole - light.alpha) : 0;
@@ -153,8 +153,8 @@ std::array<double, 3> composite(std::span<Fragment> fragments, const FocusGeomet
         laid.push_back({radius_px, cover});
         free.add(cover, -1);
         if (free.mean < opaque) break;
-        // Limit the lens moment of the transmittance. The uncovered part of the lens has the area free.mean,
-        // as a fraction of the lens. The moment of such a part is at most area times (1 - area).
+        // Limit the lens moment of the transmittance. The uncovered part of the lens has the area A =
+        // free.mean, as a fraction of the lens. The moment of a part with this area is at most A (1 - A).
         const double most = free.mean * (1 - free.mean), is = std::hypot(free.tilt.x, free.tilt.y);
         if (is > most) free.tilt = {free.tilt.x * (most / is), free.tilt.y * (most / is)};
     }
