@@ -48,7 +48,8 @@ class Motions {
         return found == classes_.end() ? 0 : found->second;
     }
     [[nodiscard]] bool moves(std::uint32_t id) const { return camera_ || class_of(id) != 0; }
-    /// Returns, for each class, the motion on the raster from one instant to another.
+    /// Returns, for each class of objects that move alike, the motion on the raster from one instant to
+    /// another.
     [[nodiscard]] std::vector<RasterMap> maps(double from_s, double to_s) const {
         constexpr std::uint32_t no_id = 0xFFFFFFFFU;  // an object without its own motion
         std::vector<RasterMap> out{shutter_.motion->map(no_id, from_s, to_s)};
@@ -63,8 +64,8 @@ class Motions {
     bool camera_ = false;
 };
 
-/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`. Each comes with its
-/// weight and its motion from that instant to `time_s`.
+/// Returns the recorded instants whose surfaces are reprojected to a view at `time_s`. Each has a weight, and
+/// the motion from the recorded instant to `time_s`.
 std::vector<PatchView::Use> uses_at(const std::vector<double>& instants_s, double time_s,
                                     const Motions& motions) {
     std::vector<PatchView::Use> out;
@@ -131,13 +132,13 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     p.lens = patch_lens(g);
     if (settings_.shutter) p.motions.emplace(*settings_.shutter);
     p.moves = p.motions && p.motions->any();
-    // In a moving scene, a mirror and its reflection move differently on the raster. With a negative
-    // follow_px, reflected and transmitted surfaces are drawn separately from the mirror or glass.
+    // In a moving scene, a mirror and its reflection move differently on the raster. They are therefore drawn
+    // separately, which a negative follow_px requests.
     if (p.moves) p.lens.follow_px = -1;
     const std::size_t instants = p.moves || settings_.shutter ? file.instants() : 1;
     if (instants == 1) p.rule = highlight_rule(settings_.aperture, g);
     // If something moves, the views show some highlights that would otherwise be spread by their impulse
-    // responses. These are reflections in moving objects, and large highlights on moving surfaces.
+    // responses: reflections in moving objects, and large highlights on moving surfaces.
     if (p.rule.takes && p.moves) {
         p.highlight_motion.emplace([&p](std::uint32_t id) { return p.motions->moves(id); },
                                    [this](std::uint32_t id, double u) {
@@ -162,8 +163,8 @@ FieldFocuser::FieldFocuser(FocusFrame& frame, FieldFocusSettings settings)
     if (!frame.many() && records * most_surface_bytes_of_record > most_bytes)
         bytes_of_record = surface_bytes_of_record(file, p.lens, p.rule);
     if (records * bytes_of_record > most_bytes) {
-        // With rays, highlights can only be selected if all surfaces are known at once (leave_to_lens). Here
-        // the surfaces are read strip by strip, so no highlights are selected.
+        // With rays, highlights can only be selected if all surfaces are in memory at once (leave_to_lens).
+        // Here the surfaces are read strip by strip, so the function that selects highlights is removed.
         if (settings_.rays != nullptr) p.rule.takes = nullptr;
         p.strip_records = most_bytes / 4 / bytes_of_record;
         if (settings_.also.rows || settings_.also.leaves) {
@@ -259,9 +260,8 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     }
     std::optional<FieldStrips> strips;
     if (!p.all) {
-        // The strips, which are read later, may contain highlights. To find what hides a highlight, all
-        // patches (planar parts of surfaces) that any lens point sees are needed, and not only those that a
-        // view sees.
+        // The strips (groups of rows) may contain highlights. To find what hides a highlight, all surfaces
+        // that any lens point sees are needed, and not only those that a view sees.
         field.lens_reach_px = lens_box_px;
         strips.emplace(frame_.file(), p.instants_s.size(), p.lens, p.rule, field, lens_box_px, p.moving());
     }
@@ -277,9 +277,9 @@ std::vector<FieldFocus> FieldFocuser::draw(std::span<const FieldViews> sets) con
     const auto draw_part = [&](const FieldSurfaces& surfaces, const FieldHighlights& highlights,
                                const Crop& part) {
         surfaces.show(field);
-        // `lens_reach_px` covers the whole lens if there are highlights or rays. Rays replace the reflected
-        // and transmitted surfaces of a piece (square of the image) if this takes less time than drawing
-        // them. This choice must not depend on the views of this call.
+        // Highlights and rays need all surfaces that any lens point sees. Without rays or highlights, the
+        // surfaces that a view sees are enough. With rays, how a piece (square of the image) is drawn must
+        // not depend on the views of this call.
         field.lens_reach_px = highlights.any() || settings_.rays != nullptr ? lens_box_px : glm::dvec2(0);
         std::vector<std::unique_ptr<Lights>> lights;
         for (std::size_t i = 0; i < sets.size(); ++i) {

@@ -35,9 +35,8 @@ struct FieldFocusSettings {
     RasterWindow window;  ///< the raster pixels of the image
     int views = default_lens_views;
     std::optional<FieldShutter> shutter;  ///< if absent, all views show the frame's own instant
-    /// Allows pixels to be left out in which scattering is exact. In these pixels, nothing moves and all
+    /// If set, pixels in which scattering is exact may be left out. In these pixels, nothing moves and all
     /// views see a single surface. They are left out only if they make up at least this share of the image.
-    /// If absent, all pixels are drawn.
     std::optional<double> leave_out_from_share;
     RecordsRead also;  ///< called with the records of the frame's own instant as they are read
     /// If present, only the pixels of the window within this crop are drawn, bit-identical to those of the
@@ -48,8 +47,8 @@ struct FieldFocusSettings {
     /// strips (groups of rows), and the surfaces are read again for each image. The result is bit-identical.
     std::uint64_t surface_bytes = std::uint64_t{1} << 30;
     /// Traces rays where the records do not determine what a view sees. If null, no rays are traced. With
-    /// rays, every pixel is drawn and known. A highlight is then spread by its impulse response only if all
-    /// rays that hit it return the same radiance.
+    /// rays, all pixels are drawn, and none remains unknown. A highlight is then spread by its impulse
+    /// response only if all rays that hit it return the same radiance.
     const SightRays* rays = nullptr;
 };
 

@@ -19,20 +19,19 @@ constexpr double spread_from_px = 2;
 /// If the smaller semi-axis of a highlight's CoC is below this, in px, a pixel receives the highlight's light
 /// through the whole lens.
 constexpr double seen_by_all_px = 0.5;
-/// Limits for the total area, in px^2, of the highlights of one surface within a square of the raster. Below
-/// the limit, highlights that are hardly blurred are also spread by their impulse responses. sharp_px2 is the
-/// limit if nothing hides the highlights. small_px2 is the limit for reflected highlights that are partly
-/// hidden.
+/// Hardly blurred highlights are spread by their impulse responses only if the highlights of their surface
+/// within a square of the raster have a smaller total area than this, in px^2. sharp_px2 is the limit if
+/// nothing hides the highlights, small_px2 if they are reflected and partly hidden.
 constexpr float sharp_px2 = 64, small_px2 = 4;
 /// Edges, in px, of the squares within which the highlights of one surface are merged. merged_px is used for
 /// highlights that are blurred by at least spread_from_px, and merged_sharp_px for all others.
 constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
-/// Limits for the number of instants that form the streak of a moving highlight. Neighbouring highlights are
-/// merged within squares, which are larger if more instants are needed. The squares are 1/8 px wide up to the
-/// first limit, 1/4 px up to the second limit, and merged_px beyond.
+/// Neighbouring moving highlights are merged within squares, which are larger if the streak of a highlight
+/// needs more instants. The squares are 1/8 px wide for up to moments_of_eighths instants, 1/4 px wide for up
+/// to moments_of_quarters, and merged_px wide beyond.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
-/// Largest number of sources of all moving highlights together. A source is a highlight at one instant. Each
-/// highlight has at least least_moments sources, even if this exceeds the limit.
+/// A moving highlight becomes one source of light per instant. If all moving highlights together would have
+/// more than most_moving sources, they get fewer instants, but not fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. Radiance above this value is spread as a highlight.
@@ -48,9 +47,9 @@ double light_of(const std::array<float, 3>& rgb) {
     return static_cast<double>(rgb[0]) + static_cast<double>(rgb[1]) + static_cast<double>(rgb[2]);
 }
 
-/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. The
-/// surface looks larger from one side of the lens than from the other, so more of the highlight's light
-/// passes through that side. `slope` is Highlight::slope, the inclination of the surface.
+/// Returns the displacement, in px, of the impulse response of a highlight on an inclined surface. An
+/// inclined surface looks larger from one side of the lens than from the other, so more light passes through
+/// that side. `slope` is the inclination (Highlight::slope).
 glm::dvec2 displacement_px(const glm::dvec2& slope, double radius_px_m, const glm::dmat2& px_from_lens) {
     glm::dvec2 widening = radius_px_m * slope;
     widening /= std::max(1.0, glm::length(widening));
@@ -89,13 +88,13 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         const double blur_px = lens.least_blur_px(light.w);
         const bool is_blurred = blur_px >= spread_from_px;
         if (sheet.hides == Hides::nothing) return is_blurred || sheet.area_px2 < sharp_px2;
-        // A surface inside a mirror may hide the reflection of a highlight, but impulse responses ignore
-        // this. A sharp reflected highlight that is partly hidden is therefore shown by the views, unless it
-        // is so small that few views would hit it.
+        // An impulse response does not show that a surface inside a mirror hides a part of the reflection. A
+        // sharp reflected highlight that is partly hidden is therefore shown by the views, unless it is so
+        // small that few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // A highlight that is hardly blurred is shown by the views. So is a highlight that is wider than its
-        // blur. A pixel sees only a part of such a highlight, but all parts would share one shadow of a
-        // nearer surface.
+        // The views show a partly hidden highlight if it is hardly blurred, or wider than its blur. A pixel
+        // sees only a part of a wide highlight, but impulse responses would give all its parts the same
+        // shadow.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;
@@ -218,14 +217,15 @@ void FieldHighlights::add_source(const HighlightMotion::Moment& m, std::size_t p
     s.exposure = m.share;
     if (h.area > 0) s.square = m.share * most * most / static_cast<double>(h.area);
     s.inverse_z = h.inverse_z;
-    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. All
-    // views then decide whether the pixel sees the highlight.
+    // If the impulse response is as small as a pixel, the pixel receives light through the whole lens. The
+    // views of the whole lens then decide whether the pixel sees the highlight, not only those near one lens
+    // point.
     s.by_all = patch_lens(geometry_).least_blur_px(h.w) < seen_by_all_px;
     s.key = mesh.sheets[h.sheet].key;
     s.sheet = h.sheet;
-    // A kernel describes the blur of a point, which lies in one pixel. A moving highlight has an extent and
-    // may cross the border between two pixels. If its kernel is about as small as a pixel, the highlight is
-    // therefore divided at the border.
+    // An impulse response is the image of a point, which lies in one pixel. A moving highlight has an area
+    // and may cross the border between two pixels. If its impulse response is as small as a pixel, the
+    // highlight is therefore divided at the border.
     const glm::dvec2 middle = s.at + displacement_px(h.slope, scale, s.px_from_lens);
     const double side = s.by_all && s.u >= 0 ? std::sqrt(s.area) : 0;
     for (const Span& y : divided_at_pixels(middle.y, side)) {

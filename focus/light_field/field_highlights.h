@@ -16,9 +16,9 @@
 
 namespace postlens {
 
-/// Returns the rule that selects the highlights that are spread by their impulse responses. A highlight that
-/// is not selected appears once per view, so the mean of a few views shows several copies of it. No highlight
-/// is selected if the impulse response varies over the image or has spherical aberration.
+/// Returns the rule that selects the highlights to be spread by their impulse responses. The views show all
+/// other highlights once each, so the mean of a few views shows separate copies of them. No highlight is
+/// selected if the impulse response varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
@@ -30,23 +30,23 @@ namespace postlens {
 /// the lens point and to the instant.
 class FieldHighlights {
   public:
-    /// Keeps a reference to `sheets`. `window` states the pixels of the image. `motion` is null if nothing
-    /// moves.
+    /// Keeps a reference to `sheets`, the surfaces whose highlights are spread. `window` contains the pixels
+    /// of the image. `motion` is null if nothing moves.
     FieldHighlights(const TreeSheets& sheets, const Aperture& aperture, const FocusGeometry& geometry,
                     const RasterWindow& window, const HighlightMotion* motion = nullptr);
 
     [[nodiscard]] bool any() const { return !sources_.empty(); }
-    /// Returns the highlights as light that is added to a set of views. `set` is the number of the set, and
-    /// also a random seed for the positions at which visibility is sampled. `instants` contains, for each
-    /// view, the fraction of the exposure that has passed at its instant. It may be empty if nothing moves.
-    /// The result keeps a reference to this object.
+    /// Returns the light of the highlights for one set of views. `set` is the number of the set, and also a
+    /// random seed for the positions at which visibility is sampled. `instants` contains the instant of each
+    /// view, as the fraction of the exposure that has passed. It may be empty if nothing moves. The result
+    /// keeps a reference to this object.
     [[nodiscard]] std::unique_ptr<Lights> over(const std::vector<LensViewPoint>& views, int set,
                                                const std::vector<double>& instants = {}) const;
 
     /// Chooses random lines of sight from the pixel (x, y) to highlights whose light reaches it
     /// (Lights::aim). A line runs from a random point of a highlight to a lens point from which the pixel
-    /// sees this point. For sharp moving highlights, random lines of the pixel are chosen instead, at
-    /// instants at which such a highlight is near.
+    /// sees this point. Sharp moving highlights get random lines through the pixel instead, at instants at
+    /// which they are near.
     void aim(int x, int y, std::span<const std::uint32_t> sources, std::uint64_t seed, int count,
              std::vector<Lights::Line>& lines) const;
     /// Returns the indices of the sources whose light may reach a rectangle of the image. The rectangle must
@@ -88,9 +88,9 @@ class FieldHighlights {
         glm::dvec2 spread_px{0};                             ///< standard deviation of the sources' positions
         int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< image px that the kernels reach
     };
-    /// A group of neighbouring highlights whose light reaches a tile (square of the image). `sources`
-    /// contains those highlights of the group that reach the tile. `samples` is the number of visibility
-    /// samples per pixel. If it is 0, the views decide on visibility.
+    /// The highlights of a group (neighbouring highlights) whose light reaches a tile (square of the image).
+    /// Their visibility is sampled at `samples` positions per pixel. If `samples` is 0, the views decide on
+    /// visibility.
     struct GroupHere {
         std::vector<std::uint32_t> sources;
         int samples = 0;
@@ -102,8 +102,8 @@ class FieldHighlights {
     /// Adds a source whose parts are the last `parts` elements of parts_.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
-    /// A rectangle of pixels within a tile (square of the image). `share` contains, for each of its pixels,
-    /// the fraction of a group of highlights that the pixel sees.
+    /// A rectangle of pixels within a tile (square of the image). `share` contains the fraction of a group of
+    /// highlights that each pixel sees.
     struct Part {
         int x0 = 0, x1 = 0, y0 = 0, y1 = 0;  ///< image px
         std::array<float, SeenTile::pixels> share{};

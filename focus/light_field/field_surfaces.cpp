@@ -16,8 +16,8 @@ namespace {
 /// Upper bound for the size of a highlight's kernel: the CoC times this factor, plus this margin. A kernel
 /// may be larger than the CoC, because similar kernels are replaced by one of a rounded size.
 constexpr double kernel_grows = 2, kernel_margin_px = 8;
-/// A surface is kept in memory if some view displaces it farther than this, in px, from its square of the
-/// raster. All kept surfaces together need at most most_far_bytes.
+/// A surface is kept in memory if some view displaces it by more than far_px from its square of the raster.
+/// All kept surfaces together need at most most_far_bytes.
 constexpr double far_px = 64;
 constexpr std::size_t most_far_bytes = std::size_t{128} << 20;
 
@@ -36,8 +36,8 @@ std::size_t bytes_of(const PatchMesh& m) {
     return bytes_of(m.patches) + bytes_of(m.planes) + bytes_of(m.follows);
 }
 
-/// Returns the surfaces for which `wanted` returns true. `reaches` contains, for each surface, the range of
-/// raster rows in which views may show it. This range is the argument of `wanted`.
+/// Returns the surfaces for which wanted(reach) is true. `reaches` contains the reach of each surface, the
+/// range of raster rows in which views may show it.
 template <typename Reaches, typename Wanted>
 SheetMesh chosen(const SheetMesh& mesh, const Reaches& reaches, const Wanted& wanted) {
     std::vector<std::uint8_t> which;
@@ -53,8 +53,7 @@ double surface_bytes_of_record(const SampleFileReader& file, const PatchLens& le
     constexpr int edge = SheetMesh::square_px;
     const std::span<const ScanlineFacts> rows = file.scanlines(0);
     const int strips = (static_cast<int>(rows.size()) - 1 + edge - 1) / edge;
-    // Number of rows of squares that are built for the estimate. An eighth of all rows is enough, and six
-    // rows are enough for any frame.
+    // The memory is estimated from an eighth of all rows of squares, but at most six rows.
     const int probes = std::clamp(strips / 8, 1, 6);
     std::vector<std::uint8_t> probed(static_cast<std::size_t>(strips), 0);
     double records = 1;

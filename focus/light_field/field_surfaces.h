@@ -47,10 +47,9 @@ inline constexpr double most_surface_bytes_of_record = 400;
 /// read.
 class FieldStrips {
   public:
-    /// Keeps references to its arguments. `views` contains the views, but no surfaces. `lens_box_px` is half
-    /// the width and height of the lens, in units of LensShift::lens_px. It limits the blur of highlights,
-    /// and thus the rows for which they are read. `motion` is the motion of highlights, and null if no
-    /// highlight moves.
+    /// Keeps references to its arguments. `views` describes the light field and its views, without surfaces.
+    /// `lens_box_px` is half the width and height of the lens, in units of LensShift::lens_px. It limits the
+    /// blur of highlights, and thus the rows for which they are read. `motion` is null if no highlight moves.
     FieldStrips(const SampleFileReader& file, std::size_t instants, PatchLens lens, const HighlightRule& rule,
                 const PatchField& views, const glm::dvec2& lens_box_px, const HighlightMotion* motion);
 
@@ -73,8 +72,8 @@ class FieldStrips {
             last = std::max(last, to);
         }
     };
-    /// Surfaces of neighbouring squares of the raster that views displace far. `primary` and `deeper`
-    /// contain, for each of these surfaces, the range of raster rows in which views may show it.
+    /// Surfaces of neighbouring squares of the raster that are kept in memory, because views displace them
+    /// far. `primary` and `deeper` contain the range of raster rows in which views may show each of them.
     struct Far {
         TreeSheets sheets;
         std::vector<Reach> primary, deeper;

@@ -28,9 +28,9 @@ constexpr double least_cost = 0.1;
 /// Positions in a pixel at which visibility is sampled. No two of them share a row or a column.
 constexpr std::array<glm::dvec2, 4> drawn_samples{glm::dvec2(0.375, 0.125), glm::dvec2(0.875, 0.375),
                                                   glm::dvec2(0.125, 0.625), glm::dvec2(0.625, 0.875)};
-/// For each visibility sample, the point that represents all highlights of a group. Its position is relative
-/// to the group's centre, in standard deviations of the highlights' positions. The four points have mean 0
-/// and variance 1 along each axis.
+/// The four points that represent a group of highlights, one for each visibility sample. They are relative to
+/// the group's centre, in standard deviations of the highlights' positions. They have mean 0 and variance 1
+/// along each axis.
 constexpr std::array<glm::dvec2, 4> spread_places{glm::dvec2(1.3416, -0.4472), glm::dvec2(0.4472, 1.3416),
                                                   glm::dvec2(-0.4472, -1.3416), glm::dvec2(-1.3416, 0.4472)};
 /// A nearer surface casts one shadow for each highlight of a group. If the standard deviation of the shadows'
@@ -39,8 +39,8 @@ constexpr double told_apart_px = 0.3;
 
 }  // namespace
 
-/// The highlights as light that is added to one set of views. Contains tables of the views that are nearest
-/// to each lens point.
+/// Adds the light of the highlights to one set of views. Contains tables of the views nearest to each lens
+/// point, which decide whether a highlight is visible.
 class FieldHighlights::OverViews final : public Lights {
   public:
     OverViews(const FieldHighlights& of, const std::vector<LensViewPoint>& views, int set,
@@ -68,9 +68,9 @@ class FieldHighlights::OverViews final : public Lights {
 
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
-    /// The views that decide whether a source of light is visible. `nearest` is a table over the lens with
-    /// `edge` x `edge` cells, which contains the views nearest to each cell. `all` contains the views that
-    /// decide for sources that are hardly blurred (Source::by_all).
+    /// The views that decide whether a highlight is visible. `nearest` is a table of `edge` x `edge` cells
+    /// over the lens, with the views nearest to each cell. `all` is for highlights that are hardly blurred
+    /// (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;
@@ -92,13 +92,13 @@ class FieldHighlights::OverViews final : public Lights {
     /// the number of visibility samples per pixel for each group.
     [[nodiscard]] std::vector<GroupHere> groups_in(const TileViews& views) const;
     void draw_shares(const Group& g, const PatchMesh& patches, int samples, Part& part) const;
-    /// Sets the visible share of a group in each pixel to the share of the views that see the group's centre
-    /// (seen_share).
+    /// Sets the visible share of a group in each pixel of `part` to the fraction of the views that see the
+    /// group's centre (seen_share).
     void ask_views(const Group& g, const TileViews& views, Part& part) const;
     void add(const Source& s, const Part* part, const TileViews& views, std::vector<double>& light) const;
-    /// Returns the fraction of the views that see the light source at a pixel. Only views near the lens point
-    /// through which the source's light reaches the pixel count. If Source::by_all is set, views of the whole
-    /// lens count. `at` is the centre of the pixel, in image px.
+    /// Returns the fraction of the tested views that see the source at the pixel with the centre `at`, in
+    /// image px. The tested views are those near the lens point through which the source's light reaches the
+    /// pixel. If Source::by_all is set, views of the whole lens are tested.
     [[nodiscard]] double seen_share(const Source& s, const TileViews& views, std::size_t pixel,
                                     const glm::dvec2& at) const;
     /// Returns whether one view sees the source at a pixel of the tile.
@@ -111,8 +111,8 @@ class FieldHighlights::OverViews final : public Lights {
     static constexpr int table_edge = 64, timed_edge = 32;  ///< cells across the lens
     static constexpr double table_reach = 1.1;              ///< lens radii
     /// The exposure is divided into `spans` equal intervals, each with its own table of nearest views. The
-    /// distance of a view combines the distances on the lens and in time. The duration of the exposure counts
-    /// as `lens_radii_of_open` lens radii.
+    /// distance of a view combines its distances on the lens and in time. The whole exposure counts as a
+    /// distance of `lens_radii_of_open` lens radii.
     static constexpr int spans = 16;
     static constexpr double lens_radii_of_open = 2;
     static constexpr std::size_t least_of_span = 8;  ///< smallest number of views in the list `all` of a span
@@ -207,9 +207,9 @@ std::vector<FieldHighlights::GroupHere> FieldHighlights::OverViews::groups_in(co
             out.emplace_back();
         out.back().sources.push_back(i);
     }
-    // Choose the groups of highlights that get visibility samples, the brightest first. A sample rasterises
-    // the surfaces in front of a group. Its cost is the share of the tile that the group's light reaches, but
-    // at least least_cost. The total cost is limited by least_drawn.
+    // Select the groups of highlights whose visibility is sampled, the brightest first. A sample draws the
+    // surfaces in front of a group. Its cost is the share of the tile that the group's light reaches, but at
+    // least least_cost. The total cost is limited to the number of views, or to least_drawn if that is more.
     const auto group = [&](const GroupHere& here) -> const Group& {
         return of_.groups_[of_.sources_[here.sources.front()].group];
     };
@@ -260,8 +260,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
                              of_.geometry_.gain_px * of_.geometry_.aperture_radius_m * s.lens_from_px,
                              of_.geometry_.inverse_focus_per_m};
         for (const Patch& patch : patches.patches) {
-            // Patches (planar parts of surfaces) are sorted by the depths of their corners. A later patch may
-            // still have nearer parts, so the loop does not end here.
+            // Skip patches (planar parts of surfaces) that lie behind the highlight. Patches are sorted by
+            // the depths of their corners, so nearer ones may follow.
             if (patches.sheet(patch).inverse_z_max <= nearer * s.inverse_z) continue;
             place_nearer(patches, patch, rays, z, static_cast<double>(nearer) * z, before);
         }
@@ -276,9 +276,8 @@ void FieldHighlights::OverViews::draw_shares(const Group& g, const PatchMesh& pa
         part.share.fill(1);
         return;
     }
-    // A nearer surface casts one shadow for each highlight of a group. If these shadows lie so far apart that
-    // their distance is visible, the group's centre is replaced by four points with the standard deviation of
-    // the highlights.
+    // A nearer surface casts one shadow for each highlight of a group. If these shadows are visibly far
+    // apart, four points with the standard deviation of the highlights replace the group's centre.
     double shadow_px = 0;  // displacement of a shadow per pixel of displacement of its highlight
     const double s_per_m = of_.geometry_.inverse_focus_per_m;
     for (const PlacedPatch& p : before) {
@@ -323,8 +322,8 @@ void FieldHighlights::OverViews::add(const TileViews& views, std::vector<double>
     Part part;
     for (const GroupHere& here : groups_in(views)) {
         const Group& g = of_.groups_[of_.sources_[here.sources.front()].group];
-        // Visibility is computed once for all highlights of a group if it is sampled, or if all views count
-        // and nothing moves.
+        // All highlights of a group share one visibility if it is sampled. They also share it if the views of
+        // the whole lens decide on it and nothing moves.
         const bool shared = here.samples > 0 || (g.middle.by_all && g.middle.u < 0);
         if (shared) {
             part.x0 = std::max(views.x, g.x_begin);

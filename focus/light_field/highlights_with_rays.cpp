@@ -28,10 +28,10 @@ SurfaceSeen surface_seen(NodePath path, std::uint32_t parent_id, std::uint32_t i
     return {0, parent_id, id, square(at.x), square(at.y)};
 }
 
-/// Returns whether the records contain all light of a highlight that any lens point sees. For a highlight
-/// that is seen directly, the part that a nearer surface hides must be recorded, too. In a mirror or through
-/// glass, nothing may hide the highlight. Its reprojection by its 2x2 matrix W must also be accurate over the
-/// whole lens.
+/// Returns whether the records contain all light of a highlight that any lens point sees. If a nearer surface
+/// hides a part of a directly visible highlight, this part must be recorded, too. A highlight in a mirror or
+/// behind glass must not be hidden, and its reprojection by its 2x2 matrix W must be accurate over the whole
+/// lens.
 bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& lens) {
     if (key.hidden) return false;
     if (key.path.bits() == 0) return light.hides != Hides::unknown;
@@ -43,8 +43,8 @@ bool is_complete(const Highlight& light, const SheetKey& key, const PatchLens& l
 ///
 /// Rays through the pinhole measure the slope of the surface at random points of `lights`, the directly
 /// visible highlights of object `id`. A slope is steep if some point on the rim of the lens sees the surface
-/// edge-on there. At least half of the slopes must be steep, because even a round surface is steep at its
-/// outline.
+/// edge-on there. The result is true if at least half of the slopes are steep. A few steep slopes are normal,
+/// because even a round surface is steep at its outline.
 bool is_seen_from_its_edge(std::span<const Highlight* const> lights, std::uint32_t id, const SightRays& rays,
                            const PatchLens& lens) {
     constexpr std::size_t probes = 64;

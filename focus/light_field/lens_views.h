@@ -21,8 +21,8 @@ struct LensViewPoint {
     LensShift shift;
 };
 
-/// Returns whether the impulse response is that of a thin lens's aperture. Only then can an image be made
-/// from views through single lens points.
+/// Returns whether the impulse response comes from the aperture of a thin lens, and not from diffraction or a
+/// real lens. Only then can an image be made from views through single lens points.
 [[nodiscard]] bool has_points(const Impulse& impulse);
 /// Throws Error(wrong_arguments) unless has_points is true for the impulse response.
 void check_has_points(const Impulse& impulse);

@@ -21,17 +21,16 @@ namespace {
 /// Number of rays per pixel, along each axis, that measure the edge of a highlight. With 16 x 16 rays, the
 /// covered area of a pixel has a standard deviation of about 0.007 px^2.
 constexpr std::size_t edge_rays = 16;
-/// Area, in px^2, below which a light counts as small. The brightness of its circle of confusion is
-/// proportional to its area, so the area must be known well. Pixels with a small light are therefore measured
-/// with finest_rays x finest_rays rays, but only near the recorded light. The error of the area is then at
-/// most 1 %.
+/// Area, in px^2, below which a light counts as small. Its area must be known well, because the brightness of
+/// its circle of confusion is proportional to it. Pixels with a small light are measured with finest_rays x
+/// finest_rays rays near the recorded light. The error of the area is then at most 1 %.
 constexpr float small_light_px2 = 1;
 constexpr std::size_t finest_rays = 64;
-/// The measured part of a pixel is divided into squares, this many along each axis. The rays that hit the
-/// light in one square form one highlight.
+/// Number of squares, along each axis, into which the measured part of a pixel is divided. The rays that hit
+/// the light within a square form one highlight.
 constexpr int edge_squares = 8;
-/// Limit for the number of pixels that are measured. It is this fraction of the number of cells of all
-/// surfaces, or least_measured if that is more. If more pixels contain an edge, none are measured.
+/// Largest number of pixels that are measured, as a fraction of the number of pixels of all surfaces. At
+/// least least_measured pixels are allowed. If more pixels contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
 /// If the highlights in a pixel cover more than this area, in px^2, they fill the whole pixel.
@@ -59,8 +58,8 @@ struct BrightSurface {
     /// Returns, in order, the pixels that an edge of the highlights crosses or may cross.
     ///
     /// Leaves out pixels in which a nearer surface hides a part of the light, because rays through the
-    /// pinhole do not reach that part. If the light is not small, pixels in mirrors and glass are left out,
-    /// too, and so are pixels whose records are closer together than the rays.
+    /// pinhole do not reach that part. Unless the light is small, also leaves out pixels in mirrors and
+    /// glass, and pixels whose records are denser than the rays.
     [[nodiscard]] std::vector<EdgeArea> edge(const LightElsewhere& less) const;
     /// Returns the part of a pixel into which the light that is recorded in the pixel and its neighbours may
     /// extend.
@@ -85,8 +84,8 @@ EdgeArea BrightSurface::near_records(const Pixel& pixel) const {
     EdgeArea out{.pixel = pixel, .is_small = true, .begin = glm::dvec2(1), .end = glm::dvec2(0)};
     for (int n = 0; n < 9; ++n) {
         for (const Highlight& light : at({pixel.first + n / 3 - 1, pixel.second + n % 3 - 1})) {
-            // The light may extend to the next record, which is one cell edge away. The edge is 2 sqrt(area),
-            // because a record represents a quarter of its cell.
+            // The light may extend to the next record, which is one cell edge away. A record represents a
+            // quarter of its cell, so the edge is 2 sqrt(area).
             const double margin = 2 * std::sqrt(static_cast<double>(light.area));
             const glm::dvec2 place(light.x - static_cast<float>(pixel.second),
                                    light.y - static_cast<float>(pixel.first));
@@ -141,7 +140,7 @@ std::vector<EdgeArea> BrightSurface::edge(const LightElsewhere& less) const {
             if (!any || is_hidden ||
                 !less.of(node.path, node.parent_id, node.id, {pixel.second + 0.5, pixel.first + 0.5}))
                 continue;
-            // Total area of the light within two pixels. It decides whether the light is small.
+            // Area of the light in the 5 x 5 pixels around this one. It decides whether the light is small.
             float nearby = 0;
             for (std::size_t row = std::max<std::size_t>(y, 2) - 2; row <= std::min(y + 2, height - 1);
                  ++row) {
@@ -174,8 +173,8 @@ const Highlight& BrightSurface::nearest(const Pixel& pixel, float x, float y) co
     return *out;
 }
 
-/// Measures the depths and slopes of highlights of one surface with rays. lines[i] passes through the pinhole
-/// and lights[i]. Only highlights that are seen directly are measured.
+/// Measures the depths and slopes of directly visible highlights of one surface with rays. lines[i] is the
+/// line through the pinhole and lights[i]. Reflected and transmitted highlights remain unchanged.
 void measure_slopes(std::span<Highlight> lights, std::span<const SightLine> lines, const NodeIdentity& node,
                     const SightRays& rays) {
     if (node.path.bits() != 0) return;

@@ -14,10 +14,9 @@ constexpr int looks = 64;
 /// Largest distance that a moving highlight may cover between two of its instants: step_px (in px), or
 /// step_of_blur times its CoC radius if that is larger.
 constexpr double step_px = 0.5, step_of_blur = 0.25;
-/// Constants with which the instants of a highlight depend on its raster position, so that highlights a
-/// quarter or half a pixel apart have different instants. The exposure is divided into equal intervals with
-/// one instant each, and each interval into `turns` parts. The fractional part of x * turn_x + y * turn_y
-/// selects the part.
+/// The exposure is divided into equal intervals, and a highlight has one instant in each of them. Each
+/// interval is divided into `turns` parts. The fractional part of x * turn_x + y * turn_y selects the part
+/// that contains the instant, so that highlights a quarter or half a pixel apart have different instants.
 constexpr int turns = 16;
 constexpr double turn_x = 2.2360679774997896, turn_y = 1.2360679774997896;
 /// Limit for the position and the CoC radius of a highlight, in px. A highlight that exceeds it is ignored.
@@ -46,8 +45,8 @@ std::shared_ptr<const HighlightMotion::Maps> HighlightMotion::maps(std::uint32_t
 bool HighlightMotion::moved(const Highlight& light, const RasterMap& map, Highlight& out) const {
     const RasterPoint from{static_cast<double>(light.x), static_cast<double>(light.y),
                            static_cast<double>(light.inverse_z)};
-    // The positions of two neighbouring points show how the area changes. A surface that comes nearer becomes
-    // larger.
+    // Besides the highlight, two neighbouring points are moved. The parallelogram between the three points
+    // shows how much larger the highlight becomes, for example because its surface comes nearer.
     const std::optional<RasterPoint> to = map(from), right = map({from.x + 1, from.y, from.inverse_z}),
                                      below = map({from.x, from.y + 1, from.inverse_z});
     if (!to || !right || !below) return false;

@@ -18,9 +18,9 @@ namespace postlens {
 
 class HighlightMotion {
   public:
-    /// Largest total area, in px^2, of the highlights of one surface within a square of the raster that are
-    /// spread as streaks of impulse responses. Larger highlights already form streaks in the mean of the
-    /// views.
+    /// A moving highlight is spread as a streak of impulse responses if the highlights of its surface within
+    /// a square of the raster have less total area than this, in px^2. Larger ones already form streaks in
+    /// the mean of the views.
     static constexpr float largest_px2 = 64;
     /// Smallest radiance of a highlight that is spread as a streak, measured from the limit for highlights.
     /// Dimmer highlights already look smooth in the mean of the views.

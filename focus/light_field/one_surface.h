@@ -10,9 +10,9 @@
 
 namespace postlens {
 
-/// One value per cell of `edge` x `edge` px of the window, row by row. The value is 1 if all lens points see
-/// the same object in the cell, and if its surface neither overlaps itself nor is too steep for the lens.
-/// Otherwise it is 0.
+/// States, for each cell (`edge` x `edge` px) of the window, whether all lens points see a single surface. A
+/// cell is 1 if they see one object, whose surface neither overlaps itself nor is too steep for the lens.
+/// Otherwise it is 0. Cells are stored row by row.
 struct OneSurface {
     static constexpr int edge = 8;
     int columns = 0, rows = 0;
@@ -31,11 +31,11 @@ struct OneSurface {
 /// any order and in several parts.
 class OneSurfaceFinder {
   public:
-    /// `lens_px` is half the width and height of the lens's bounding box, in m, times the gain (film distance
-    /// / pixel pitch, in px).
+    /// `lens_px` is half the width and height of the box around the lens, in m, times the film distance in
+    /// px.
     OneSurfaceFinder(const glm::dvec2& lens_px, double inverse_focus_per_m, const RasterWindow& window);
-    /// Adds patches of directly visible surfaces (`primary`) and of reflected and transmitted surfaces
-    /// (`deeper`, which may be empty).
+    /// Adds patches. `primary` contains those of directly visible surfaces, and `deeper` those of reflected
+    /// and transmitted surfaces. `deeper` may be empty.
     void add(const PatchMesh& primary, const PatchMesh& deeper);
     [[nodiscard]] OneSurface found() const;
 
