@@ -8,8 +8,8 @@
 namespace postlens {
 namespace {
 
-/// Largest difference between the CoC diameters of neighbouring depth levels, in px, if the levels have equal
-/// steps of z'. It is this large because there may be at most `most_linear_levels` such levels.
+/// Largest difference between the CoC diameters of neighbouring levels, in px, if the levels have equal steps
+/// of z'. A smaller value would need too many levels (most_linear_levels).
 constexpr double linear_step_px = 0.99;
 
 double clamped_radius_px(double diameter_px) {
@@ -18,10 +18,10 @@ double clamped_radius_px(double diameter_px) {
 }
 
 /// Returns how many levels with equal steps of z' are needed, so that rounding changes the CoC diameter by at
-/// most half of linear_step_px. The CoC diameter is a linear function of 1/z', so it changes fastest at the
-/// near end. The near end therefore determines the number.
+/// most half of linear_step_px. The near end determines the number: the CoC diameter is a linear function of
+/// 1/z', so a step of z' changes it most there.
 int linear_depths(double coc_gain_px_m, double nearest_m, double farthest_m) {
-    // Let z be the nearest depth and h half a step of z'. At the near end, rounding by h may change the CoC
+    // Let z be the nearest depth and h half a step of z'. Rounding the depth z + h to z may change the CoC
     // diameter by at most linear_step_px / 2. So gain (1 / z - 1 / (z + h)) = linear_step_px / 2.
     const double room = 1 / nearest_m - linear_step_px / 2 / coc_gain_px_m;
     if (room <= 0) return 2;

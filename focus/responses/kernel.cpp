@@ -145,8 +145,8 @@ KernelKey::Packed KernelKey::packed() const {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value + offset)) << shift;
     };
     const std::uint64_t phases = field(phase_x, phase_steps, 0) | field(phase_y, phase_steps, 6);
-    // Each size has 17 bits, which contain a sign and a length of up to 16000 px in steps of 1/4 px. Cell
-    // numbers are limited to the range from -2^14 to 2^14 - 1.
+    // Each size has 17 bits: a sign, and a length of up to 16000 px in steps of 1/4 px. Cell numbers are
+    // clamped to the range from -2^14 to 2^14 - 1.
     constexpr std::int32_t sign = 1 << 16, cells = 1 << 14;
     const std::uint64_t more = (is_map ? field(map_yy, sign, 0) : 0) | (is_map ? std::uint64_t{1} << 17 : 0) |
                                (upside_down ? std::uint64_t{1} << 18 : 0) | field(fineness, 0, 62) |
@@ -254,7 +254,7 @@ void KernelTable::build(std::size_t memory_limit_bytes) {
     coarsen_ellipses(memory_limit_bytes);
     channels_ = model_.has_channels() ? 3 : 1;
     kernel_of_.assign(keys_.size(), 0);
-    // Keys that were rounded to the same values (KernelKey::coarsen) share one kernel.
+    // Keys that became equal by rounding (KernelKey::coarsen) share one kernel.
     std::unordered_map<KernelKey::Packed, std::uint32_t, KernelKey::PackedHash> place_of;
     std::vector<std::uint32_t> to_build;
     std::size_t total = 0;

@@ -70,11 +70,11 @@ struct ResponseRequest;
 struct KernelKey {
     /// Subpixel positions are rounded to 1/16 px.
     static constexpr int phase_steps = 16;
-    /// Step to which the sizes of ellipses are rounded, in px. The outline then has an error of at most an
-    /// eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
+    /// Sizes of ellipses are rounded to multiples of this step, in px. The outline then has an error of at
+    /// most an eighth of a pixel along each axis. Each unit of `fineness` divides the step by 4.
     ///
-    /// Only highlights use a fineness above 0. An ellipse that is smaller than fineness_below_px[k] may have
-    /// the fineness k. Small ellipses need fine steps, because an error of their size changes their
+    /// Only highlights use a fineness k above 0, and only if their ellipse is smaller than
+    /// fineness_below_px[k]. Small ellipses need fine steps, because an error of their size changes their
     /// brightness.
     static constexpr double ellipse_step_px = 0.25;
     static constexpr std::array<double, 3> fineness_below_px = {HUGE_VAL, 4000, 8};
@@ -87,8 +87,7 @@ struct KernelKey {
     std::int32_t half_height = 0, half_chord = 0, top_displacement = 0;  ///< of an ellipse, in steps
     std::int32_t phase_x = 0, phase_y = 0;  ///< subpixel position, -16 to 16, in units of 1/phase_steps px
 
-    // The following members are used only for apertures that are not round, or whose response varies over the
-    // image.
+    // The following members are for apertures that are not round, or whose response varies over the image.
     bool is_map = false;  ///< whether the key has a 2x2 map; half_height to map_yy are its columns, in steps
     std::int32_t map_yy = 0;
     bool upside_down = false;             ///< a disc in front of the focus
@@ -99,13 +98,13 @@ struct KernelKey {
     /// Returns the key of an ellipse. If `fine` is set, the size is rounded to the finest step that is
     /// allowed for an ellipse of this size.
     [[nodiscard]] static KernelKey ellipse(const Ellipse& e, bool fine = false);
-    /// A map is the 2x2 matrix from the aperture to the image. Its entries are rounded to a common step, so
-    /// that the largest entry keeps this number of leading bits.
+    /// A map is the 2x2 matrix from the aperture to the image. Its entries are rounded to multiples of one
+    /// step. The step is so small that the largest entry keeps map_bits leading bits.
     static constexpr int map_bits = 6;
     [[nodiscard]] static KernelKey map(const glm::dmat2& map_px, bool fine = false);
     [[nodiscard]] double step_px() const { return std::ldexp(ellipse_step_px, -2 * fineness); }
-    /// Rounds the key more coarsely, so that several keys share a kernel. If `times` is 0, nothing changes.
-    /// Each further time doubles the step to which the shape is rounded.
+    /// Rounds the key more coarsely, so that several keys share a kernel. The step to which the shape is
+    /// rounded is multiplied by 2^times.
     void coarsen(int times);
     static constexpr int ellipse_bits = 9;
     static constexpr int most_coarsenings = 8;
@@ -132,9 +131,9 @@ struct KernelKey {
 /// that a key gets depends on the timing of threads, but its kernel does not.
 class KernelTable {
   public:
-    /// `disc_radius_px` contains the CoC radius of each depth level. The number i belongs to the disc of
-    /// level i, centred on an integer raster position. `model` provides the impulse responses and must
-    /// outlive the table.
+    /// `disc_radius_px` contains the CoC radius of each depth level. Kernel number i is the disc of level i,
+    /// centred on an integer raster position. `model` provides the impulse responses and must outlive the
+    /// table.
     KernelTable(std::vector<double> disc_radius_px, KernelReach reach, const ResponseModel& model);
 
     /// Returns the number of a key. After `build`, only keys that were requested before are allowed.
@@ -159,8 +158,8 @@ class KernelTable {
     [[nodiscard]] std::size_t channels() const { return channels_; }
     [[nodiscard]] double disc_radius_px(std::uint32_t level) const { return disc_radius_px_[level]; }
     [[nodiscard]] std::size_t levels() const { return disc_radius_px_.size(); }
-    /// Returns the number of kernel numbers, which are 0, 1, 2 and so on. Call it after `build`. The number
-    /// of a disc that is not needed refers to some other kernel.
+    /// Returns how many kernel numbers there are, counted from 0. Call it after `build`. The number of a disc
+    /// that is not needed refers to some other kernel.
     [[nodiscard]] std::size_t numbers() const { return kernels_.empty() ? 0 : kernel_of_.size(); }
     /// Returns the number of depth levels whose disc has a kernel. Call it after `build`.
     [[nodiscard]] int discs_used() const { return discs_used_; }
@@ -183,8 +182,8 @@ class KernelTable {
     const ResponseModel& model_;
     std::unique_ptr<std::atomic<bool>[]> disc_used_;
     std::mutex mutex_;
-    /// Hash function of the hash map, which selects a bucket by the lowest bits. In PackedHash, these bits
-    /// depend only on the subpixel position, so they are mixed with the upper bits here.
+    /// Hash function of the hash map, which selects a bucket by the lowest bits. The lowest bits of
+    /// PackedHash depend only on the subpixel position. They are therefore mixed with the upper bits.
     struct MixedHash {
         std::size_t operator()(const KernelKey::Packed& key) const noexcept {
             const std::size_t hash = KernelKey::PackedHash()(key);

@@ -104,8 +104,8 @@ void KernelTable::coarsen_ellipses(std::size_t memory_limit_bytes) {
             left.swap(kept);
         }
     });
-    // Relative error of the sizes in an octave after `times` coarsenings. It doubles with each coarsening.
-    // All shapes count equally, because it is unknown how many samples use each shape.
+    // Relative error of the sizes in an octave after `times` coarsenings, each of which doubles it. The error
+    // is not weighted by the number of samples that use a shape, which is unknown.
     const auto error = [](std::size_t octave, std::size_t times) {
         const int bits = std::min(static_cast<int>(octave), KernelKey::ellipse_bits);
         return std::ldexp(1.0, static_cast<int>(times) - bits);

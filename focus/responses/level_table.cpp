@@ -9,8 +9,8 @@ namespace postlens {
 namespace {
 
 constexpr double even_px = LevelTable::even_diameter_px;
-/// Step between larger diameters, in px, up to even_px. Rounding to the nearest step changes a CoC diameter
-/// by less than a quarter of a pixel.
+/// Step between neighbouring diameters, in px, from small_px to even_px. Rounding to the nearest step changes
+/// a CoC diameter by less than a quarter of a pixel.
 constexpr double step_diameter_px = 0.49;
 /// Step between the diameters of small discs, in px. It is 2 % of the diameter, but at least an eighth of a
 /// pixel. A larger step would change the brightness of small highlights.

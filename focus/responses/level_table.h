@@ -9,9 +9,9 @@
 
 namespace postlens {
 
-/// The CoC diameters that have an impulse response. A circle of confusion uses the nearest of them. They are
-/// the same for all lenses. The steps between the diameters grow from 1/8 px to half a pixel. From
-/// `even_diameter_px` on, they are 1/500 of the diameter.
+/// The CoC diameters for which impulse responses are computed. A circle of confusion uses the nearest of
+/// them. They are the same for all lenses. The steps between the diameters grow from 1/8 px to half a pixel.
+/// Above `even_diameter_px`, each step is 1/500 of the diameter.
 class LevelTable {
   public:
     static constexpr double even_diameter_px = 2048;
@@ -44,9 +44,9 @@ class LevelTable {
 
     /// Size of the lookup table. Its cells are so narrow that at most one level begins in each of them.
     static constexpr int end_px = 128, cells_per_px = 32, cells = end_px * cells_per_px;
-    /// For each cell of the lookup table: the diameter at which a level begins in the cell, the number of the
-    /// level before it, and the difference between the two level numbers. The difference is 0 if no level
-    /// begins in the cell.
+    /// For each cell of the lookup table: begin_px_ is the diameter at which a level begins in the cell,
+    /// before_ is the number of the level before it, and step_ is the difference between the two level
+    /// numbers. step_ is 0 if no level begins in the cell.
     std::array<double, cells> begin_px_{};
     std::array<std::int32_t, cells> before_{}, step_{};
 };

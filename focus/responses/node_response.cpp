@@ -6,8 +6,8 @@
 namespace postlens {
 namespace {
 
-/// Radius, in px, that is passed to phases_of so that it uses subpixel positions in steps of at least a
-/// quarter pixel.
+/// If a response model needs few subpixel positions, phases_of gets at least this radius, in px. It then uses
+/// steps of at least a quarter pixel.
 constexpr double few_phases_from_px = 17;
 /// Ellipses that differ from a circle by less than this, in px, are treated as circles.
 constexpr double round_within_px = 0.05;
@@ -36,8 +36,8 @@ NodeResponse NodeResponses::to_depth(double inverse_depth_per_m, const glm::dvec
     return out;
 }
 
-// Computes the remaining members of `out` for an aperture that is not round: the extent of the response, and
-// the cell (square of the image) in which its kernel is used.
+// Completes `out` for an aperture that is not round. Computes the extent of the response, and the cell
+// (square of the image) in which its kernel is used.
 void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
                                  const glm::dvec2& place_px) const {
     out.radius_px = response_->reach_px(map_px);
@@ -45,8 +45,7 @@ void NodeResponses::finish_other(NodeResponse& out, const glm::dmat2& map_px,
     if (cell_px == 0) return;
     out.key.cell_log2 = std::ilogb(cell_px);
     // The transmittance must belong to the same depth as the kernel, or a part of the light would be lost.
-    // The depth is therefore computed from `map_px`, whose depth was rounded to a level, and not taken from
-    // the record.
+    // The kernel belongs to `map_px`, whose depth was rounded to a level.
     out.inverse_depth_per_m =
         geometry_.inverse_focus_per_m -
         (map_px[0].x + map_px[1].y) / 2 / (geometry_.gain_px * geometry_.aperture_radius_m);

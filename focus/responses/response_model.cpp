@@ -28,9 +28,9 @@ class ApertureModel final : public ResponseModel {
     [[nodiscard]] double cell_px(const glm::dmat2& map_px) const override {
         if (!varies_over_field()) return 0;
         const double radius_px = reach_px(map_px);
-        // Light passes through two circular openings of the lens, which cause vignetting (cats_eye). Both are
-        // visible in the impulse response. If the scene point moves by 1 px in the image, the second opening
-        // moves by this distance, in px, relative to the first.
+        // Light passes through two circular openings of the lens, and vignetting (cats_eye) is where they do
+        // not overlap. If the scene point moves by 1 px in the image, the image of the second opening moves
+        // by this distance, in px, relative to that of the first.
         const double moves = aperture_.cats_eye() * radius_px / half_diagonal_px_;
         constexpr double within_px = 0.5, narrowest_px = 8, widest_px = 1024;
         return std::clamp(within_px / std::max(moves, 1e-9), narrowest_px, widest_px);
@@ -54,9 +54,9 @@ class ApertureModel final : public ResponseModel {
         const double size_px = largest_reach_px(aperture_, at);
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
-        // All samples in a cell (square of the image) share the response at the centre of the cell. Where the
-        // lens blocks all light at the centre, other samples in the cell may still get light. The response
-        // without vignetting is then used.
+        // All samples in a cell (square of the image) share the response at the cell's centre. If the lens
+        // blocks all light there, the response without vignetting is used, because samples elsewhere in the
+        // cell may still get light.
         ApertureImage whole = at;
         whole.field = {0, 0};
         if (postlens::is_even(aperture_, at)) {
@@ -76,9 +76,9 @@ class ApertureModel final : public ResponseModel {
             .map_px = r.map_px,
             .spherical_px = spherical_px_,
             .field = r.place_px / half_diagonal_px_,
-            // `map_px` is gain R (I/s - W), where the gain is the film distance in px, R the aperture radius,
-            // s the focus distance and W a record's 2x2 reprojection matrix. The mean of W's diagonal, which
-            // corresponds to the inverse depth 1/z', is computed from `map_px` here.
+            // The mean of W's diagonal corresponds to the inverse depth 1/z'. It follows from `map_px`, which
+            // is gain R (I/s - W), with the film distance in px (gain), the aperture radius R, the focus
+            // distance s and the record's 2x2 reprojection matrix W.
             .rim_scale = rim_scale(inverse_focus_per_m_ - (r.map_px[0].x + r.map_px[1].y) / 2 / map_px_m_),
             .centre_px = r.phase_px};
     }
