@@ -9,8 +9,8 @@
 
 namespace postlens {
 
-/// Sums over a few pixel rows of a block. Channels 0 to 2 are colour times kernel, and channel 3 is weight
-/// times kernel.
+/// Sums over a few pixel rows of a block: of colour times kernel in channels 0 to 2, and of weight times
+/// kernel in channel 3.
 ///
 /// The pixels on the outline of a kernel are added one by one. For the uniform interior of a wide row, only
 /// differences are stored: its value is added at its first pixel and subtracted after its last one. Running

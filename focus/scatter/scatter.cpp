@@ -15,9 +15,9 @@
 namespace postlens {
 namespace {
 
-// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). A run (adjacent samples that share
-// a disc) adds to as many rows of the block as its disc is high, and these rows should fit into the L2 cache.
-// Larger blocks share more work, and smaller blocks keep more threads busy.
+// Size of a block, in px, chosen by measurement (bench/scatter_bench.cpp). The rows of a block that one disc
+// covers should fit into the L2 cache. Larger blocks share more work, and smaller blocks keep more threads
+// busy.
 constexpr int block_width = scatter_block_px;
 constexpr int block_height = scatter_block_px;
 /// Number of pixel rows that one call of PointScatter computes. A call needs 64 B per pixel of these rows,
@@ -29,8 +29,8 @@ constexpr int strip_width = RunScatter::strip_width;
 /// The sums of one row of a strip for each channel. Each element points to strip_width values.
 using Sums = std::array<const double*, 4>;
 
-/// Returns the divisor of a pixel, the sum of the weights that reached it. If this sum is below 1, empty
-/// space adds to it, by at most `most_nothing`, up to a total of at most 1.
+/// Returns the divisor of a pixel: the sum of the weights that reached it, plus the weight of empty space.
+/// Empty space fills the sum up to 1, but adds at most `most_nothing`.
 double filled(double weight, float most_nothing) {
     return weight + std::min(static_cast<double>(most_nothing), std::max(1 - weight, 0.0));
 }

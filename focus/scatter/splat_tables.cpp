@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::uint32_t no_level = ~std::uint32_t{0};
 
-/// Returns the smallest number of adjacent samples with the same disc for which a run is faster than single
-/// splats. The cost of a run grows with the area of the disc. The cost of a splat grows only with the length
-/// of its kernel's outline. Measured with bench/scatter_bench.cpp.
+/// Returns the smallest number of adjacent samples with the same disc that are faster to add as one run than
+/// as single splats. The cost of a run grows with the area of the disc, and that of a splat only with the
+/// length of its outline. Measured with bench/scatter_bench.cpp.
 int shortest_run(double radius_px) {
     return 6 + static_cast<int>(std::min(radius_px, 4096.0) / 16);
 }

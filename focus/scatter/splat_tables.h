@@ -57,8 +57,8 @@ inline constexpr std::size_t reach_classes = 6;
 struct SplatRow {
     std::vector<SplatRun> runs;  ///< sorted by column
     std::vector<Splat> splats;   ///< sorted by reach class, then by column
-    /// The splats [class_begin[c], class_begin[c + 1]) have kernels of similar size. They form the reach
-    /// class c. class_reach[c] contains all pixels that they reach, relative to their anchors.
+    /// Reach class c consists of the splats [class_begin[c], class_begin[c + 1]), whose kernels have similar
+    /// sizes. class_reach[c] contains all pixels that these splats reach, relative to their anchors.
     std::array<std::uint32_t, reach_classes + 1> class_begin{};
     std::array<Reach, reach_classes> class_reach{};
     /// The pixel rows that the runs of this row reach, relative to this row.
@@ -70,7 +70,7 @@ struct SplatRow {
     }
 };
 
-/// Usage: add each row once, in bands in any order. Then call finish, then scatter.
+/// The splats of an image, sorted by row. Add each row once, in bands in any order, then call finish().
 class SplatTables {
   public:
     /// `source` is the window of the recorded pixel corners, and `picture` is the window of the image's
@@ -90,32 +90,33 @@ class SplatTables {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds rows of pixel corners. `rows` may already contain the point samples.
+    /// Adds row y of another program's image. `lights` must be sorted by column. Lights behind another sample
+    /// are skipped. Several threads may add different rows at the same time.
     void add_rows(const FrameRows& rows);
     /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
     /// Several threads may add different rows at the same time.
     void add_pixels(int y, std::span<const PixelLight> lights);
-    /// Lets empty space fill a part of each pixel in which the weights add up to less than 1. `most`
-    /// contains, for each pixel of the image, row by row, the largest share that may be empty. Without this
-    /// call, every pixel is divided by its sum of weights, so that no part of it is empty.
+    /// Lets empty space fill pixels in which the weights add up to less than 1. `most` contains, for each
+    /// pixel of the image, row by row, the largest share that may be empty. Without this call, every pixel is
+    /// divided by its sum of weights, as if no part of it were empty.
     void let_nothing_fill(std::vector<float> most) { nothing_ = std::move(most); }
     /// Builds the kernels. Call it after the last row.
     void finish();
 
-    /// Prepares an image whose splats would exceed a memory limit. Call it before the first row is added.
-    /// Rows that are added before finish() are only used to find the kernels and the runs (adjacent samples
-    /// with the same disc).
+    /// Prepares an image that is made in strips (groups of rows) to save memory. Call it before the first row
+    /// is added. Rows that are added before finish() then only serve to find the kernels and the runs
+    /// (adjacent samples with the same disc).
     void survey() { keep_ = Keep::none; }
-    /// Starts a strip (group of rows) of the image. Only splats that reach `part`, a window in raster px, are
-    /// kept. Returns the ranges of rows [begin, end) that must be added again, in this order, before
-    /// finish_strip(). The first call returns all rows. The height of each strip must be a multiple of
+    /// Starts a strip (group of rows) of the image, with the window `part` in raster px. Only splats that
+    /// reach it are kept. Returns the ranges of rows [begin, end) that must be added again, in this order,
+    /// before finish_strip(). The first call returns all rows. The height of each strip must be a multiple of
     /// `block_px`.
     ///
     /// May be called any number of times after finish().
     [[nodiscard]] std::vector<std::pair<int, int>> begin_strip(const RasterWindow& part, int block_px);
     void finish_strip();
-    /// Returns the number of splats that reach the rows of blocks [begin, end). Call it after begin_strip and
-    /// finish_strip for a first strip that is empty.
+    /// Returns the number of splats that reach the rows of blocks [begin, end). The splats are counted while
+    /// rows are added for the first strip, which may be empty. Call it after that strip is finished.
     [[nodiscard]] std::uint64_t splats_reaching(int begin, int end) const {
         return strip_rows_.reaching(begin, end);
     }
@@ -131,16 +132,16 @@ class SplatTables {
         return raster_[channel].get() +
                static_cast<std::size_t>(y - source_.y_begin) * static_cast<std::size_t>(source_.width());
     }
-    /// The pixel rows that runs (adjacent samples with the same disc) reach, relative to the row of the run.
-    /// The range contains the ranges of all rows. class_reach is the same for the splats of a reach class.
+    /// The pixel rows that runs (adjacent samples with the same disc) reach, relative to their own row, in
+    /// the whole table. class_reach states the same for the splats of one reach class.
     [[nodiscard]] int run_dy_begin() const { return run_dy_begin_; }
     [[nodiscard]] int run_dy_end() const { return run_dy_end_; }
     [[nodiscard]] const Reach& class_reach(std::size_t reach_class) const {
         return class_reach_[reach_class];
     }
     [[nodiscard]] const KernelTable& kernels() const { return kernels_; }
-    /// Returns, for each pixel of the raster row y, the largest share of the pixel that may be empty. Returns
-    /// null if let_nothing_fill was not called.
+    /// Returns, for each pixel of raster row y, the largest share that empty space may fill. Returns null if
+    /// let_nothing_fill was not called.
     [[nodiscard]] const float* nothing_row(int y) const {
         return nothing_.empty() ? nullptr
                                 : nothing_.data() + static_cast<std::size_t>(y - picture_.y_begin) *
@@ -174,8 +175,8 @@ class SplatTables {
     KernelTable kernels_;
     std::unique_ptr<Builders> builders_;  ///< per thread, while rows are added; keep caches between rows
     std::vector<Reach> reach_;            ///< per kernel number
-    /// Colours of the samples at pixel corners, one plane per channel. Only the columns of runs (adjacent
-    /// samples that share a disc) are initialised.
+    /// Colours of the samples at pixel corners, one plane per channel. Only corners that belong to a run
+    /// (adjacent samples that share a disc) are initialised.
     std::array<std::unique_ptr<float[]>, 3> raster_;
     std::vector<SplatRow> rows_;
     std::vector<float> nothing_;  ///< per pixel of the image; may be empty

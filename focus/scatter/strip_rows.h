@@ -27,8 +27,8 @@ class StripRows {
     };
 
     StripRows() = default;
-    /// `source` is the window of the file's rows. `picture` is the window of the image, whose blocks have
-    /// `block_px` rows. A row that is never added must be read for every strip.
+    /// `source` is the window of the file's rows. `picture` is the window of the image, which is divided into
+    /// blocks of `block_px` rows. A row of the file that is never added must be read for every strip.
     StripRows(const RasterWindow& source, const RasterWindow& picture, int block_px)
         : y_begin_(source.y_begin),
           first_(picture.y_begin),
@@ -36,8 +36,8 @@ class StripRows {
           blocks_((picture.height() + block_px - 1) / block_px),
           rows_(static_cast<std::size_t>(source.height())) {}
 
-    /// Removes the items of row y, before they are added again, in order. Several threads may call this
-    /// function and `add` at the same time, for different rows.
+    /// Removes the items of row y. Call it before the row's items are added again, in order. Several threads
+    /// may call this function and `add` at the same time, for different rows.
     void begin_row(int y) {
         Row& to = row(y);
         to.first = std::numeric_limits<int>::max();
@@ -59,9 +59,9 @@ class StripRows {
             to.include(first, last);
         }
     }
-    /// Limits the memory of the kept items, which are those that reach at least a certain distance. While
-    /// they exceed the limit, this distance is doubled, and items that do not reach it are dropped. Call this
-    /// function each time that further rows are complete.
+    /// Limits the memory of the kept items. While they exceed the limit, the distance from which an item
+    /// counts as far is doubled, and nearer items are dropped. Call this function each time that further rows
+    /// are complete.
     void settle() {
         const auto kept = [&] {
             std::size_t out = 0;
