@@ -24,7 +24,8 @@ class BorderDepths {
     [[nodiscard]] BorderRadii radii(const FocusGeometry& geometry, const ResponseModel& response) const;
 
   private:
-    /// Range of inverse depth, in 1/m. If `farthest` exceeds `nearest`, no surface has been seen.
+    /// Inverse depths of the nearest and the farthest surface, in 1/m. The initial values mean that there is
+    /// none.
     struct Range {
         float nearest = 0, farthest = HUGE_VALF;
     };

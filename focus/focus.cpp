@@ -62,8 +62,8 @@ Image traced_picture(FocusFrame& frame, const RasterWindow& window, const std::o
     return image;
 }
 
-/// Adds the records of all rows to `splats`, and then finishes it. `splats` collects the impulse responses
-/// that are later added to the image.
+/// Adds the records of all rows to `splats`, which collects impulse responses, and then calls
+/// splats.finish().
 template <typename Splats>
 void take_in(FocusFrame& frame, Splats& splats) {
     frame.visit_rows(frame.file().y_begin(), frame.file().y_end(),

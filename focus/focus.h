@@ -30,9 +30,10 @@ struct FocusSettings {
     DepthSpacing spacing = DepthSpacing::inverse;
     DepthModel depth_model = DepthModel::ray_differentials;
     Impulse impulse;
-    /// Number of finite depths that have an impulse response, from 2 to DepthLevels::most_depths. A sample
-    /// uses the response of the nearest of these depths. By default there are so many depths, up to a limit,
-    /// that this rounding changes a CoC diameter of up to 2048 px by less than half a pixel.
+    /// Number of depths that have an impulse response, from 2 to DepthLevels::most_depths. A sample uses the
+    /// response of the nearest of these depths. By default, this rounding changes a CoC diameter of up to
+    /// 2048 px by less than half a pixel, unless linear spacing would need more than most_linear_levels
+    /// depths.
     std::optional<int> depths;
     /// Number of views of `lightfield`, 1 to most_lens_views.
     int views = default_lens_views;

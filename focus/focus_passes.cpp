@@ -53,8 +53,8 @@ Image::Plane coc_plane(const ForeignPicture& picture, const FocusGeometry& geome
     return out;
 }
 
-/// Blends each pixel's object shares in the pinhole image with those in the blurred image. `effect` is the
-/// weight of the blurred image, from 0 to 1.
+/// Mixes the shares of the objects in each pixel: those in the pinhole image with those in the blurred image.
+/// `effect` is the weight of the blurred image, from 0 to 1.
 void limit_to(const std::vector<float>& effect, const StackField& pinhole, StackField& blurred) {
     for (std::size_t k = 0; k < effect.size(); ++k) {
         for (ObjectShare& o : blurred.shares[k]) o.share *= effect[k];
@@ -123,8 +123,8 @@ void add_cryptomatte(const ForeignPicture& picture, const StackField& field, Ima
 /// square of the errors of the three channels. It is estimated from the differences between independent sets
 /// of views.
 ///
-/// If the sets have few views, more than two sets are compared. Two small sets could agree by chance in all
-/// pixels of the same depth, because these pixels use the same lens points.
+/// More than two sets are compared if each of them has only few views. All pixels of the same depth use the
+/// same lens points, so two small sets that agree by chance would agree in all these pixels.
 std::vector<float> standard_error(const ForeignPicture& picture, const std::vector<Behind>& behind,
                                   StackFieldSettings s) {
     constexpr int least_views = 64;  // of all sets together

@@ -45,8 +45,8 @@ DepthRange depth_range(const ForeignPicture& picture) {
     return out;
 }
 
-/// Returns the window of the corners of all known pixels. These are the pixels that the file stores and all
-/// other pixels of the raster, which count as empty space.
+/// Returns the window of the corners of all pixels whose content is known. These are the pixels that the file
+/// stores, and all other pixels of the raster, which are empty space.
 RasterWindow known_corners(const ForeignPicture& p) {
     RasterWindow out = known_pixels(p);
     ++out.x_end;
@@ -181,8 +181,8 @@ class Spread {
                     if (behind != nullptr && !behind->known && !behind->fills && picture_.stores(x, y) &&
                         transmittance_behind(stack) > opaque_transmittance)
                         found[task].is_see_through = true;
-                    // In `scatter`, a translucent sample fills its pixel, because the surfaces behind it are
-                    // not estimated.
+                    // `scatter` does not estimate what lies behind a translucent sample. The sample therefore
+                    // counts as filling its pixel.
                     lights.add(x, stack, behind == nullptr || behind->fills, behind, value, row);
                 }
                 splats.add_pixels(y, row);
@@ -206,8 +206,8 @@ class Spread {
     Guessed spread(StackValue value, Image& image, FocusResult* report) const {
         const auto finish = [&](auto&& splats, const auto& method) {
             // `layers` composites empty space as the farthest surface. `scatter` divides each pixel by the
-            // sum of its weights, so the light of an object would fill the empty space beside it. Empty space
-            // therefore adds to the weights. `nothing_` limits its share of each pixel.
+            // sum of its weights. Without a weight for empty space, an object's light would fill the empty
+            // pixels beside it. `nothing_` contains the largest weight of empty space in each pixel.
             if constexpr (std::is_same_v<std::decay_t<decltype(splats)>, LayerSplats>) {
                 splats.take_pixels(corners_);
             } else {

@@ -41,8 +41,8 @@ void FocusFrame::keep_all() {
     std::uint64_t records = 0;
     for (const ScanlineFacts& facts : file_.scanlines()) records += facts.records;
     // Upper bound of the memory. A record yields at most one point sample, in a vector that may have twice
-    // the capacity it needs. It also yields at most one plain corner (sample at a corner of undivided
-    // pixels), which is stored as a depth and a colour.
+    // the capacity it needs. It also yields at most one plain corner (sample between undivided pixels), which
+    // consists of a depth and three colour values.
     require_memory(records * (sizeof(Record) + 2 * sizeof(PointSample) + sizeof(double) + 3 * sizeof(float)),
                    "the records of the frame");
     std::vector<Kept> all;

@@ -20,11 +20,11 @@ namespace postlens {
 struct HighlightRule;
 struct TreeSheets;
 
-/// Rows [y_begin, y_end) of a frame, at the frame's own instant. `band` contains the records of these rows,
-/// and of the rows above and below if the file has them.
+/// Rows [y_begin, y_end) of a frame, at the frame's own instant (instant 0). `band` contains the records of
+/// these rows, and of the rows above and below if the file has them.
 ///
-/// Each element of `samples` contains the point samples of `rows_per_task` rows. Each element of `plain`
-/// contains those of them that lie at corners of undivided pixels (focus/scatter/plain_corners.h). Both are
+/// Each element of `samples` contains the point samples of `rows_per_task` rows. The same element of `plain`
+/// contains a compact copy of the samples between undivided pixels (focus/scatter/plain_corners.h). Both are
 /// empty if the frame does not keep its samples.
 struct FrameRows {
     /// Number of rows per task. Smaller tasks would be inefficient, because find_point_samples also reads one
@@ -45,9 +45,9 @@ struct FrameRows {
 /// frame keeps its rows and has visited them once.
 class FocusFrame {
   public:
-    /// `many` states that several images will be made. The frame then keeps the records of its own instant,
-    /// for scattering, and the surfaces of every instant in use, for the light field. It keeps a reference to
-    /// `file`.
+    /// `many` states that several images will be made. The frame then keeps in memory the records of instant
+    /// 0, for scattering, and the surfaces of all instants that images need, for the light field. The frame
+    /// keeps a reference to `file`.
     explicit FocusFrame(const SampleFileReader& file, bool many = false);
 
     [[nodiscard]] const SampleFileReader& file() const { return file_; }
@@ -59,15 +59,15 @@ class FocusFrame {
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// Returns the surfaces of a recorded instant, divided into sheets (surfaces within squares of the
-    /// raster). The result is valid until the next call for the same instant. The limit of `rule` must be the
-    /// same in all calls. For instant 0, `also` receives the records of each row of the file once. For other
-    /// instants, `also` is not called.
+    /// raster). `rule` selects highlights on these surfaces. Its limit must be the same in all calls. For
+    /// instant 0, `also` receives the records of each row of the file once. For other instants, `also` must
+    /// be empty. The result is valid until the next call for the same instant.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
                                                      const RecordsRead& also = {});
 
     /// Returns the largest w_bend of each pixel, at least for the rows [y_begin, y_end) of the image. w_bend
-    /// is the error of reprojecting a record by its 2x2 matrix W. The records are not read again if the
-    /// surfaces of instant 0 have already been built.
+    /// is the error of reprojecting a record linearly, by its 2x2 matrix W. The records are not read again if
+    /// the surfaces of instant 0 have already been built.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
     /// Returns the depths at the border of the traced area, at the frame's own instant. The records are not

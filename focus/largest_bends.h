@@ -1,5 +1,5 @@
 // Finds, for each pixel, the largest w_bend of the records that the pinhole sees. w_bend is the error of
-// reprojecting a record by its 2x2 matrix W.
+// reprojecting a record linearly, by its 2x2 matrix W.
 #pragma once
 
 #include <vector>
@@ -11,10 +11,10 @@ namespace postlens {
 /// Smallest radiance that an image of 8 bits per channel shows.
 inline constexpr float darkest_shown = 1.0F / 255;
 
-/// The largest w_bend of each pixel, in 1/m^2. w_bend is the error of reprojecting a record by its 2x2 matrix
-/// W, and does not depend on the lens. For an aperture of diameter D, the reprojected position is wrong by at
-/// most (film distance / pixel pitch) w_bend (D / 2)^2 px. Only records that the pinhole sees and that are
-/// brighter than darkest_shown count.
+/// The largest w_bend of each pixel, in 1/m^2, of all records that the pinhole sees and that are brighter
+/// than darkest_shown. w_bend is the error of reprojecting a record linearly, by its 2x2 matrix W. For an
+/// aperture of diameter D, the reprojected position is wrong by at most (film distance / pixel pitch) w_bend
+/// (D / 2)^2 px.
 class LargestBends {
   public:
     /// Creates storage for the rows [y_begin, y_end) of the image of `header`, without overscan.

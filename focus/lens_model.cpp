@@ -41,7 +41,7 @@ class LensModel final : public ResponseModel {
     }
     [[nodiscard]] double reach_px(const glm::dmat2& map_px) const override {
         const glm::dmat2 further = map_px - glm::dmat2(mean_of(map_px));
-        // An upper bound of the displacement by the anisotropic part of the map, which mirrors and glass
+        // An upper bound of the displacement by the anisotropic part of `map_px`, which mirrors and glass
         // cause. The factor 1.5 allows for a pupil up to 1.5 times as large as the nominal aperture.
         const double stretched = 1.5 * std::hypot(glm::length(further[0]), glm::length(further[1]));
         return geometry_.gain_px * table_.reach(inverse_depth_per_m(map_px)) + stretched;
@@ -62,8 +62,8 @@ class LensModel final : public ResponseModel {
         if (size_px < least_px)
             return make_kernel(Ellipse::disc(size_px), request.phase_px.x, request.phase_px.y, request.reach);
         const KernelReach& reach = request.reach;
-        // Mirrors and glass may cause a large anisotropic response. It is so faint that the aberrations of
-        // the lens are not visible in it, so an ellipse is sufficient.
+        // A surface in a mirror or behind glass may have a large anisotropic response. This response is so
+        // faint that the aberrations of the lens are not visible in it, so an ellipse is sufficient.
         constexpr double widest_bent_px = 128;
         if (size_px > widest_bent_px && image.further_px_m != glm::dmat2(0)) {
             return make_kernel(Ellipse::from_map(request.map_px, least_px), request.phase_px.x,
