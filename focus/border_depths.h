@@ -25,7 +25,7 @@ class BorderDepths {
 
   private:
     /// Inverse depths of the nearest and the farthest surface, in 1/m. The initial values mean that there is
-    /// none.
+    /// no surface.
     struct Range {
         float nearest = 0, farthest = HUGE_VALF;
     };

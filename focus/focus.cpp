@@ -218,8 +218,8 @@ FocusResult seen_from_lens(FocusFrame& frame, const FocusSettings& settings, con
                                             "(trace with --hidden-layers and --overscan auto for this lens)",
                                             rough(100 * unknown_share))});
     }
-    // A pixel counts for the warning if a larger share than this of its light comes from reflected or
-    // transmitted surfaces that were not recorded.
+    // A pixel counts for the warning if more than this share of its light comes from reflected or transmitted
+    // surfaces that were not recorded.
     constexpr float visible = 0.02F;
     const double below = static_cast<double>(std::count_if(unknown_below.begin(), unknown_below.end(),
                                                            [](float u) { return u > visible; })) /

@@ -59,7 +59,7 @@ class FocusFrame {
     void visit_rows(int y_begin, int y_end, const std::function<void(const FrameRows&)>& visit);
 
     /// Returns the surfaces of a recorded instant, divided into sheets (surfaces within squares of the
-    /// raster). `rule` selects highlights on these surfaces. Its limit must be the same in all calls. For
+    /// raster). `rule` selects highlights on these surfaces. rule.above must be the same in all calls. For
     /// instant 0, `also` receives the records of each row of the file once. For other instants, `also` must
     /// be empty. The result is valid until the next call for the same instant.
     [[nodiscard]] std::shared_ptr<TreeSheets> sheets(std::size_t instant, const HighlightRule& rule,
@@ -70,8 +70,8 @@ class FocusFrame {
     /// the surfaces of instant 0 have already been built.
     [[nodiscard]] const LargestBends& largest_bends(int y_begin, int y_end);
 
-    /// Returns the depths at the border of the traced area, at the frame's own instant. The records are not
-    /// read again if the surfaces of instant 0 have already been built.
+    /// Returns the depths at the border of the traced area, at instant 0. The records are not read again if
+    /// the surfaces of instant 0 have already been built.
     [[nodiscard]] const BorderDepths& border_depths();
 
   private:

@@ -38,7 +38,7 @@ bool is_farther(const Radii& other, const Radii& own) {
 }  // namespace
 
 /// Each pixel has a stack of samples, from front to back. The search compares only the last samples of
-/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it.
+/// pixels. A pixel that is not opaque counts as empty space, unless `fills_` marks it as opaque.
 class BehindSearch::Impl {
   public:
     Impl(const ForeignPicture& picture, const FocusGeometry& geometry, double aberration_px)
@@ -235,9 +235,9 @@ class BehindSearch::Impl {
         return {own, s.moved_inverse_z < 0 ? own : radius_px(s.moved_inverse_z)};
     }
 
-    /// Finds, for each stored pixel, the next depth edge in direction `d`: the next pixel that is farther
-    /// from the camera than the pixel before it. The depth of a pixel is that of the last sample in its
-    /// stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
+    /// Finds, for each stored pixel, the next depth edge in direction `d`. At a depth edge, a pixel is
+    /// farther from the camera than the pixel before it. The depth of a pixel is that of the last sample in
+    /// its stack. `steps` is set to the distance of the edge in pixels, or to 0 if there is none within
     /// farthest_px.
     void find_steps(const Direction& d, std::vector<std::uint16_t>& steps) const {
         steps.assign(pixels(), 0);

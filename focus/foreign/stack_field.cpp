@@ -81,7 +81,8 @@ bool is_opaque(const Facet& f, std::uint32_t view) {
 /// The rows of the image that one task draws.
 class Band {
   public:
-    /// `nothing` contains, for each pixel of the window, 1 if there is empty space behind its samples, or 0.
+    /// `nothing` contains, for each pixel of the window, 1 if there is empty space behind its samples, else
+    /// 0.
     Band(const Facets& facets, const std::vector<std::uint8_t>& nothing, const StackFieldSettings& s,
          int y_begin, int y_end)
         : facets_(facets),

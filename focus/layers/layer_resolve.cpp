@@ -63,7 +63,7 @@ std::optional<Fragment> fragment_of(const LayerTerm* seen, const LayerTerm* hidd
 
 /// Computes the light of all surfaces that are seen along one path (sequence of reflections and
 /// transmissions) at a pixel, one fragment per surface. Each fragment includes the radiance of the paths in
-/// `longer` that continue from its surface. Returns the sum of the weights.
+/// `longer` that continue from its surface. Returns the sum of the weights of `terms`.
 double gather(std::span<const LayerTerm> terms, std::span<const Chain> longer,
               std::vector<Fragment>& fragments) {
     fragments.clear();

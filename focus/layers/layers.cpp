@@ -27,7 +27,7 @@ void store(const LayerSplats& splats, std::span<Fragment> fragments, int x, int 
     const bool all = splats.kernels().channels() == 1;
     if (splats.parts().empty()) return;
     // `open` is the share of the lens that transmits light to this pixel (vignetting). A surface that fills
-    // the pixel has the weight `open`, which the division scales to 1.
+    // the pixel has the weight `open`, which is scaled to 1 here.
     const double open = splats.responses().open_share(splats.picture(), x, y);
     if (open > 0 && open != 1) {
         for (Fragment& f : fragments) {

@@ -99,8 +99,8 @@ struct Arrived {
 };
 
 /// Returns the coverage by those surfaces in front that move together with a given surface when the lens
-/// point moves. `radius_px` is the signed CoC radius of the given surface. The search begins at the farthest
-/// surface in front. It ends at the first that moves independently, because all nearer ones also do.
+/// point moves. `radius_px` is the signed CoC radius of the given surface. The search runs towards the lens.
+/// It ends at a surface that moves independently, because all nearer ones do so as well.
 OverLens moving_along(std::span<const Laid> laid, double radius_px) {
     OverLens out;
     for (std::size_t i = laid.size(); i-- > 0;) {

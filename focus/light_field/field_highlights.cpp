@@ -31,7 +31,7 @@ constexpr float merged_px = 0.5F, merged_sharp_px = 0.125F;
 /// to moments_of_quarters, and merged_px wide beyond.
 constexpr int moments_of_eighths = 32, moments_of_quarters = 128;
 /// A moving highlight becomes one source of light per instant. If all moving highlights together would have
-/// more than most_moving sources, they get fewer instants, but not fewer than least_moments.
+/// more than most_moving sources, each gets fewer instants, but not fewer than least_moments.
 constexpr std::size_t most_moving = std::size_t{1} << 21U;
 constexpr int least_moments = 8;
 /// Radiance of white. Radiance above this value is spread as a highlight.
@@ -92,9 +92,8 @@ HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geom
         // sharp reflected highlight that is partly hidden is therefore shown by the views, unless it is so
         // small that few views would hit it.
         if (key.path.bits() != 0) return is_blurred || sheet.area_px2 < small_px2;
-        // The views show a partly hidden highlight if it is hardly blurred, or wider than its blur. A pixel
-        // sees only a part of a wide highlight, but impulse responses would give all its parts the same
-        // shadow.
+        // The views show a partly hidden highlight if it is hardly blurred. They also show it if it is wider
+        // than its blur, because one shadow of a nearer surface would not be correct for all its parts.
         return is_blurred && static_cast<double>(sheet.area_px2) < blur_px * blur_px;
     };
     return rule;

@@ -17,8 +17,8 @@
 namespace postlens {
 
 /// Returns the rule that selects the highlights to be spread by their impulse responses. The views show all
-/// other highlights once each, so the mean of a few views shows separate copies of them. No highlight is
-/// selected if the impulse response varies over the image or has spherical aberration.
+/// other highlights. Each view shows one copy, so the mean of a few views shows separate copies. No highlight
+/// is selected if the impulse response varies over the image or has spherical aberration.
 [[nodiscard]] HighlightRule highlight_rule(const Aperture& aperture, const FocusGeometry& geometry);
 
 /// The highlights that were taken out of the recorded surfaces. Each pixel receives the light of a highlight
@@ -99,7 +99,7 @@ class FieldHighlights {
     /// Returns the position, in image px, of a random point of a source. `choice` and `place` are random
     /// numbers in [0, 1).
     [[nodiscard]] glm::dvec2 point_of(const Source& s, double choice, const glm::dvec2& place) const;
-    /// Adds a source whose parts are the last `parts` elements of parts_.
+    /// Adds a source that consists of the last `parts` elements of parts_, the highlights merged into it.
     void add_source(const HighlightMotion::Moment& m, std::size_t parts, const SheetMesh& mesh,
                     KernelNumberCache& cache);
     /// A rectangle of pixels within a tile (square of the image). `share` contains the fraction of a group of

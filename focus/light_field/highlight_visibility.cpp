@@ -69,8 +69,8 @@ class FieldHighlights::OverViews final : public Lights {
   private:
     using Nearest = std::vector<std::array<std::uint32_t, 3>>;
     /// The views that decide whether a highlight is visible. `nearest` is a table of `edge` x `edge` cells
-    /// over the lens, with the views nearest to each cell. `all` is for highlights that are hardly blurred
-    /// (Source::by_all).
+    /// over the lens, with the views nearest to each cell. `all` contains the views for highlights that are
+    /// hardly blurred (Source::by_all).
     struct Asked {
         int edge = 0;
         Nearest nearest;

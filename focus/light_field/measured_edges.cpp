@@ -33,7 +33,7 @@ constexpr int edge_squares = 8;
 /// least least_measured pixels are allowed. If more pixels contain an edge, none are measured.
 constexpr double most_measured_share = 1.0 / 32;
 constexpr std::size_t least_measured = 4096;
-/// If the highlights in a pixel cover more than this area, in px^2, they fill the whole pixel.
+/// Highlights that cover more than this area in a pixel, in px^2, count as filling the whole pixel.
 constexpr float filled = 0.9999F;
 
 using Pixel = std::pair<int, int>;  ///< row, column

@@ -22,8 +22,8 @@ class HighlightMotion {
     /// a square of the raster have less total area than this, in px^2. Larger ones already form streaks in
     /// the mean of the views.
     static constexpr float largest_px2 = 64;
-    /// Smallest radiance of a highlight that is spread as a streak, measured from the limit for highlights.
-    /// Dimmer highlights already look smooth in the mean of the views.
+    /// Smallest radiance, above the limit for highlights, of a highlight that is spread as a streak. Dimmer
+    /// highlights already look smooth in the mean of the views.
     static constexpr float least_radiance = 3;
 
     /// Returns the motion of an object from the recorded instant to another instant. At that instant, the

@@ -32,8 +32,8 @@ class RunScatter {
     /// part of tables.picture(). Returns false and computes nothing if no run reaches the block.
     bool run(const RasterWindow& block);
 
-    /// Returns the sums of `channel` for the strip_width pixels of a strip in row y. Channels 0 to 2 are
-    /// colours, channel 3 is the weight. Sums beyond the block are undefined.
+    /// Returns the sums of `channel` in row y, for a strip (strip_width adjacent columns of the block of
+    /// pixels). Channels 0 to 2 are colours, channel 3 is the weight. Sums beyond the block are undefined.
     [[nodiscard]] const double* sums(int channel, int strip, int y) const {
         return total_.data() + index(channel, strip, y - block_.y_begin);
     }

@@ -90,8 +90,7 @@ class SplatTables {
     void add_rows(const RecordBand& band, int y_begin, int y_end) {
         add_rows({&band, y_begin, y_end, {}, {}});
     }
-    /// Adds row y of another program's image. `lights` must be sorted by column. Lights behind another sample
-    /// are skipped. Several threads may add different rows at the same time.
+    /// Adds rows of pixel corners. `rows` may already contain the point samples.
     void add_rows(const FrameRows& rows);
     /// Adds row y of another program's image. `lights` must be sorted by column. Hidden samples are skipped.
     /// Several threads may add different rows at the same time.
