@@ -26,8 +26,8 @@ struct ByteTable {
     static constexpr int octaves = 13, cell_shift = 15, cells = octaves << (23 - cell_shift);
     static constexpr float least = 1.0F / (1 << octaves);  ///< smaller values are black
     static constexpr std::uint32_t first = std::bit_cast<std::uint32_t>(least);
-    /// `byte` is the sRGB byte at the lower end of each cell. Values of the cell from `next` on (stored as
-    /// the bits of a float) have the next larger byte.
+    /// For each cell, `byte` is the sRGB byte of its smallest value. `next` holds the bits of the smallest
+    /// float at which the byte is larger by 1.
     std::array<std::uint32_t, cells> next{};
     std::array<std::uint8_t, cells> byte{};
 

@@ -65,7 +65,7 @@ std::vector<std::uint16_t> encoded_16bit(const Image& image) {
     return values;
 }
 
-/// The position of an image within the whole image, and the size of the whole image.
+/// If an image is a crop, `crop` is its position in the whole image.
 struct Place {
     std::optional<Crop> crop;
     int whole_width = 0, whole_height = 0;

@@ -11,8 +11,8 @@
 namespace postlens {
 
 /// Prepares an image so that `write_image`, with the same `crop`, writes it as a part that can later be
-/// joined with others. The file then contains the image's values bit by bit, not divided by the exposure. The
-/// exposure is stored in the mark instead: `mark` is a JSON object of the caller.
+/// joined with others. The file then contains exactly the image's values, from which the exposure is not
+/// removed. `mark` is a JSON object of the caller. It is stored in the header, together with the exposure.
 void mark_as_part(Image& image, const std::optional<Crop>& crop, const std::string& mark);
 
 struct PicturePart {
@@ -26,7 +26,7 @@ struct PicturePart {
 /// Error(invalid_input) if the file cannot be read, or if its pixels were changed after it was written.
 [[nodiscard]] std::optional<PicturePart> read_picture_part(const std::filesystem::path& path);
 
-/// Attribute that marks a part of the samples of a render, in contrast to a part of its image
+/// Header attribute of a file that contains some of the samples of every pixel of a render
 /// (tracer/distributed/render_state.h).
 inline constexpr const char* samples_part_attribute = "postlens:part";
 

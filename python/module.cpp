@@ -18,8 +18,8 @@ namespace py = pybind11;
 namespace postlens::python {
 namespace {
 
-/// The result of a command: its JSON report, its text, the images that it did not write to files (with their
-/// exposures), its warnings (code, text, share), and its exit code.
+/// The result of a command. `json` is its report. `pictures` holds the images that it did not write to files.
+/// A warning has a code, a text and the fraction of the pixels that it concerns.
 struct Outcome {
     std::string json;
     py::object text;

@@ -8,14 +8,14 @@
 
 namespace postlens {
 
-/// Estimates how many records of the frame's own instant lie exactly at pixel corners. The estimate is
-/// extrapolated from at most 32 rows, which are spread evenly over the file.
+/// Estimates how many records of instant 0 (that of the pinhole image) lie exactly at pixel corners. The
+/// estimate is extrapolated from at most 32 rows, which are spread evenly over the file.
 [[nodiscard]] double corner_records(const SampleFileReader& file);
 
 /// Writes a sample file whose pixels are `by` times as wide and as high as those of `file`. The new file
 /// keeps the samples at every by-th pixel corner in both directions, with all their layers. It has no
-/// subdivided pixels, and only the frame's own instant. Rows and columns at the borders are left out if they
-/// do not fill a whole new pixel. `file` must have been opened with an exposure of 0 stops.
+/// subdivided pixels, and only instant 0. Rows and columns at the borders are left out if they do not fill a
+/// whole new pixel. `file` must have been opened with an exposure of 0 stops.
 ///
 /// Throws Error(wrong_arguments) if no pixel is left. Also throws the errors of the reader and of the writer.
 void write_coarser_file(const SampleFileReader& file, int by, const std::filesystem::path& path);

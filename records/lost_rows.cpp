@@ -9,7 +9,7 @@
 namespace postlens {
 namespace {
 
-/// Tests whether one pixel has a point sample of layer 0 (what the pinhole sees) at a given position.
+/// Tests whether a pixel has a point sample (eye ray) at a given position. Hidden surfaces do not count.
 class PixelPlaces {
   public:
     PixelPlaces(std::span<const Record> records, int x, int y)
@@ -30,10 +30,10 @@ class PixelPlaces {
     float x_, y_;
 };
 
-/// Appends the x positions of the samples that a pixel's quadtree needs on the lower edge of the pixel: the
-/// lower-left corners of all leaves (undivided cells) that touch this edge. Recursive: treats the cell on the
-/// lower edge with the left edge u and the width `size`. A cell is subdivided if and only if there is a
-/// sample at its centre.
+/// Appends the x positions of the lower-left corners of all quadtree leaves (undivided cells) that touch the
+/// lower edge of a pixel. The function descends recursively into the cells on this edge: u is the left edge
+/// of the current cell, and `size` its width. A cell is subdivided if and only if there is a sample at its
+/// centre.
 void add_lower_corners(const PixelPlaces& pixel, int u, int size, std::vector<int>& corners) {
     const int half = size / 2;
     if (half == 0 || !pixel.has(u + half, position_steps - half)) {

@@ -11,7 +11,7 @@
 
 namespace postlens {
 
-/// Consecutive lost rows, y_begin to y_end - 1, of one instant.
+/// Consecutive lost (unreadable) rows, y_begin to y_end - 1, of one recorded instant.
 struct LostRows {
     std::size_t instant = 0;
     int y_begin = 0, y_end = 0;
@@ -19,9 +19,9 @@ struct LostRows {
 };
 
 /// Makes records that replace the unreadable row y of a damaged file, for columns x_begin to x_end - 1. They
-/// are point samples of rays that hit nothing: one at the upper-left corner of each pixel, and others on its
-/// upper edge where the quadtree of the pixel above needs corners. `above` contains the row above, or is null
-/// if that row is lost or does not exist. `offsets` is set as RecordBand::offsets.
+/// are records of rays that hit nothing: one at the upper-left corner of each pixel, and others on its upper
+/// edge where the quadtree of the pixel above needs corners. `above` contains the row above, or is null if
+/// that row is lost or does not exist. `offsets` gets the form of RecordBand::offsets.
 void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
                       std::vector<std::uint32_t>& offsets, std::vector<Record>& records);
 
@@ -31,8 +31,8 @@ void stand_in_for_row(const RecordBand* above, int x_begin, int x_end, int y,
 /// Returns a copy of rows y_begin to y_end - 1 of a band, which must contain them.
 [[nodiscard]] RecordBand rows_of(const RecordBand& band, int y_begin, int y_end);
 
-/// Groups the lost rows of an instant into runs of consecutive rows, and appends these runs to `runs`. `lost`
-/// has one flag per row, beginning with row y_begin.
+/// Groups the lost (unreadable) rows of an instant into runs of consecutive rows, and appends these runs to
+/// `runs`. `lost` has one flag per row, beginning with row y_begin.
 void add_runs(std::size_t instant, std::span<const std::uint8_t> lost, int y_begin,
               std::vector<LostRows>& runs);
 

@@ -100,8 +100,8 @@ class PlacedSamples {
         for (Sample* s = first(above, column); s != first(above, column + 1); ++s) {
             if (!add(*s, fx, fy)) return false;
         }
-        // add() fails for some samples on the common edge if the neighbouring pixel is subdivided more finely
-        // than the table. Pixel (x, y) does not need these samples, so the result is ignored.
+        // If the neighbouring pixel is subdivided more finely than the table, add() fails for some samples on
+        // the common edge. Pixel (x, y) does not need these samples, so the failure is ignored.
         for (Sample* s = first(above, column + 1); s != first(above, column + 2); ++s) {
             if (s->x == fx + 1) add(*s, fx, fy);
         }
@@ -241,8 +241,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
     const int last_pixel_row = std::min(pixel_y_end, y_end) - 1;
     if (first_pixel_row > last_pixel_row) return;
 
-    // The first and the last row of leaves have corners outside the range of rows. These are found here, but
-    // their weights are not used.
+    // Leaves in the first and the last row of pixels may have corners outside the rows y_begin to y_end - 1.
+    // These corners are added here to complete the leaves. Their weights are not returned.
     PointSamples above, below;
     above.offsets.assign(1, 0);
     below.offsets.assign(1, 0);
@@ -261,8 +261,8 @@ void find_point_samples(const RecordBand& band, int y_begin, int y_end, int pixe
         for (std::size_t column = 0; column + 1 < width; ++column) {
             for_each_leaf_of_pixel(upper, lower, band.x_begin + static_cast<int>(column), y, column,
                                    [](const std::array<PointSample*, 4>& corners, float size) {
-                                       // Each corner stores the leaf in the quadrant in which the leaf lies:
-                                       // down-right (3) for the up-left corner (0), and so on.
+                                       // Around each corner, the leaf lies in the opposite quadrant: for the
+                                       // up-left corner (0) of the leaf, this is down-right (3).
                                        for (std::size_t c = 0; c < 4; ++c) {
                                            corners[c]->weight[3 - c] = size * size / 4;
                                            corners[c]->leaf_size[3 - c] = size;

@@ -13,9 +13,8 @@
 
 namespace postlens {
 
-/// A point sample (one eye ray) of layer 0, which is what the pinhole sees. Its records are adjacent and have
-/// the same position. They are the nodes of one shading tree: the surfaces that the ray and its reflections
-/// and refractions hit.
+/// A point sample, that is, one eye ray through the pinhole. Its records are adjacent and have the same
+/// position. They describe the surfaces that the ray and its reflections and refractions hit.
 struct PointSample {
     float x = 0, y = 0;              ///< raster, px
     std::uint32_t first_record = 0;  ///< index into the band's records
@@ -34,9 +33,9 @@ struct PointSample {
 /// Finds the point samples of rows y_begin to y_end - 1 and computes their weights. The samples are listed
 /// pixel by pixel, and sorted by y, then by x within a pixel.
 ///
-/// The weights contain only the leaves (undivided quadtree cells) of the pixels in rows pixel_y_begin to
-/// pixel_y_end - 1. `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist.
-/// Throws Error(invalid_input) if a corner of a quadtree cell is missing.
+/// Only leaves (undivided quadtree cells) in the pixel rows pixel_y_begin to pixel_y_end - 1 contribute to
+/// the weights. `band` must also contain the neighbouring rows y_begin - 1 and y_end if they exist. Throws
+/// Error(invalid_input) if a corner of a quadtree cell is missing.
 struct PointSamples {
     std::vector<PointSample> samples;
     std::vector<std::uint32_t> offsets;  ///< per pixel of rows [y_begin, y_end), as in RecordBand

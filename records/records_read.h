@@ -9,7 +9,7 @@
 
 namespace postlens {
 
-/// Functions that receive the records. Each of them may be empty, that is, not wanted.
+/// Functions that receive the records. A function that is empty is not called.
 struct RecordsRead {
     /// Receives rows y_begin to y_end - 1 of pixel corners, which `band` contains. Each row is passed once,
     /// from top to bottom.

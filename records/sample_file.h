@@ -29,8 +29,8 @@ struct ScanlineFacts {
 };
 
 /// Writes a sample file with a bounded amount of memory. Bands of rows are written from top to bottom, first
-/// those of the frame's own instant, then those of each key (further recorded instant). The colours of the
-/// records must be radiance, whatever exposure the header states. The file appears at `path` only when
+/// for instant 0 (that of the pinhole image), then for each key (further recorded instant). The colours of
+/// the records must be radiance, whatever exposure the header states. The file appears at `path` only when
 /// finish() is called.
 class SampleFileWriter {
   public:
@@ -43,8 +43,7 @@ class SampleFileWriter {
     SampleFileWriter& operator=(SampleFileWriter&&) = delete;
 
     /// Writes the next rows of records. The file has rows from -overscan to height + overscan, and columns
-    /// from -overscan to width + overscan. At the frame's own instant, the rows of the pinhole image are
-    /// computed as well.
+    /// from -overscan to width + overscan. The pinhole image is computed from the rows of instant 0.
     void write(const RecordBand& band);
     /// Starts the next instant in the header's `key_times_s`, beginning with the top row. Throws
     /// Error(invalid_input) if rows of the current instant are missing, or if there are no further keys.
@@ -76,7 +75,7 @@ enum class Damage {
 /// With Damage::salvage, all records are read and checked when the file is opened. Damaged or missing rows
 /// are replaced by samples whose rays hit nothing (stand_in_for_row). A key (further recorded instant) is
 /// removed if all its rows are damaged. An error is thrown if the header is damaged, or if too many rows of
-/// the frame's own instant are damaged (least_whole_share).
+/// instant 0 are damaged (least_whole_share).
 class SampleFileReader {
   public:
     /// With Damage::salvage, at least one in `least_whole_share` rows must be undamaged. Otherwise, a small
@@ -96,8 +95,8 @@ class SampleFileReader {
     [[nodiscard]] const SampleHeader& header() const;
     /// Returns the exposure at which colours are read, in stops.
     [[nodiscard]] double exposure_stops() const;
-    /// Returns the number of recorded instants. Instant 0 is the frame's own, and the others are keys
-    /// (further recorded instants).
+    /// Returns the number of recorded instants. Instant 0 is that of the pinhole image, and the others are
+    /// keys (further recorded instants).
     [[nodiscard]] std::size_t instants() const;
     [[nodiscard]] double instant_s(std::size_t instant) const;
     /// Returns one summary per scanline of records, beginning with the scanline at y = -overscan.

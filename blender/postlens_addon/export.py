@@ -13,8 +13,8 @@ from .rendered import rendered
 
 # Types of objects that Blender renders and that have no equivalent in glTF.
 LEFT_OUT = {"CURVES": "hair", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GPENCIL": "drawings"}
-# A matrix counts as free of shear if removing the shear changes its elements by at most this, relative to its largest
-# scale.
+# A matrix counts as free of shear if its elements change by at most this fraction of its largest scale when the shear
+# is removed.
 SHEAR = 1e-5
 
 

@@ -37,8 +37,8 @@ def kept(*places):
     `places` contains pairs of a Blender object and the names of its properties, in the order in which they must be set.
     For example, a file format comes before its colour depth, because the format determines which depths exist."""
     before = [(thing, name, getattr(thing, name)) for thing, names in places for name in names]
-    # A render evaluates the animation again, which would replace the values that the body sets. The animation of these
-    # properties is therefore muted.
+    # A render evaluates the animation again, which would overwrite the values that are set in the body of the `with`
+    # statement. The animation of these properties is therefore muted.
     muted = [(curve, "mute", False) for thing, name, _ in before for curve in curves_of(thing, name)]
     try:
         for curve, _, _ in muted:

@@ -7,8 +7,8 @@ import bpy
 
 from .passes import kept, layer_of
 
-# Name of the render slot for the empty images of `rendered`. Blender stores each render in a slot. Without a
-# slot of their own, these images would replace the user's last render.
+# Name of Blender's render slot for the renders of `rendered`, whose images are empty. In the current slot, they would
+# replace the user's last render.
 SLOT = "postlens"
 SIZE_PX = 16  # the smallest that Blender renders
 HANDLERS = ("render_init", "render_pre", "render_post", "render_complete", "render_cancel")

@@ -77,8 +77,8 @@ bool preview_fills(ByteView value) {
 }
 
 /// Returns an upper bound of the memory, in bytes, that the OpenEXR library allocates for the pixels of one
-/// chunk of a part: 4 bytes per channel and pixel. The tile size in the header counts only if the part is
-/// `tiled`, because scanline parts may contain the attribute, too.
+/// chunk of a part: 4 bytes per channel and pixel. Unless `tiled` is true, a tile size in the header is
+/// ignored, because scanline parts may state one, too.
 std::uint64_t chunk_bytes(const ExrPart& part, bool tiled) {
     const auto window = part.get_window("dataWindow");
     const auto channels = part.raw("channels", "chlist");

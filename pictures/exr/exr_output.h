@@ -22,9 +22,9 @@ class ExrOutput {
     /// file with a single part must be a flat scanline image. `shown_name` is the file name in error
     /// messages.
     ///
-    /// `chunk_bytes` is the size of each chunk, if all chunks have the same known size. The file is then
-    /// written strictly from front to back, beginning with the chunk table. All functions of this class throw
-    /// Error(cannot_write).
+    /// If all chunks have the same known size, `chunk_bytes` is this size. The table of chunk positions is
+    /// then written first, so that the whole file is written from front to back. All functions of this class
+    /// throw Error(cannot_write).
     ExrOutput(const std::filesystem::path& path, std::string shown_name,
               const std::vector<Imf::Header>& headers, std::vector<std::size_t> chunks,
               std::optional<std::size_t> chunk_bytes = std::nullopt);

@@ -36,8 +36,8 @@ std::string shown(const std::string& name) {
     return out;
 }
 
-/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. Only
-/// flat parts may. If the user gave a separate file for ids, the part must be in that file. Otherwise it must
+/// Returns true if a part may contain the Cryptomattes of the image whose colours are in part `own`. The part
+/// must be flat. If the user gave a separate file for ids, the part must be in that file. Otherwise it must
 /// show the same stereo view as the colours.
 bool may_hold(const ForeignFile& file, std::size_t own, std::size_t part) {
     const ForeignPart& p = file.parts()[part];
@@ -88,8 +88,8 @@ std::vector<MatteRank> ranks_of(const ForeignFile& file, std::size_t own, const 
     return out;
 }
 
-/// Finds Cryptomattes by their channels, for files without metadata. A channel NAME00.R, with "rypto" in its
-/// name, belongs to the Cryptomatte NAME.
+/// Finds Cryptomattes by their channels, for files without metadata. A channel NAME00.R belongs to the
+/// Cryptomatte NAME if its name contains Crypto or crypto.
 std::vector<std::string> named_so(const ForeignFile& file, std::size_t own) {
     std::vector<std::string> out;
     for (std::size_t i = 0; i < file.parts().size(); ++i) {
@@ -166,9 +166,9 @@ bool has_its_ids(const nlohmann::json& manifest) {
     });
 }
 
-/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names, so the
-/// JSON may be invalid, or names may be misread and no longer have the hashes that the ids state. In such
-/// manifests, the names are escaped. All other manifests are returned unchanged.
+/// Returns a manifest as valid JSON. Cycles does not escape quotation marks and backslashes in names. The
+/// JSON is then invalid, or a parser misreads names, so that their hashes differ from their ids. This
+/// function escapes the names in such manifests. It returns all others unchanged.
 std::string as_json(std::string manifest) {
     const auto parsed = nlohmann::json::parse(manifest, nullptr, false);
     const bool valid = !parsed.is_discarded();

@@ -35,10 +35,10 @@ struct Cryptomattes {
 
 /// Finds the Cryptomattes whose channels are in `part`, in other flat parts of the same view, or in a
 /// separate file of ids. A Cryptomatte is named by an attribute `cryptomatte/KEY/name`. Without this
-/// attribute, it is found by a channel NAME00.R whose NAME contains "rypto", as in Crypto or crypto. Ranks
-/// after the first missing channel are ignored. A Cryptomatte cannot be used if its ids do not have all 32
-/// bits, because they are half floats or the compression is lossy. The result lists objects first, then
-/// assets, then others. Within each kind it is sorted by name.
+/// attribute, it is found by a channel NAME00.R whose NAME contains Crypto or crypto. Ranks after the first
+/// missing channel are ignored. A Cryptomatte cannot be used if its ids do not have all 32 bits, because they
+/// are half floats or the compression is lossy. The result lists objects first, then assets, then others.
+/// Within each kind it is sorted by name.
 [[nodiscard]] Cryptomattes find_cryptomattes(const ForeignFile& file, std::size_t part);
 
 /// Returns the view and layer to which a Cryptomatte belongs, from its name and from the name of the part

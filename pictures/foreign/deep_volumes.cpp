@@ -15,7 +15,7 @@ bool is_volume(const DeepSample& s) {
     return s.z >= 0 && s.z_back > s.z && std::isfinite(s.z_back) && s.alpha < 1;
 }
 
-/// Rates of a volume per unit of length: emission of red, green and blue, and density.
+/// Emission (red, green, blue) and density of a volume, each per unit of length.
 using Rates = std::array<double, 4>;
 
 Rates rates_of(const DeepSample& s) {
@@ -60,7 +60,7 @@ void tidy_volumes(std::vector<DeepSample>& samples) {
     std::sort(events.begin(), events.end(), [](const Event& a, const Event& b) {
         return std::tie(a.z, a.kind, a.volume) < std::tie(b.z, b.kind, b.volume);
     });
-    // Nothing must be split or merged if no surface lies inside a volume and no volumes overlap.
+    // If no surface lies inside a volume and no volumes overlap, the samples stay unchanged.
     bool mixed = false;
     int around = 0;
     for (const Event& e : events) {

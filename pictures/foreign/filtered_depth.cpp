@@ -13,10 +13,10 @@ namespace {
 
 /// Neighbouring pixels show the same surface if their depths differ by at most this relative amount.
 constexpr double same = 0.05;
-/// Smallest difference in depth (called "step") that counts as a depth edge, relative to the nearer depth.
+/// Smallest step in depth that counts as an edge, as a fraction of the nearer depth.
 constexpr double least_step = 0.1;
-/// Largest difference in depth between neighbouring pixels of the surfaces beside a depth edge, as a fraction
-/// of the edge's step.
+/// On both sides of a depth edge, depths must be nearly constant. This is the largest difference between
+/// neighbouring pixels there, as a fraction of the step at the edge.
 constexpr double plateau = 0.1;
 constexpr std::size_t longest_ramp = 4;  ///< px between two plateaus; for a filter of radius 2 px
 constexpr std::size_t few = 4;           ///< fewer edges than this are not enough evidence
@@ -81,8 +81,8 @@ class Mender {
         }
     }
 
-    /// Depth edges along some rows or columns. A jump lies between two adjacent pixels, and a ramp extends
-    /// over several. `mixed` lists the pixels, at jumps and ramps, whose depth is a mean of two depths.
+    /// Depth edges that were found along some rows or columns: jumps (between two adjacent pixels) and ramps
+    /// (over several pixels). `mixed` lists the edge pixels whose depth is a mean of two depths.
     struct Edges {
         std::size_t jumps = 0, ramps = 0;
         std::vector<MixedDepth> mixed;
@@ -107,8 +107,9 @@ class Mender {
         look(width_, [this](std::size_t x, Edges& out) { look_along(x, width_, height_, out); });
     }
 
-    /// Returns true if two neighbouring pixels of depths a and b belong to one surface beside a depth edge
-    /// with the given step. The comparison a == b is needed for two infinite depths, whose difference is NaN.
+    /// Returns true if neighbouring pixels of depths a and b can belong to one surface beside an edge. `step`
+    /// is the change of depth at the edge. Two infinite depths are compared by a == b: their difference is
+    /// NaN.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }
@@ -175,8 +176,8 @@ class Mender {
     void keep(const MixedDepth& m) {
         const auto [it, is_new] = found_.try_emplace(m.pixel, m);
         // A pixel can be found twice, along its row and along its column. The result with the larger step is
-        // kept: a row or column that runs along an edge may contain only mixed depths, whose differences are
-        // too small.
+        // kept, because a row or column that runs along an edge may contain only mixed depths, and so a
+        // smaller step.
         const auto step = [](const MixedDepth& x) { return std::abs(x.near - x.far); };
         if (!is_new && step(m) > step(it->second)) it->second = m;
     }
@@ -191,8 +192,8 @@ class Mender {
         out.mixed.push_back(m);
     }
 
-    /// Repairs pixels at a silhouette before empty space. The mean of a finite and an infinite depth is
-    /// infinite, so these pixels get the depth of the nearest opaque surface within 2 px.
+    /// Repairs pixels at silhouettes in front of empty space. Their depth is the mean of a finite and an
+    /// infinite depth, and therefore infinite. They get the depth of the nearest opaque surface within 2 px.
     void take_over_rims(FilteredDepths& out) {
         std::vector<std::pair<std::size_t, float>> rims;
         for (std::size_t i = 0; i < depth_.size(); ++i) {

@@ -218,8 +218,8 @@ class Finder {
         std::vector<GroupCandidate> candidates;
         for (const Cryptomatte& set : found.usable) {
             sets.push_back(set.name);
-            // The part that stores a Cryptomatte says nothing about the layer to which it belongs. All
-            // Cryptomattes are therefore ranked as if they were in the part of the colours.
+            // match_group prefers the part of the colours. The part that stores a Cryptomatte must not affect
+            // the choice, so all Cryptomattes get the part of the colours.
             candidates.push_back({cryptomatte_group(file_, set), set.name, 0});
             candidates.back().group.part = out_.part;
         }

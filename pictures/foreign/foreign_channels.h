@@ -14,7 +14,7 @@
 
 namespace postlens {
 
-/// Names of the channels to read. The name is empty if there is no such channel.
+/// Names of the channels to read. The name of a missing channel is empty.
 struct ForeignChannels {
     std::size_t part = 0;  ///< part with the colours
     std::string layer;     ///< prefix of the colours' names, with its dot; may be empty

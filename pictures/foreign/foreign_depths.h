@@ -27,8 +27,8 @@ class ForeignDepths {
     [[nodiscard]] static bool is_hit(float z) { return std::abs(z) < nothing_z && z != 0; }
     /// Returns the inverse of a distance, or 0 if nothing was hit.
     [[nodiscard]] static float inverse_of(float z) { return is_hit(z) ? 1 / z : 0; }
-    /// Converts a depth value of the file to the inverse of the distance's absolute value, and calls `note`.
-    /// (x, y) is the pixel in the file.
+    /// Returns the inverse of the absolute distance for a depth value of the file, and calls `note`. (x, y)
+    /// is the pixel in the file.
     float inverse(float value, int x, int y) {
         const float z = distance(value);
         note(z, x, y, value);
@@ -48,8 +48,9 @@ class ForeignDepths {
         }
     }
 
-    /// Sets the depths of the samples of a flat image, after the repair of filtered depths. `depths` has one
-    /// depth per pixel, as stored in the file, and `covered` has the alpha of each pixel.
+    /// Repairs depths that were filtered like colours (mend_filtered_depths), then sets the depths of the
+    /// samples of a flat image. For each pixel, `depths` has the depth that the file stores, and `covered`
+    /// the alpha.
     void take(const ForeignPart& part, std::vector<float>& depths, const std::vector<float>& covered,
               ForeignPicture& picture);
     /// Converts all depths to metres along the optical axis, and sorts the samples of each pixel from near to

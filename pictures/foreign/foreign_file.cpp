@@ -33,7 +33,7 @@ constexpr std::uint64_t most_pixels = 1U << 29U;
 constexpr std::size_t most_parts = 256;
 constexpr std::size_t most_channels = 1024;
 constexpr std::uint64_t most_chunk_bytes = 256U << 20U;
-/// A display window of up to this many pixels (16384 x 16384) is accepted for a file of any size.
+/// A display window of up to this many pixels (16384 x 16384) is accepted even if the file is small.
 constexpr std::uint64_t unquestioned_shown = std::uint64_t{1} << 28U;
 Window checked_window(const ExrPart& part, const char* attribute, const std::string& name) {
     const auto w = part.get_window(attribute);

@@ -20,7 +20,7 @@ namespace postlens {
 
 namespace foreign {
 
-/// Data of up to this many bytes are allocated whatever the size of the file.
+/// Data of up to this many bytes are accepted even if the file is small.
 inline constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 /// A file that would need a larger compression ratio than this counts as damaged. Deflate reaches at most
 /// 1032.

@@ -22,8 +22,8 @@ struct StackSample {
     float r = 0, g = 0, b = 0;
     float alpha = 1;       ///< 0..1
     std::uint32_t id = 0;  ///< of the surface; 0 if the file states none
-    /// Inverse depth, 1/m, from which the circle of confusion is computed instead of `inverse_z`, for example
-    /// for an object that the user keeps in focus. Negative if it is not set (see spread_inverse_z).
+    /// Inverse depth, 1/m, that determines the circle of confusion instead of `inverse_z`, for example for an
+    /// object that the user keeps in focus. If it is negative, `inverse_z` is used.
     float moved_inverse_z = -1;
     bool holdout = false;    ///< hides samples behind it, but adds no colour or alpha
     std::uint16_t mask = 0;  ///< number, from 1, of the mask that cut this sample out; 0 if none
@@ -34,14 +34,13 @@ struct StackSample {
 /// rounded.
 inline constexpr double opaque_transmittance = 1e-3;
 
-/// Returns the combined transmittance of the samples behind the last opaque sample, or of all samples if none
-/// is opaque. If the last sample is opaque, the result is at most opaque_transmittance: what this sample
-/// hides is not known.
+/// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
+/// no sample is opaque. If the last sample of the stack is opaque, nothing is known behind it, and the result
+/// is at most opaque_transmittance.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
 
-/// Converts a value of an id channel to an id, which has the same bits. If `whole` is true, these are the
-/// bits of an integer. Otherwise they are those of a float, and 0 and NaN become 0, which means that there is
-/// no id.
+/// Returns the bits of a value of an id channel as an id. If `whole` is true, `value` holds the bits of an
+/// integer. Otherwise it is a float, and NaN and both zeros become 0, which means that there is no id.
 [[nodiscard]] std::uint32_t surface_id(float value, bool whole);
 
 /// A pixel that shows several surfaces, because its Cryptomatte states so or because its depth is a mean of
@@ -73,10 +72,9 @@ struct ForeignPicture {
     std::vector<std::uint64_t> offsets{
         0};  ///< first sample of each pixel's stack, row by row; end of the last stack
     std::vector<StackSample> samples;  ///< from near to far within each stack
-    /// Pixels that show several surfaces, in ascending order, and the fractions that the surfaces cover,
-    /// largest first. The sample of a mixed pixel has the id of the surface with the largest fraction.
-    /// Fractions below 1 % in a Cryptomatte are omitted. Both lists are empty if the image has neither a
-    /// Cryptomatte nor depths that are means of two depths.
+    /// `mixed` lists the pixels that show several surfaces, in ascending order. `shares` holds the fraction
+    /// that each surface covers, the largest of a pixel first. The sample of a mixed pixel has the id of the
+    /// surface with the largest fraction. Fractions below 1 % in a Cryptomatte are omitted.
     std::vector<MixedPixel> mixed;
     std::vector<SurfaceShare> shares;
     std::vector<std::string> masks;  ///< mask files that cut samples out (StackSample::mask)

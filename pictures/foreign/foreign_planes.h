@@ -14,17 +14,17 @@ namespace postlens {
 
 /// Reads channels of a flat part at the pixels of another part, `onto`. The parts are aligned at the upper
 /// left corners of their display windows. For each row of pixels that both parts store, calls take(pixel,
-/// count, from, values). `pixel` is the index in `onto` of the first of the `count` pixels. Its value in
-/// channel c is values[c][from].
+/// count, from, values). The row has `count` pixels. The first one has the index `pixel` in `onto`, and the
+/// value values[c][from] in channel c.
 using TakeRow = std::function<void(std::size_t pixel, std::size_t count, std::size_t from,
                                    std::span<const float* const> values)>;
 void each_row_onto(const ForeignFile& file, std::size_t part, std::span<const std::string> channels,
                    const ForeignPart& onto, const TakeRow& take);
 
-/// Returns the value of a channel for each pixel of part `onto`, row by row. Where `part` has no pixel, the
-/// value is `otherwise`, with one exception: if `part` ends at a border of the display window, its outermost
-/// values are repeated beyond this border. If `converts` is true, the channel contains integers, which are
-/// converted to floats. Throws Error(out_of_memory).
+/// Returns the value of a channel for each pixel of part `onto`, row by row. Pixels that `part` does not
+/// store get the value `otherwise`. On sides where `part` reaches the border of the display window, pixels
+/// further out get its outermost value instead. If `converts` is true, the channel contains integers, which
+/// are converted to floats. Throws Error(out_of_memory).
 [[nodiscard]] std::vector<float> plane_onto(const ForeignFile& file, std::size_t part,
                                             const std::string& channel, const ForeignPart& onto,
                                             float otherwise, bool converts);

@@ -21,13 +21,13 @@ class MatteShares {
     MatteShares(const ForeignFile& file, const ForeignPart& onto, const Cryptomatte& matte);
 
     /// Returns the channels of the Cryptomatte that are stored in `part`, the part with the colours. The
-    /// caller must read them together with the colours, so that the part is decompressed only once, and pass
-    /// each row to `take`, from top to bottom. Ranks must be read in order, so the result is empty if another
-    /// part has the first rank.
+    /// caller must read them together with the colours, and pass each row to `take`, from top to bottom. The
+    /// part is thus decompressed only once. Ranks must be read in order. Therefore, if another part has the
+    /// first rank, the result is empty, and `finish` reads all ranks.
     [[nodiscard]] std::vector<std::string> begin_beside(std::size_t part);
-    /// Receives the values of `count` adjacent pixels, of which the first has the index `pixel`. `values` has
-    /// one pointer per channel, to the value of the first pixel. `picture` must have the samples of these
-    /// pixels.
+    /// Receives the values of `count` adjacent pixels. The first one has the index `pixel`. values[c] points
+    /// to its value in channel c, and the values of the other pixels follow. `picture` must have the samples
+    /// of these pixels.
     void take(std::size_t pixel, std::size_t count, std::span<const float* const> values,
               ForeignPicture& picture);
     /// Reads the parts whose values were not passed to `take`. Then gives each sample of `picture` the id of

@@ -33,8 +33,8 @@ void take_text(std::string_view data, std::string_view key, std::string& value) 
         value = data.substr(key.size() + 1);
 }
 
-/// Reads the chunks before the pixels without libpng. Returns empty if a chunk changes the meaning of the
-/// pixels in a way that PngReader does not support.
+/// Reads the chunks that precede the pixels. Returns empty if a chunk changes the meaning of the pixels in a
+/// way that PngReader (below) does not support, for example a colour profile.
 std::optional<PlainPng> plain_png(std::string_view bytes) {
     constexpr std::string_view signature = "\x89PNG\r\n\x1A\n"sv;
     // Chunks that do not change the meaning of the pixels, such as texts, dates and the size of a pixel on

@@ -67,13 +67,13 @@ bool shows(std::span<const StackSample> stack, const StackSample& s) {
         [&](const StackSample& a) { return a.id == s.id || a.id == 0 || s.id == 0; });
 }
 
-/// Returns the first row (or column) of the result. Usually this is the first row of either image. If the
-/// front image begins at the border of the raster or beyond, the result begins there, too: further out, the
-/// front image may lack objects, and the back image would show in their place.
+/// Returns the first row (or column) of the result, from the first rows of both images. If the front image
+/// begins inside the raster, this is the smaller of the two. Otherwise it is that of the front image: further
+/// out, the front image may lack objects, and the back image would show in their place.
 int begin_of_both(int front, int back) {
     return front > 0 ? std::min(front, back) : front;
 }
-/// Returns the end (last row or column + 1) of the result, like begin_of_both. The raster has `size` rows or
+/// Does the same as begin_of_both for the ends (last row or column + 1). The raster has `size` rows or
 /// columns.
 int end_of_both(int front, int back, int size) {
     return front < size ? std::max(front, back) : front;

@@ -39,8 +39,8 @@ std::vector<float> mask_of(const ForeignPicture& picture, const ObjectChoice& ch
     return out;
 }
 
-/// Returns the ids that the user's text `object` can mean, the first choice first: the id of this name in the
-/// manifest, the hash of the name, or, for a number, the number itself and the bits of its float.
+/// Returns the ids that the user's text `object` can mean, best first: the id of this name in the manifest,
+/// then the hash of the name. If the text is a number, the number itself and the bits of its float follow.
 std::vector<std::uint32_t> ids_of(const ForeignPicture& picture, const std::string& object) {
     std::vector<std::uint32_t> out;
     if (const auto& matte = picture.channels.matte) {

@@ -14,7 +14,7 @@ namespace postlens {
 namespace {
 
 /// Radius, in px, within which unmixed pixels of the same surface are searched. The larger radius is used if
-/// depths are means of two depths, because the filter that caused this has mixed the neighbours as well.
+/// a filter has mixed the depths, because it has mixed those of the neighbouring pixels as well.
 constexpr int reach_px = 2, reach_of_means_px = 5;
 /// Depths of one surface at neighbouring positions differ by at most this relative amount.
 constexpr double same_surface = 0.05;
@@ -35,8 +35,8 @@ struct Portion {
     std::array<double, 4> rgba{};
     double inverse_z = 0;
     bool has_colour = false, has_depth = false;
-    /// Returns true if this part of the pixel shows empty space: the neighbouring pixels that show the same
-    /// have neither colour nor alpha.
+    /// Returns true if this part of the pixel shows empty space. The unmixed pixels from which `rgba` was
+    /// computed then have neither colour nor alpha.
     [[nodiscard]] bool is_nothing() const {
         return has_colour && std::all_of(rgba.begin(), rgba.end(), [](double v) { return v == 0; });
     }
@@ -134,8 +134,8 @@ class Unmixer {
                 portion.has_depth = true;
             });
             if (!portion.has_depth) continue;
-            // If only mixed pixels are left, one of them is the pixel itself, at the distance 0. The summand
-            // 0.5 prevents a division by 0.
+            // Weights are 1 / squared distance. Mixed pixels include the pixel itself, whose distance is 0,
+            // so 0.5 is added to prevent a division by 0.
             double sum = 0, depths = 0;
             around(pixel, reach, [&](std::size_t at, int distance) {
                 const double z = inverse_z_of(at);
@@ -153,8 +153,8 @@ class Unmixer {
         }
     }
 
-    /// Adjusts the colours of the surfaces in a mixed pixel so that their sum is the colour of the pixel,
-    /// `whole`. The weight of a surface is the fraction of the pixel that it covers.
+    /// Adjusts the colours of the surfaces in a mixed pixel so that their weighted mean is the colour of the
+    /// pixel, `whole`. The weight of a surface is the fraction of the pixel that it covers.
     static void give_colours(const std::array<double, 4>& whole, std::span<Portion> portions) {
         double unknown = 0, squares = 0;
         for (const Portion& portion : portions) {
@@ -178,8 +178,8 @@ class Unmixer {
         }
     }
 
-    /// Clamps channel `c` of the surfaces in a mixed pixel to at least 0, and alpha to at most 1, without a
-    /// change of the sum over the surfaces.
+    /// Clamps channel `c` of the surfaces in a mixed pixel to at least 0, and alpha to at most 1. The
+    /// weighted mean of the surfaces remains `whole`.
     static void keep_within(double whole, std::size_t c, std::span<Portion> portions) {
         const double most = c == 3 ? 1 : std::numeric_limits<double>::infinity();
         double sum = 0, room = 0;

@@ -10,8 +10,8 @@ namespace postlens {
 /// the original pixel. Farther surfaces continue behind nearer ones.
 ///
 /// The depth and colour of a surface come from the nearest unmixed pixels of the same surface, within two
-/// pixels (five if depths are means). The colours are then changed as little as possible so that their sum is
-/// the colour of the pixel.
+/// pixels (five if depths are means). The colours are then changed as little as possible so that their mean,
+/// weighted by coverage, is the colour of the pixel.
 ///
 /// A surface without unmixed pixels nearby gets the remaining colour. Its depth is that of the nearest mixed
 /// pixels in which it covers more than any other surface. If there are no such pixels, the surface is

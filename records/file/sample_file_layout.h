@@ -12,8 +12,8 @@
 
 namespace postlens::layout {
 
-/// Kinds of parts in the OpenEXR file. For the frame's own instant, the file has one part of each kind, in
-/// this order.
+/// Kinds of parts in the OpenEXR file: the pinhole image, the records, and a summary of each row of records.
+/// The file begins with one part of each kind, in this order.
 enum Part : int { picture_part, records_part, scanlines_part, parts_of_first_instant };
 inline constexpr std::array<const char*, parts_of_first_instant> part_types{"scanlineimage", "deepscanline",
                                                                             "scanlineimage"};

@@ -17,8 +17,8 @@ namespace {
 
 using namespace layout;
 
-/// A chunk is rejected if its stated size after expansion exceeds both this and `largest_expansion` times its
-/// packed size. A small damaged file can therefore not cause a large allocation.
+/// A chunk is rejected if its stated size after expansion exceeds `unquestioned_bytes`, and also exceeds
+/// `largest_expansion` times its packed size. A small damaged file can thus not cause a large allocation.
 constexpr std::uint64_t unquestioned_bytes = 64U << 20U;
 constexpr std::uint64_t largest_expansion = 64;
 

@@ -202,8 +202,8 @@ void SampleFileWriter::Impl::write_batch(const RecordBand& band, int y_begin, in
         add_to_last_row(band, y_begin);
         compute_picture_row(last_row, y_begin - 1);
     }
-    // Computes image row y - 1 from the records of rows y - 1 and y. The image row above the band has already
-    // been computed, from `last_row`.
+    // Computes image row y - 1 from the records of rows y - 1 and y. For the first row of the band, this was
+    // done above, because row y - 1 belongs to the previous band.
     parallel_for(count, [&](std::size_t i) {
         const int y = y_begin + static_cast<int>(i);
         if (y > band.y_begin) compute_picture_row(band, y - 1);

@@ -20,8 +20,8 @@ struct ObjectMotion {
     [[nodiscard]] bool operator==(const ObjectMotion&) const = default;
 };
 
-/// A light that moves, or that lights a moving scene. `place` is the position or direction of the light, to
-/// which the transforms of the keyframes `keys` are applied.
+/// A light that moves, or that lights a moving scene. `place` is its position or direction. If the light has
+/// keyframes (`keys`), their transform is applied to `place`.
 struct LightMotion {
     bool directional = false;  ///< if true, `place` is the direction in which the light travels
     glm::dvec3 place{0};       ///< position in m, or direction

@@ -24,8 +24,8 @@ MAX_DEPTH = 5  # levels of a shading tree, including the eye ray, that the SPD s
 # cancel this factor, the output divides both by 1 - T, so T must be below 1.
 LARGEST_TRANSMITTANCE = 1 - 1e-6
 DEFAULT_FILL = [1.0, 1.0, 1.0, 0.8, 0.0, 32.0, 0.0, 1.0]
-# Rounding to the six digits of the file may make two edges of a convex polygon turn slightly the wrong way. This is the
-# largest accepted sine of the angle of such a turn.
+# Coordinates in the file are rounded to six digits, so a corner of a convex polygon may be slightly concave. This is
+# the largest accepted sine of the angle by which its edges turn the wrong way.
 LARGEST_REFLEX = 1e-4
 
 
