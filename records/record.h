@@ -89,9 +89,9 @@ struct Record {
     NodePath path;
     std::uint32_t layer = 0;  ///< 0 if the pinhole sees the surface
     Mat2 w;
-    /// Error of W, in 1/m^2. W describes how the node's image moves to first order only. For a lens point at
-    /// the distance R (in metres) from the centre of the lens, the image is misplaced by about (film distance
-    /// / pixel pitch) * w_bend * R^2 px.
+    /// Error of W, in 1/m^2. W describes only to first order how the node's image moves when the lens point
+    /// moves. For a lens point at the distance R (in metres) from the centre of the lens, the image is
+    /// misplaced by about (film distance / pixel pitch) * w_bend * R^2 px.
     ///
     /// The value is 0 if W is exact or if its error was not measured. It is infinite if other lens points do
     /// not see the node along this path. Files store it as a half float.

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Unpacks Debian 12's arm64 packages of the libraries that postlens is built with into a folder, for a cross-compiler.
-# Nothing is installed; the machine's own packages stay as they are. 280 MB to fetch, 1.3 GB on disk.
+# Downloads Debian 12's arm64 packages of the libraries that postlens needs, and unpacks them into a folder for a
+# cross-compiler. The packages of this machine are not changed. The download has 280 MB, the folder 1.3 GB.
 #
-#   scripts/aarch64_sysroot.sh FOLDER     FOLDER: left as it is where it is complete already
+#   scripts/aarch64_sysroot.sh FOLDER     a complete FOLDER from an earlier run is not changed
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -16,7 +16,7 @@ if [[ -e $root/.complete ]]; then
     exit 0
 fi
 
-# apt with an empty system of its own, so that it fetches all that the packages need.
+# apt is set up for an empty system, so that it also downloads all dependencies of the packages.
 apt=$root/.apt
 mkdir -p "$apt"/{state/lists/partial,cache/archives/partial,sources.d}
 : >"$apt/status"
@@ -43,7 +43,7 @@ Signed-By: /usr/share/keyrings/debian-archive-keyring.gpg
 END
 export APT_CONFIG=$apt/apt.conf
 
-# Libraries; programs are the building machine's. Of the packages that provide BLAS and LAPACK, the plain ones.
+# Libraries only, as the build uses programs of this machine. BLAS and LAPACK are the reference implementations.
 mapfile -t packages < <(scripts/install_dependencies.sh --for build --list |
     grep -vxE 'cmake|g\+\+|ninja-build|pkg-config|ccache|gnuplot-nox')
 packages+=(libstdc++-12-dev libblas-dev liblapack-dev)
@@ -58,9 +58,9 @@ for package in "$apt"/cache/archives/*.deb; do
     dpkg-deb --fsys-tarfile "$package" | tar -x --keep-directory-symlink --no-same-owner -C "$root"
 done
 libraries=$root/usr/lib/aarch64-linux-gnu
-# What update-alternatives would link.
+# On an installed system, update-alternatives makes these links.
 ln -sf blas/libblas.so{,.3} lapack/liblapack.so{,.3} "$libraries"
-# Absolute names, of links and in CMake's packages, mean this folder.
+# Absolute paths in links and in CMake's packages are changed to paths in this folder.
 find "$root" -type l -lname '/*' | while IFS= read -r link; do
     target=$root$(readlink "$link")
     [[ ! -e $target ]] || ln -sfnr "$target" "$link"

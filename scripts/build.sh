@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Installs what is missing, configures and builds with all cores. The demo and the tests start with this.
+# Installs missing packages, configures the build and builds on all cores. demo.sh and test.sh call this script.
 #
 #   scripts/build.sh [--for build|checks|fuzzing] [PRESET [TARGET...]]
 #
-#   PRESET  one of CMakePresets.json (default: release); the results are in build/PRESET
-#   TARGET  what to build (default: everything)
+#   PRESET  a preset of CMakePresets.json (default: release); the results are in build/PRESET
+#   TARGET  a target to build (default: all targets)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -17,7 +17,6 @@ preset=${1:-release}
 targets=("${@:2}")
 
 scripts/install_dependencies.sh --for "$purpose"
-# An unchanged configuration is not worth a page of text; what CMake warns of still shows.
+# Only warnings of CMake are printed.
 cmake --preset "$preset" --log-level=WARNING
-# With no target named, CMake builds all.
 cmake --build "build/$preset" --parallel "$(nproc)" ${targets[0]:+--target "${targets[@]}"}

@@ -43,16 +43,16 @@ chart() {
 }
 
 if $charts; then
-    # Cheap shading: everything shines by itself, so that rays cost next to nothing.
+    # Cheap shading: all materials only emit light, so rays are fast.
     chart cheap samples/scenes/bars.toml --size 960x540 --f-number 1.4 --focus 5 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
         --views 16,64,256 --depths 32 --rounds 2 --once-above 5
-    # Costly shading: shadows of three lights, a mirror ball, a glass ball, a polished table.
+    # Expensive shading: shadows of three lights, a mirror ball, a glass ball and a polished table.
     chart costly samples/scenes/still_life.toml --size 384x216 --f-number 1.4 --focus 1.2 --reference-spp 1024 --rays 1,4,16,64,256,1024 \
         --views 16,32,64,256 --depths 32 --rounds 2 --once-above 5
-    # Costly shading, but rays that need few samples: polished spheres, mostly sharp.
+    # Expensive shading, but rays need few samples: polished spheres, most of them in focus.
     chart balls tests/data/nff/balls_s2.nff --size 960x540 --focal-length 100 --f-number 1.4 --focus 2.2 --reference-spp 512 \
         --rays 1,4,16,64,256 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
-    # Lens and motion together.
+    # Defocus and motion blur together.
     chart both samples/scenes/motion.toml --size 384x216 --f-number 1.4 --focus 4 --shutter 0:1 --reference-spp 2048 \
         --rays 1,4,16,64,256,1024 --views 16,64,256 --depths 32 --rounds 2 --once-above 5
 fi

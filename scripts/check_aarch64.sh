@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Cross-compiles the program for 64-bit ARM, runs it under qemu and compares what it writes with what this machine writes.
+# Cross-compiles the program for 64-bit ARM, runs it under qemu, and compares its output with that of this machine.
 #
-#   scripts/check_aarch64.sh [PROGRAM]     PROGRAM: this machine's, default build/release/apps/postlens
+#   scripts/check_aarch64.sh [PROGRAM]     PROGRAM: the program of this machine (default: build/release/apps/postlens)
 #
-# Debian's arm64 packages are fetched once into build/aarch64-sysroot (280 MB, 1.3 GB on disk; half a minute), compiled is
-# in build/aarch64 (310 steps; ten minutes of one core). Needs scripts/install_dependencies.sh --for cpus.
+# The first run downloads 280 MB of Debian's arm64 packages into build/aarch64-sysroot (1.3 GB on disk; half a minute).
+# The build in build/aarch64 takes ten minutes on one core. Needs scripts/install_dependencies.sh --for cpus.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -32,7 +32,8 @@ tests/instruction_sets/results.sh "$folder/native" "$program"
 began_s=$SECONDS
 tests/instruction_sets/results.sh "$folder/arm" qemu-aarch64 -L "$sysroot" build/aarch64/apps/postlens
 echo "aarch64: $(find "$folder/arm" -type f | wc -l) files, $((SECONDS - began_s)) s under qemu"
-# libm's last bits are others there: W of mirrors and glass (1/m) differed by 6e-16 where it is nothing but rounding.
+# The last bits of libm's results are different on ARM. Where the exact W (1/m) of mirrors and glass is 0, the stored W
+# consists of rounding errors and differed by 6e-16.
 if ! tests/instruction_sets/compare_results.sh "$folder/arm" "$folder/native" 1e-12; then
     echo "check_aarch64.sh: 64-bit ARM writes something else than $(uname -m)" >&2
     exit 1

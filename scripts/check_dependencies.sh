@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Holds the packages of install_dependencies.sh against what CMake looks for, so that a fresh machine with exactly
-# those packages can configure postlens even though this one has more installed. Fails when
-# - something that the CMake files look for belongs to no package of the list, or
-# - a CMake package insists on a file that the listed packages and their dependencies do not bring.
+# Checks that a new machine that has only the packages of install_dependencies.sh can configure postlens. Fails if
+# - the CMake files search for something that is in none of these packages, or
+# - a CMake package requires a file that is neither in these packages nor in their dependencies.
 #
 #   scripts/check_dependencies.sh [BUILD]     BUILD: a configured build folder (default: build/release)
 set -euo pipefail
@@ -24,8 +23,8 @@ is_listed() {
     printf '%s\n' "${listed[@]}" | grep -qx -- "$1"
 }
 declare -A owner=()
-# Fills `owner` for all files given with one question, as each takes dpkg a look through every list of files.
-# Older packages' lists leave out the /usr.
+# Sets `owner` to the packages of all given files. dpkg is called only once, because every call reads the file lists of
+# all packages. The lists of older packages omit /usr.
 find_owners() {
     local package name
     while IFS=$'\t' read -r package name; do
@@ -33,7 +32,7 @@ find_owners() {
         owner[/usr$name]=$package
     done < <({ dpkg-query -S "$@" "${@#/usr}" 2>/dev/null || true; } | sed -nE 's/^([^:, ]+)[^/]*: (.*)/\1\t\2/p')
 }
-# The value of the first cache entry whose name matches.
+# Prints the value of the first cache entry whose name matches.
 cached() {
     sed -nE "s#^($1):[A-Z]+=(/.*)#\\2#p" "$cache" | head -n 1
 }
@@ -44,14 +43,14 @@ complain() {
     failures=$((failures + 1))
 }
 
-# Packages: the folder of the CMake package, or the library or header that a find module of CMake's own found.
+# For each package, finds the folder of the CMake package, or the library or header that a find module of CMake found.
 mapfile -t cmake_files < <(git ls-files --cached --others --exclude-standard -- '*CMakeLists.txt' '*.cmake' ':!samples')
 mapfile -t names < <(sed -nE 's/^ *find_package\(([A-Za-z0-9_]+).*/\1/p' "${cmake_files[@]}" | sort -u)
 mapfile -t variables < <(sed -nE 's/^ *find_(path|library)\(([A-Za-z0-9_]+).*/\2/p' "${cmake_files[@]}" | sort -u)
 declare -A found=()
 config_folders=()
 for name in "${names[@]}" "${variables[@]}"; do
-    # Its place is no entry of the cache; the package that has its headers only names those that hold the files.
+    # The cache has no entry for the path of Python3. The files are in packages on which python3-dev depends.
     if [[ $name == Python3 ]]; then
         is_listed python3-dev || complain "Python3: install_dependencies.sh does not list python3-dev"
         continue
@@ -60,7 +59,7 @@ for name in "${names[@]}" "${variables[@]}"; do
         config_folders+=("$folder")
         file=$(find -L "$folder" -maxdepth 1 -iname "$name*config.cmake" | head -n 1)
     elif file=$(cached "$name") && [[ -n $file ]]; then
-        # A folder of headers is everybody's; the header in it is the package's.
+        # Many packages share a folder of headers, so the header itself identifies the package.
         header=$(sed -nE "s/^ *find_path\($name ([^ )]+).*/\1/p" "${cmake_files[@]}" | head -n 1)
         file=$file${header:+/$header}
     else
@@ -82,10 +81,10 @@ for name in "${!found[@]}"; do
     fi
 done
 
-# Files: those whose absence makes the targets of a CMake package an error, against all that the list brings.
+# Checks that the listed packages and their dependencies contain all files that the CMake packages require.
 brought=$(dpkg-query -W -f='${Package}\t${Pre-Depends}, ${Depends}\t${Provides}\n' |
     awk -F '\t' -v wanted="${listed[*]}" '
-        # Names alone: versions, architectures and alternatives are all the same here.
+        # Uses only the names of packages, ignores versions and architectures, and accepts all alternatives.
         function names(text, out) {
             gsub(/\([^)]*\)|:[a-z0-9]+/, "", text)
             return split(text, out, /[ ,|]+/)
@@ -114,7 +113,7 @@ mapfile -t insisted < <(
 find_owners "${insisted[@]}"
 checked=0
 for file in "${insisted[@]}"; do
-    # What no installed package holds did not stop CMake here: its check was softened by the packager.
+    # A file that no installed package contains did not make CMake fail on this machine, so it is not required.
     package=${owner[$file]:-}
     [[ -n $package ]] || continue
     checked=$((checked + 1))

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Shows that the program runs on every x86-64 processor and gives bit-identical results on each: that only the clones
-# which core/multiversion.h makes hold AVX instructions, that none of them fuses a product and a sum, that under qemu each
-# processor takes the clones made for it, and that what it writes is, byte for byte, what this machine writes (but for the
-# last bits of what FFTW transforms: tests/instruction_sets/compare_results.sh).
+# Checks that the program runs on every x86-64 processor, with bit-identical results. core/multiversion.h compiles
+# clones of functions for newer processors. This script checks that only these clones contain AVX instructions, that the
+# compiler adds no fused multiply-add, that processors emulated by qemu run the clones made for them, and that their
+# output files are equal to those of this machine (except for the last bits of FFTW's results:
+# tests/instruction_sets/compare_results.sh).
 #
 #   scripts/check_instruction_sets.sh [PROGRAM]     PROGRAM: default build/release/apps/postlens
 #
@@ -34,15 +35,16 @@ complain() {
     failures=$((failures + 1))
 }
 
-# --- What the program holds ---
+# --- Instructions of the program ---
 
-# Functions with clones, by the name of the plain clone.
+# Names of the functions that have clones, from the names of their default clones.
 nm "$program" | sed -nE 's/^[0-9a-f]+ [a-zA-Z] (.*)\.default$/\1/p' | sort -u >"$folder/functions"
 functions=$(wc -l <"$folder/functions")
 ((functions > 0)) || complain "$program has no clones; was it built with POSTLENS_NO_MULTIVERSION?"
 
-# VEX and EVEX instructions begin with v (verr and verw are others), those with masks with k; the rest are BMI's.
-# A fused multiply-add rounds otherwise than a product and a sum: only where the plain clone calls fma() may there be one.
+# VEX and EVEX instructions begin with v (but not verr and verw), and mask instructions with k. The other names are
+# those of BMI. A fused multiply-add is allowed only if the default clone calls fma(), because it rounds differently
+# from a product and a sum.
 objdump -d --no-show-raw-insn "$program" | awk -F '\t' -v foreign="$folder/foreign" -v fused="$folder/fused" '
     /^[0-9a-f]+ <.*>:$/ { name = $1; sub(/^[^<]*</, "", name); sub(/>:$/, "", name); next }
     $2 ~ /^(v[a-z]|k(mov|x?n?or|andn?|xor|not|shift|unpck)[bwdq]|(andn|bextr|bls(i|r|msk)|bzhi|mulx|pdep|pext|rorx|s[ah][lr]x) )/ &&
@@ -65,20 +67,20 @@ fi
 echo "$program: $functions functions with clones, $(wc -l <"$folder/foreign") others with AVX," \
     "$(wc -l <"$folder/fused") with a fused multiply-add of the compiler's own"
 
-# --- What it writes ---
+# --- Output files ---
 
 began_s=$SECONDS
 tests/instruction_sets/results.sh "$folder/native" "$program"
 echo "this machine: $(find "$folder/native" -type f | wc -l) files, $((SECONDS - began_s)) s"
 
-# Where qemu puts a position-independent program, and no less than it takes there.
+# The addresses at which qemu loads a position-independent program. The range is larger than the program.
 first=0x4000000000
 range=$first..$(printf '0x%x' $((first + 2 * $(stat -Lc %s "$program"))))
 
-# check MODEL SUFFIX: the clones that run have this suffix, and the files are those of this machine.
+# check MODEL SUFFIX: checks that all clones that run have this suffix, and that the files are equal to this machine's.
 check() {
     local model=$1 suffix=$2 out=$folder/$1 log=$folder/$1.log began_s=$SECONDS other
-    # What the log names was translated, hence reached. Each command has a log of its own, by its number.
+    # The log lists the functions that qemu translated, that is, those that ran. Each command has its own log.
     if ! tests/instruction_sets/results.sh "$out" qemu-x86_64 -cpu "$model" -d in_asm -dfilter "$range" -D "$log.%d" "$program" \
         2>"$folder/errors"; then
         complain "$model: the program fails"
@@ -94,7 +96,7 @@ check() {
     echo "$model: $(wc -l <"$folder/ran") functions ran, all as $suffix; $((SECONDS - began_s)) s"
     tests/instruction_sets/compare_results.sh "$out" "$folder/native" || complain "$model: not what this machine writes"
 }
-# The first 64-bit processors; the last before AVX; AVX2 and fused multiply-add.
+# One of the first 64-bit processors, one of the last without AVX, and one with AVX2 and fused multiply-add.
 check Opteron_G1 default
 check Nehalem default
 check Haswell arch_x86_64_v3

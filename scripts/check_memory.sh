@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Traces a scene at 3840x2160 into a sample file of more than three records a pixel, makes its pinhole picture and focuses
-# it, says what each took, and fails where one of them holds more than 1.5 GiB of memory at once.
+# Traces a scene at 3840x2160 px into a sample file of more than three records per pixel, makes its pinhole image and
+# focuses it. Prints the peak memory and the processor time of each command, and fails if a peak exceeds 1.5 GiB.
 #
 #   scripts/check_memory.sh [METHOD...]
 #
-#   METHOD   of focus, each at f/8 and f/1.8 (default: scatter)
-#   POSTLENS the program (environment; default: build/release/apps/postlens)
+#   METHOD   method of `focus`, which runs at f/8 and f/1.8 (default: scatter)
+#   POSTLENS the program (environment variable; default: build/release/apps/postlens)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -21,7 +21,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
 failures=0
-# measured NAME COMMAND...: the command's JSON, and its peak memory against the limit.
+# measured NAME COMMAND...: runs a command, saves its JSON report, and compares its peak memory with the limit.
 measured() {
     local name=$1 peak cpu
     shift

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# Fails, and says where, when a shell command that README.md shows does not exist: a script that is missing or not
-# executable, a file of the repository that is not there, a subcommand or an option that `postlens --help` does not
-# name, a CMake preset that is not defined, a program that is not installed.
+# Checks the shell commands in README.md and docs/. Fails if a script is missing or not executable, if a file of the
+# repository does not exist, if `postlens --help` does not list a subcommand or an option, if a CMake preset is not
+# defined, or if a program is not installed. Prints the file and line of each error.
 #
 #   scripts/check_readme.sh [--postlens PROGRAM] [FILE.md...]
 #
-#   --postlens PROGRAM  whose help counts (default: build/release/apps/postlens)
-#   FILE.md             what to read (default: README.md, docs/*.md and docs/tutorials/*.md)
+#   --postlens PROGRAM  the program whose --help is used (default: build/release/apps/postlens)
+#   FILE.md             the files to check (default: README.md, docs/*.md and docs/tutorials/*.md)
 #
-# Read are code blocks marked sh, bash, shell or console (there: lines that begin with "$ "), and in blocks without
-# a mark the lines that begin with postlens or scripts/. Text inside <...> or in capitals stands for the reader's own.
+# Code blocks marked sh, bash, shell or console are checked (in console, only lines that begin with "$ "). In blocks
+# without a mark, only lines that begin with postlens or scripts/ are checked. Text in <...> or in capitals is a
+# placeholder.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -39,7 +40,7 @@ complain() {
     failures=$((failures + 1))
 }
 
-# Prints "LINE<tab>COMMAND" for each command of a document; a trailing backslash joins lines.
+# Prints "LINE<tab>COMMAND" for each command of a document. Lines that end with a backslash are joined with the next.
 shell_lines() {
     awk '
         /^ *```/ {
@@ -64,7 +65,7 @@ shell_lines() {
             text = pending text
             pending = ""
             sub(/(^| )#( .*|$)/, "", text)
-            # One command per line of output, whatever joins them.
+            # Commands joined by ||, &&, | or ; are printed on separate lines.
             gsub(/ (\|\||&&|\||;) /, "\n" first "\t", text)
             if (text ~ /[^ ]/) print first "\t" text
         }' "$1"
@@ -72,7 +73,7 @@ shell_lines() {
 
 declare -A help_texts=()
 help=''
-# Sets `help` to what `postlens WORDS --help` prints, empty where there is no such subcommand.
+# Sets `help` to the output of `postlens WORDS --help`, or to an empty text if there is no such subcommand.
 ask_help() {
     if [[ -z ${help_texts["postlens $*"]+set} ]]; then
         help_texts["postlens $*"]=$("$postlens" "$@" --help </dev/null 2>/dev/null || true)
@@ -110,13 +111,13 @@ check_postlens() {
 
 check_command() {
     local words word split
-    # xargs splits as a shell does, quotes included.
+    # xargs splits a line into words as a shell does, and interprets quotes.
     if ! split=$(xargs -n 1 printf '%s\n' <<<"$1" 2>/dev/null); then
         complain "cannot be read as a command: $1"
         return
     fi
     mapfile -t words <<<"$split"
-    # Keywords of a loop and settings of the environment stand before the command.
+    # Removes keywords such as `do`, and environment variables, before the command.
     while [[ ${words[0]:-} =~ ^(do|then|else|time|!|[A-Za-z_][A-Za-z0-9_]*=.*)$ ]]; do words=("${words[@]:1}"); done
     [[ ${words[0]:-} =~ ^(|for|while|if|done|fi|cd|export|source)$ ]] && return
     commands=$((commands + 1))

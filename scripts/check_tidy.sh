@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs clang-tidy with .clang-tidy over the project's C++ files, all cores at once. Fails on any finding.
+# Checks the project's C++ files with clang-tidy and .clang-tidy, on all cores. Fails if clang-tidy reports a warning.
 #
 #   scripts/check_tidy.sh [BUILD [FILE.cpp...]]
 #
 #   BUILD     a configured build folder with compile_commands.json (default: build/release)
-#   FILE.cpp  what to look at (default: every .cpp that BUILD compiles); headers are looked at from there
+#   FILE.cpp  the files to check, with the headers that they include (default: every .cpp that BUILD compiles)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -14,8 +14,8 @@ if [[ ! -f $database ]]; then
     echo "check_tidy.sh: $database is missing; configure with: cmake --preset release" >&2
     exit 1
 fi
-# clang-tidy checks each file by itself, also files that are compiled together, and without precompiled headers, which
-# only g++ can read, as some options. Each file therefore has to include what it uses.
+# Makes compile commands for clang-tidy. Files of a unity build are checked separately. Precompiled headers and options
+# that only g++ supports are removed, so each file must include all headers that it needs.
 tidy_build=$build/tidy
 mkdir -p "$tidy_build"
 python3 - "$database" >"$tidy_build/compile_commands.json" <<'END'
@@ -41,7 +41,7 @@ if ((${#files[@]} == 0)); then
     echo "check_tidy.sh: $database names no C++ file" >&2
     exit 1
 fi
-# clang-tidy also counts, on stderr, the warnings in system headers that it does not show.
+# On stderr, clang-tidy also counts warnings in system headers, which it does not show. These lines are removed.
 printf '%s\0' "${files[@]}" |
     xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p "$tidy_build" 2> >(grep -vE '^[0-9]+ warnings?( and [0-9]+ errors?)? generated|^$' >&2)
 echo "clang-tidy: ${#files[@]} files"

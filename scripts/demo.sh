@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Traces a scene once through the pinhole and focuses the one sample file at three distances.
+# Traces a scene once through a pinhole, and focuses the sample file at three distances.
 #
 #   scripts/demo.sh
 #
@@ -11,7 +11,7 @@ scene=samples/scenes/still_life.toml
 out=out/demo
 focal_length_mm=50
 f_number=1.8
-overscan_px=72 # what the widest circles of confusion at the border need
+overscan_px=72 # suffices for the largest circles of confusion at the border of the image
 declare -A focus_m=([near]=0.8 [middle]=1.5 [far]=4)
 
 scripts/build.sh --for build release postlens postlens_python

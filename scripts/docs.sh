@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the reference of the C++ interface and the pages of docs/ as HTML, in OUT/html.
-# Fails when a public name, parameter or result of postlens/*.h has no description, when Doxygen warns, and when a page
-# links to what does not exist.
+# Builds the reference of the C++ interface and the pages of docs/ as HTML, in OUT/html. Fails if a public name,
+# parameter or return value in postlens/*.h has no description, if Doxygen reports a warning, or if a link of a page has
+# no target.
 #
 #   scripts/docs.sh [--headers FOLDER] [OUT]
 #
@@ -22,7 +22,7 @@ if ! command -v doxygen >/dev/null; then
     exit 1
 fi
 
-# The version header is written by CMake; this is the same from the same template.
+# Makes the version header from CMake's template, so that no build is needed.
 version=$(sed -nE 's/^project\(postlens VERSION ([0-9.]+).*/\1/p' CMakeLists.txt)
 IFS=. read -r major minor patch <<<"$version"
 mkdir -p "$out/include/postlens"
@@ -41,7 +41,7 @@ scripts/doxygen_pages.py "$out"
     echo "OUTPUT_DIRECTORY = \"$out\""
     echo "WARN_LOGFILE = \"$out/doxygen.log\""
 } | doxygen - >/dev/null
-# Doxygen 1.9 does not warn about values of enumerations.
+# Doxygen 1.9 does not warn about enumerators without a description.
 python3 - "$out/xml" >>"$out/doxygen.log" <<'END'
 import glob
 import sys

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Builds the libFuzzer targets with clang++ and runs each of them on changed copies of the repository's own files.
-# Fails on a finding: a crash, a report of a sanitizer, more than 10 s of a processor for one input or more than 1 GB. The input
-# that did it is in build/fuzz/findings.
+# Builds the libFuzzer targets with clang++ and runs each of them on randomly changed copies of files of the repository.
+# Fails if an input causes a crash, a report of a sanitizer, more than 10 s of processor time, or more than 1 GB of
+# memory. The input is then stored in build/fuzz/findings.
 #
 #   scripts/fuzz.sh [SECONDS [TARGET...]]
 #
-#   SECONDS  for each target (default: 60)
-#   TARGET   such as sample_file_fuzz (default: all in fuzz/)
-#   FUZZ_SEED  (environment) of the random changes; a number makes the same again (default: another each time)
+#   SECONDS  duration for each target (default: 60)
+#   TARGET   for example sample_file_fuzz (default: all in fuzz/)
+#   FUZZ_SEED  environment variable: seed of the random changes (default: a different seed in each run)
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -27,24 +27,24 @@ for target in "${targets[@]}"; do
 done
 
 scripts/install_dependencies.sh --for fuzzing
-# The command makes seeds: sample files and an unfinished render are in no repository.
+# The program makes sample files and a part of an image as seeds, because the repository contains none.
 postlens=build/release/apps/postlens
 [[ -x $postlens ]] || scripts/build.sh --for fuzzing release postlens
-# Little optimised and with assertions: compiled in half the time, and each input takes hardly longer.
+# With -O1 and assertions, compilation takes half the time, and each input takes hardly longer.
 CXX=clang++ cmake -S . -B build/fuzz -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
     -DCMAKE_CXX_FLAGS_RELWITHDEBINFO='-O1 -gline-tables-only' -DPOSTLENS_FUZZ=ON -DPOSTLENS_TESTS=OFF -DPOSTLENS_BENCH=OFF \
     --log-level=WARNING
 cmake --build build/fuzz --parallel "$(nproc)" --target "${targets[@]}"
 
 export LSAN_OPTIONS=suppressions=$PWD/scripts/lsan_suppressions.txt:print_suppressions=0
-# The limit of memory is for the readers: what the sanitizer keeps of what they gave back (256 MB by itself) is not theirs.
+# By default, the sanitizer keeps up to 256 MB of freed memory, which would count towards the limit of 1 GB.
 export ASAN_OPTIONS=${ASAN_OPTIONS:+$ASAN_OPTIONS:}quarantine_size_mb=32
 
 seeds=build/fuzz/seeds findings=$PWD/build/fuzz/findings
 rm -rf "$seeds"
 mkdir -p "$findings"
 for target in "${all[@]}"; do mkdir -p "$seeds/$target"; done
-# Uncompressed, so that changes reach the records; of one instant, of several, and with hidden surfaces.
+# Makes a sample file as a seed. In files without compression, random changes affect the records directly.
 trace() {
     "$postlens" trace "samples/scenes/$1.toml" -o "$seeds/sample_file_fuzz/$2.exr" --size 8x6 --quiet "${@:3}"
 }
@@ -62,7 +62,7 @@ cp samples/paths/*.toml "$seeds/paths_file_fuzz"
 cp tests/data/nff/*.nff "$seeds/nff_scene_fuzz"
 cp tests/data/mesh/*.glb tests/data/mesh/*.gltf "$seeds/gltf_scene_fuzz"
 printf '0 0\n0.5 1\n1 0\n' >"$seeds/shutter_curve_fuzz/triangle"
-# Where a target takes several formats, the first byte says which.
+# For targets that read several formats, the first byte of the input selects the format.
 with_first_byte() {
     local byte=$1 to=$2 file
     for file in "${@:3}"; do
@@ -77,17 +77,17 @@ with_first_byte 01 prescription_fuzz tests/data/lens/*.zmx
 with_first_byte 02 prescription_fuzz tests/data/lens/*.seq
 with_first_byte 03 prescription_fuzz tests/data/lens/*.toml samples/lenses/*.toml
 
-# only_slow_by_the_clock TARGET LOG: whether what was found is an input that took 10 s beside other work, and takes less
-# than 10 s of a processor. That is no finding, and not kept.
+# only_slow_by_the_clock TARGET LOG: returns whether the finding is only a timeout of 10 s, caused by other work on the
+# machine. If the input needs less than 10 s of processor time, it is removed.
 only_slow_by_the_clock() {
     local input
     input=$(sed -nE 's/^artifact_prefix=.*Test unit written to (.*-timeout-[0-9a-f]+)$/\1/p' "$2")
     [[ -n $input ]] && (ulimit -t 10 && "build/fuzz/fuzz/$1" -timeout=0 "$input") </dev/null >/dev/null 2>&1 && rm -f "$input"
 }
 
-# longest_input TARGET: in bytes. Pixels may take 4096 times what a picture's file does (deflate packs 1 to 1032, and a byte
-# becomes a float of four), and twice that where the display window is not the data window: with a longer file
-# 1 GB would be no finding.
+# longest_input TARGET: prints the largest size of an input, in bytes. The pixels of an image can need 4096 times as
+# much memory as its file (deflate expands up to 1032 times, and a byte becomes a float of 4 bytes), and twice as much
+# if the display window is not the data window. A valid longer file could therefore exceed 1 GB.
 longest_input() {
     case $1 in
         picture_fuzz) echo 65536 ;;
@@ -95,11 +95,11 @@ longest_input() {
     esac
 }
 
-# run TARGET: leaves build/fuzz/TARGET.failed where something was found.
+# run TARGET: runs a target. Creates build/fuzz/TARGET.failed if it finds an error.
 run() {
     local target=$1 log=build/fuzz/$1.log
     rm -f "build/fuzz/$target.failed"
-    # What is found to be new grows in a folder of its own and is kept from run to run.
+    # Inputs that reach new code are kept in a separate folder for later runs.
     mkdir -p "build/fuzz/corpus/$target"
     if build/fuzz/fuzz/"$target" -max_total_time="$seconds" -rss_limit_mb=1024 -timeout=10 -max_len="$(longest_input "$target")" \
         -seed="${FUZZ_SEED:-0}" -artifact_prefix="$findings/$target-" -print_final_stats=1 "build/fuzz/corpus/$target" "$seeds/$target" \
@@ -114,7 +114,7 @@ run() {
     fi
 }
 
-# As many at a time as there are processors.
+# Runs as many targets at the same time as there are processors.
 for target in "${targets[@]}"; do
     while (($(jobs -rp | wc -l) >= $(nproc))); do wait -n; done
     run "$target" &

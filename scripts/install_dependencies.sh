@@ -12,12 +12,12 @@
 #   --list         print the packages and install nothing
 set -euo pipefail
 
-# cmake/postlens_dependencies.cmake asks for these libraries; scripts/check_dependencies.sh holds the two together.
+# cmake/postlens_dependencies.cmake searches for these libraries. scripts/check_dependencies.sh compares both lists.
 build_packages=(
     cmake g++ ninja-build pkg-config ccache
     libembree-dev libtbb-dev libglm-dev libfmt-dev
     libopenexr-dev libimath-dev
-    # The CMake package of libopenimageio-dev refuses to load unless the programs of openimageio-tools are there.
+    # The CMake package of libopenimageio-dev requires the programs of openimageio-tools.
     libopenimageio-dev openimageio-tools libpng-dev
     libopencv-dev
     libassimp-dev
@@ -28,16 +28,16 @@ build_packages=(
     libgtest-dev libgmock-dev libbenchmark-dev
     gnuplot-nox
 )
-# chromium: the page that `postlens chart` writes is looked at in it. help2man, dpkg-dev: Debian packages of postlens.
-# chromium-driver and selenium: tests of the viewer. Python's other packages: tests of the module.
-# doxygen: scripts/docs.sh.
+# chromium displays the page that `postlens chart` writes. chromium-driver and selenium test the viewer. help2man and
+# dpkg-dev make the Debian packages of postlens. The other Python packages test the Python module.
 check_packages=(git doxygen clang-format clang-tidy chromium help2man dpkg-dev file
     python3-pytest mypy chromium-driver python3-selenium)
 cpus_packages=("${build_packages[@]}" qemu-user g++-aarch64-linux-gnu)
-# xvfb, xauth, xdotool: the display and the keys of the tests in Blender's window. nbconvert, ipykernel, matplotlib: the notebook.
+# xvfb, xauth and xdotool provide a display and key presses for the tests in Blender's window. nbconvert, ipykernel and
+# matplotlib run the notebook.
 peers_packages=("${build_packages[@]}" "${check_packages[@]}" blender xvfb xauth xdotool slurm-wlm munge
     python3-nbconvert python3-ipykernel python3-matplotlib)
-# libFuzzer and the sanitizers' run time are no dependence of clang, only a recommendation.
+# clang only recommends the package with libFuzzer and the run time of the sanitizers, so it is listed.
 fuzzing_packages=(clang libclang-rt-14-dev)
 
 purpose=checks
@@ -97,8 +97,7 @@ install_missing() {
 }
 
 echo "Installing ${missing[*]}"
-# The package lists are fetched where a package is in none of them, and where they name files that the servers
-# no longer hold.
+# The package lists are updated only if a package is in none of them, or if the installation fails.
 lists_know_all=true
 for package in "${missing[@]}"; do
     apt-cache show --no-all-versions "$package" >/dev/null 2>&1 || lists_know_all=false

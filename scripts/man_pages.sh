@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Writes manual pages of the program and its subcommands, from what their --help says.
+# Makes manual pages of the program and its subcommands from the output of --help.
 #
 #   scripts/man_pages.sh PROGRAM FOLDER
 set -euo pipefail
@@ -9,13 +9,13 @@ mkdir -p "$folder"
 wrapper=$(mktemp -d)
 trap 'rm -rf "$wrapper"' EXIT
 
-# page NAME WORDS...: help2man takes a program without arguments.
+# page NAME WORDS...: makes a page. help2man accepts no arguments for a program, so a wrapper script adds the words.
 page() {
     local name=$1 summary
     shift
     printf '#!/bin/sh\nexec "%s" %s "$@"\n' "$program" "$*" >"$wrapper/$name"
     chmod +x "$wrapper/$name"
-    # The first line of --help is the summary; of the program itself it begins with its name.
+    # The first line of --help is the summary. For the program itself, it begins with the program's name.
     summary=$("$program" "$@" --help | sed -n '1{s/^postlens: //;p}')
     help2man --no-info --section 1 --version-string "$version" --name "$summary" --source "postlens $version" \
         --output "$folder/$name.1" "$wrapper/$name"

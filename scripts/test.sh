@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Everything that must hold before a change is handed in: format, build, dependencies, documents, all tests.
+# Runs all checks that a change must pass: format, includes, documents, build, dependencies and tests.
 #
 #   scripts/test.sh [--sanitize] [--peers]
 #
-#   --peers     also install the programs that postlens works inside of or beside, and run the tests that need them
+#   --peers     also install the programs that postlens works with (Blender, Slurm), and run the tests that need them
 #   --sanitize  also build with the address and undefined-behaviour sanitizers and run all tests with them
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -32,5 +32,5 @@ if [[ $packages == peers ]]; then
 else
     echo "peers: skipped, the tests inside Blender, on Slurm and of the notebook (scripts/test.sh --peers)"
 fi
-# At the end, so that the last lines say how many tests passed.
+# These tests run last, so that the last lines of the output state how many tests passed.
 ctest --test-dir build/release -LE peers --parallel "$(nproc)" --output-on-failure --no-tests=error

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
-# Builds with a sanitizer and runs the tests with it; a finding fails the test that it is in.
+# Builds with a sanitizer and runs the tests. A test fails if the sanitizer reports an error.
 #
 #   scripts/test_sanitized.sh asan|tsan [CTEST_OPTION...]
 #
 #   asan          AddressSanitizer and UndefinedBehaviorSanitizer
 #   tsan          ThreadSanitizer
-#   CTEST_OPTION  such as -R NAME, to run some of the tests
+#   CTEST_OPTION  for example -R NAME, which runs only some of the tests
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

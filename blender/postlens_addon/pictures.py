@@ -81,8 +81,8 @@ class Passes:
 
 
 def exposure_of(scene):
-    """Returns the middle of the exposure and its duration, in frames. The middle is relative to the frame's own
-    instant. The duration is 0 without motion blur.
+    """Returns the middle of the exposure, relative to the time of the frame, and the duration of the exposure. Both are
+    in frames. The duration is 0 without motion blur.
 
     Only Cycles writes motion vectors. Other engines apply motion blur to the image themselves."""
     if scene.render.engine != "CYCLES" or not scene.render.use_motion_blur:

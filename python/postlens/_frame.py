@@ -297,8 +297,8 @@ class Frame:
         return pictures()
 
     def records(self, *, key: int = 0) -> "_postlens.Records":
-        """Reads the records of the recorded instant number `key`. Number 0 is the instant of the pinhole picture. Returns
-        numpy columns, which are views of one array and are not copied. Colours are radiance."""
+        """Reads the records of the recorded instant number `key`. Number 0 is the instant of the pinhole picture.
+        Returns numpy columns, which are views of one array and are not copied. Colours are radiance."""
         if self._kept is None:
             raise ArgumentError(f"{self._path}: has no records (got a picture; expected a sample file)")
         if isinstance(key, bool) or not isinstance(key, numbers.Integral) or not 0 <= key < 2**31:

@@ -10,7 +10,7 @@
 #
 # 513 x 513 corner rays, depth 5, no antialiasing, no file, both programs on the same two processors.
 set -euo pipefail
-export LC_ALL=C # a decimal point in EPOCHREALTIME
+export LC_ALL=C # so that EPOCHREALTIME has a decimal point
 
 die() {
     echo "spd_povray.sh: $*" >&2
@@ -60,15 +60,15 @@ elif [[ -f $nff/../tables/spd_published_ray_counts.csv ]]; then
     published=$nff/../tables/spd_published_ray_counts.csv
 fi
 
-# The benchmark takes all processors that it may use: two for both, so that neither has more than the other.
+# The benchmark uses all processors that it is allowed to use, so both programs are restricted to the same two.
 processors=$(python3 -c 'import os; print(*sorted(os.sched_getaffinity(0))[:2], sep=",")')
 [[ $processors == *,* ]] || die "two processors are needed (got one)"
 
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-# run_povray SCENE LOG [OPTION...]: the whole process's wall time, s, goes to LOG.wall. It runs in the scratch folder as
-# Debian's configuration lets POV-Ray read the working folder and few others.
+# run_povray SCENE LOG [OPTION...]: writes the wall time of the whole process, in seconds, to LOG.wall. POV-Ray runs in
+# the scratch folder, because Debian's configuration lets it read few folders other than the working folder.
 run_povray() {
     local scene=$1 log=$scratch/$2 start end
     shift 2
@@ -84,12 +84,13 @@ run_postlens() {
     POSTLENS_SPD=$nff taskset -c "$processors" "$bench" "--benchmark_filter=^spd_picture/$scene/" \
         --benchmark_format=json >"$json" 2>"$json.errors" ||
         die "$bench failed on $scene: $(tail -n 1 "$json.errors")"
-    # No match is no failure to the benchmark library.
+    # The benchmark library does not fail if no benchmark matches.
     [[ -s $json ]] || die "$bench has no benchmark spd_picture/$scene"
 }
 
-# POV-Ray counts rays that it makes at the last level and does not trace, and a shadow ray anew behind each transparent
-# surface. One level less counts those that are traced; glass without shadows counts each shadow ray once.
+# POV-Ray also counts rays at the last level, which it does not trace, and counts a shadow ray again behind each
+# transparent surface. A run with one level less counts only traced rays. A run with glass that casts no shadow counts
+# each shadow ray once.
 for scene in "${scenes[@]}"; do
     python3 "$here/nff_to_pov.py" "$nff/$scene.nff" "$scratch/$scene.pov"
     run_povray "$scene" "$scene.traced" Declare=Max_Depth=4
@@ -98,7 +99,7 @@ done
 
 for ((round = 1; round <= rounds; ++round)); do
     for scene in "${scenes[@]}"; do
-        # By turns first, so that what the one leaves behind (clock, caches) does not always meet the same other.
+        # The programs alternate in running first, because the first one affects the second (clock rate, caches).
         if ((round % 2)); then
             run_povray "$scene" "$scene.povray.$round"
             run_postlens "$scene" "$scene.postlens.$round"

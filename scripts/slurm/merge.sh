@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Merges the parts of a job array when all are there; see docs/farm.md.
+# Merges the parts of a job array after all its tasks; see docs/farm.md.
 #
 #   merge.sh POSTLENS OUTPUT PART...
 set -euo pipefail
