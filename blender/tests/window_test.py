@@ -25,7 +25,7 @@ from blender_bench import Program, bars, boxes, bpy, folder, glowing, words  # n
 TICK_S = 0.02
 # Samples of a render, and views of a light field, that take minutes.
 ENDLESS_SPP, ENDLESS_VIEWS = 1000000, 4096
-# Longest wait for what a test needs, and for what must happen soon, s. The machine may be busy with other work.
+# Longest waits on a busy machine, in seconds: for a condition that a test needs, and for one that must be met soon.
 PATIENCE_S, SOON_S = 300, 30
 
 
@@ -482,7 +482,7 @@ def step():
     try:
         next(POSTLENS_OT_test.steps)
     except StopIteration as done:
-        # Blender's quit has no exit code for a script to choose.
+        # A script cannot choose the exit code with which Blender quits.
         os._exit(done.value)
 
 

@@ -108,8 +108,7 @@ class Mender {
     }
 
     /// Returns true if neighbouring pixels of depths a and b can belong to one surface beside an edge. `step`
-    /// is the change of depth at the edge. Two infinite depths are compared by a == b: their difference is
-    /// NaN.
+    /// is the change of depth at the edge. Two infinite depths are equal, but their difference is NaN.
     [[nodiscard]] static bool is_plateau(double step, float a, float b) {
         return a == b || std::abs(static_cast<double>(a) - static_cast<double>(b)) <= plateau * step;
     }

@@ -35,8 +35,8 @@ struct StackSample {
 inline constexpr double opaque_transmittance = 1e-3;
 
 /// Returns the transmittance of all samples that lie behind the last opaque sample, or of the whole stack if
-/// no sample is opaque. If the last sample of the stack is opaque, nothing is known behind it, and the result
-/// is at most opaque_transmittance.
+/// no sample is opaque. A stack that ends with an opaque sample yields at most opaque_transmittance, because
+/// nothing is known behind that sample.
 [[nodiscard]] double transmittance_behind(std::span<const StackSample> stack);
 
 /// Returns the bits of a value of an id channel as an id. If `whole` is true, `value` holds the bits of an
