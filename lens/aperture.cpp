@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec2;
 
-/// If rim_scale (see Aperture) is below this value, the rim that causes cat's-eye vignetting is ignored.
-/// Projected onto the lens from such a near scene point, this rim has a radius of more than 20 lens radii.
+/// If the scale `rim_scale` of the rim that causes cat's-eye vignetting (see Aperture) is below this value,
+/// the rim is ignored. Its projection onto the lens then has a radius of more than 20 lens radii.
 constexpr double smallest_rim_scale = 0.05;
 /// Largest distance, in lens radii, between the true shape of the aperture and the polygon from which
 /// sample() draws points.
@@ -80,8 +80,8 @@ Aperture::Aperture(const Impulse& impulse, std::optional<AperturePicture> pictur
         accumulate(row_light_.begin(), row_light_.end());
     } else {
         rim_ = whole(fine);
-        // Outlines replace a circle by a polygon of equal area, so the corners lie outside the circle. At the
-        // largest tolerance in use, 0.02, their distance from the circle is less than 1.5 % of the radius.
+        // An outline is a polygon with the same area as the circle, so its corners lie outside the circle. At
+        // the largest tolerance in use, 0.02 lens radii, they lie outside by less than 1.5 % of the radius.
         constexpr double coarsest = 1.015;
         farthest_ = coarsest * std::max(1.0, 1 / impulse.squeeze);
         for (std::size_t i = 0; i < rim_.size(); ++i) {

@@ -55,21 +55,22 @@ class Aperture {
     /// Largest distance of a point of the aperture from its centre.
     [[nodiscard]] double farthest() const { return farthest_; }
 
-    /// Returns the outline of the part of the aperture that transmits light at a field position. `rim_scale`
-    /// scales the second rim, which causes cat's-eye vignetting (see Aperture). The outline is a polygon
-    /// whose sides are within `tolerance`, in lens radii, of the true curve. It is empty if no light passes.
-    /// Not available for apertures given as images.
+    /// Returns the outline of the part of the aperture that transmits light to the image position `field`. A
+    /// second rim, scaled by `rim_scale`, causes cat's-eye vignetting (see Aperture). The outline is a
+    /// polygon whose sides are within `tolerance`, in lens radii, of the true curve. It is empty if no light
+    /// passes. Not available for apertures given as images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
-    /// Returns the outline of the second rim, which causes cat's-eye vignetting, in lens coordinates. If
-    /// rim_scale is so small that the rim is ignored, the result is a square around the whole aperture.
+    /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
+    /// radii. If rim_scale is below 0.05, the rim is ignored, and the result is a square around the whole
+    /// aperture.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
-    /// Returns true if light through point q of the aperture is not blocked by the second rim, which causes
-    /// cat's-eye vignetting.
+    /// Returns true if the rim that causes cat's-eye vignetting does not block light through point q of the
+    /// aperture.
     [[nodiscard]] bool passes(const glm::dvec2& q, const glm::dvec2& field, double rim_scale = 1) const;
-    /// Returns the fraction of the aperture's light that the second rim, which causes cat's-eye vignetting,
-    /// transmits. It is 1 without such a rim. The result is exact for the disc. For other shapes, it is
-    /// interpolated in a table, with an error of about 1e-3 at rim_scale 1.
+    /// Returns the fraction of the aperture's light that passes the rim that causes cat's-eye vignetting. It
+    /// is 1 without such a rim. The result is exact for the disc. For other shapes, it is interpolated in a
+    /// table, with an error of about 1e-3 for distant scene points (rim_scale 1).
     [[nodiscard]] double transmission(const glm::dvec2& field, double rim_scale = 1) const;
 
     /// Maps (u, v) in [0, 1)^2 to a point of the aperture. The density of the points is proportional to the

@@ -32,8 +32,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
         return static_cast<int>(
             std::clamp(std::ceil(centre + reach), static_cast<double>(low), static_cast<double>(high)));
     };
-    // `reach_px` is the largest distance of light from the centre. It is slightly enlarged, because rounding
-    // might otherwise exclude a corner of the outline that lies on a pixel border.
+    // The reach is slightly enlarged. Otherwise, rounding might exclude a corner of the outline that lies on
+    // a pixel border.
     const double reach = reach_px * (1 + 1e-9) + 1e-9;
     const int x_begin = begin(image.centre_px.x, reach, window.x_begin, window.x_end),
               x_end = end(image.centre_px.x, reach, x_begin, window.x_end),
@@ -43,9 +43,8 @@ ResponseGrid grid_for(const ApertureImage& image, double reach_px, const PixelWi
 }
 
 /// Returns the number of parts into which a straight line of `length` on the lens is divided. Spherical
-/// aberration bends the image of the line, and the image of each part deviates from a straight line by less
-/// than 0.02 px. The number follows from the largest second derivative of the aberration, spherical_px q
-/// |q|^2, where q is a point of the lens.
+/// aberration bends the image of the line, but the image of each part deviates from a straight line by less
+/// than 0.02 px.
 int parts_of(double length, double spherical_px) {
     constexpr double within_px = 0.02, most = 256;
     const double longest = std::sqrt(8 * within_px / (6 * std::sqrt(2.0) * std::abs(spherical_px)));
@@ -186,15 +185,15 @@ double largest_reach_px(const Aperture& aperture, const ApertureImage& image) {
 }
 
 double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px) {
-    // Let R be `radius_px`, and S be `spherical_px`. Light through the lens at distance rho from its centre
-    // lands at the distance |R rho + S rho^3| from the image of the point. The radius of the rim is taken
-    // from half_extent, because Aperture::farthest is slightly too large.
+    // Light through the lens at distance rho from its centre lands |R rho + S rho^3| px from the point's
+    // image, where R is `radius_px` and S is `spherical_px`. `rim` is the largest rho. Except for aperture
+    // images, Aperture::farthest is slightly too large for it.
     const dvec2 half = aperture.half_extent();
     const double rim = aperture.picture() ? aperture.farthest() : std::max(half.x, half.y),
                  square = rim * rim;
     const double out = rim * std::abs(radius_px + spherical_px * square);
-    // The light at the rim is the farthest, unless the distance |R rho + S rho^3| has a local maximum inside
-    // the rim, where its derivative R + 3 S rho^2 is 0.
+    // Light through the rim lands farthest, unless |R rho + S rho^3| has a local maximum inside the rim,
+    // where its derivative R + 3 S rho^2 is 0.
     if (radius_px * spherical_px >= 0 || std::abs(radius_px) >= 3 * std::abs(spherical_px) * square)
         return out;
     const double zone = std::sqrt(-radius_px / (3 * spherical_px));
@@ -203,9 +202,8 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
-    // With cats_eye (mechanical vignetting), the outline varies over the field, but one response is used for
-    // a whole region of the image. A tolerance below 0.02 px would therefore not make the image more
-    // accurate.
+    // With cats_eye (mechanical vignetting), the outline varies over the image, but one response is used for
+    // a whole region. A tolerance of 0.02 px is therefore fine enough.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

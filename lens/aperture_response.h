@@ -6,7 +6,7 @@
 
 namespace postlens {
 
-/// Maps a lens point q to the position where its light lands on the film. The position is `map_px q +
+/// The image of one scene point on the film. Light through lens point q, in lens radii, lands at `map_px q +
 /// spherical_px q |q|^2`, in px relative to `centre_px`. For scene points in front of the plane in focus,
 /// map_px also rotates the image of the aperture by 180 degrees.
 struct ApertureImage {
@@ -38,10 +38,10 @@ inline constexpr double smallest_response_px = 1e-4;
 /// Returns an upper bound of the distance between the response's centre and its farthest light, in px.
 [[nodiscard]] double largest_reach_px(const Aperture& aperture, const ApertureImage& image);
 
-/// Returns the largest distance, in px, between the image of a point and light that comes from the point.
-/// `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is the spherical
-/// aberration as in ApertureImage. Where the aberration counteracts the defocus, this result is exact,
-/// whereas largest_reach_px is too large.
+/// Returns the largest distance, in px, between the geometric image of a scene point and the light of this
+/// point. `radius_px` is the signed radius of the circle of confusion, and `spherical_px` is the spherical
+/// aberration as in ApertureImage. The result is exact, whereas largest_reach_px is too large where the
+/// aberration counteracts the defocus.
 [[nodiscard]] double farthest_light_px(const Aperture& aperture, double radius_px, double spherical_px);
 
 /// Computes the response of any aperture within a window. Over the whole plane, its values add up to 1, or to

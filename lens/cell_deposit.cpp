@@ -39,8 +39,8 @@ void CellDeposit::add(std::span<const dvec2> corners, double energy) {
         add_side(corners[i], corners[(i + 1) % corners.size()], density);
 }
 
-// Adds one side of a polygon: the energy of the whole area to the right of the side. It is positive if the
-// side runs upwards, and negative if it runs downwards. Summed over all sides of a polygon, only the energy
+// Adds the energy of the whole area to the right of one side of a polygon. It is positive if the side runs
+// upwards, and negative if the side runs downwards. Summed over all sides of the polygon, only the energy
 // inside the polygon remains.
 void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
     const dvec2 a = from - dvec2(grid_.x_begin, grid_.y_begin), b = to - dvec2(grid_.x_begin, grid_.y_begin);
@@ -66,7 +66,7 @@ void CellDeposit::add_side(const dvec2& from, const dvec2& to, double density) {
         }
         if (x0 >= grid_.width) continue;
         const double width = x1 - x0;
-        // Some of the side lies to the left of the first column. The first pixel lies completely to the right
+        // A part of the side lies to the left of the first column. All of the first pixel lies to the right
         // of this part.
         double inside = 1;
         if (x0 < 0) {

@@ -24,8 +24,8 @@ Ellipse Ellipse::from_map(const glm::dmat2& m, double smallest_px) {
     const double minor = major > 0 ? det * det / major : 0;
     if (major <= smallest_squared) return disc(smallest_px);
     if (minor < smallest_squared) {
-        // Widens only the minor axis. M M^T = minor I + (major - minor) a a^T, where a is the unit vector
-        // along the major axis.
+        // Lengthens only the minor axis. With the unit vector a along the major axis, M M^T is minor I +
+        // (major - minor) a a^T.
         const double a_xx = spread > 0 ? (1 + (xx - yy) / 2 / spread) / 2 : 1;
         const double a_yy = 1 - a_xx;
         const double a_xy = spread > 0 ? xy / 2 / spread : 0;
@@ -89,12 +89,12 @@ double EllipseRows::right_edge(double t) const {
     return e_.shear * t + e_.half_chord * root_at(e_, t);
 }
 
-/// Returns the area of the part of the strip that lies to the left of x. The strip is the part of the ellipse
-/// within one pixel row, and x is relative to the centre.
+/// Returns the area to the left of x in the strip, which is the part of the ellipse within one pixel row. x
+/// is relative to the centre.
 ///
-/// Let left(t) and right(t) be the ends of the chord at height t. The area is the integral of min(right(t),
-/// x) - min(left(t), x) over t. It is split at the heights where the outline of the ellipse crosses x.
-/// Between these heights, it has a closed form.
+/// The area is the integral of min(right(t), x) - min(left(t), x) over the height t, where left(t) and
+/// right(t) are the ends of the ellipse's chord at t. It has a closed form between the heights where the
+/// outline of the ellipse crosses x.
 double EllipseRows::area_left_of(const Strip& strip, double x) const {
     const double k = e_.shear;
     const double s = e_.half_chord;
@@ -147,9 +147,9 @@ void EllipseRows::row(int y, CoverageSpan& out) const {
     strip.segment1 = segment_at(e_, strip.t1);
     const double total = e_.half_chord * 2 * std::max(0.0, strip.segment1 - strip.segment0);
 
-    // The strip is the part of the ellipse in this pixel row. If the row contains the rightmost point of the
-    // ellipse, this point is the right end of the strip. Otherwise the right end lies on the upper or lower
-    // border of the row, because the ellipse is convex. The same holds for the left end.
+    // Finds the left and right ends of the strip (the part of the ellipse in this pixel row). The right end
+    // is the rightmost point of the ellipse, if the row contains this point. Otherwise it lies on the upper
+    // or lower border of the row. The same holds for the left end.
     const double widest = e_.half_width();
     const double t_widest = widest > 0 ? e_.half_height * (e_.shear * e_.half_height / widest) : 0;
     double x_max = std::max(right_edge(strip.t0), right_edge(strip.t1));

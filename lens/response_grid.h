@@ -8,9 +8,8 @@ namespace postlens {
 
 /// The energy in each pixel of a rectangle. Coordinates are in px relative to the anchor, an integer raster
 /// position, with x to the right and y down. Pixel (i, j) covers [x_begin + i, x_begin + i + 1) x [y_begin +
-/// j, y_begin + j + 1). The function that makes the grid chooses the position of the point's geometric image,
-/// which may lie anywhere in a pixel. Values are not negative. They add up to 1 unless that function
-/// documents a loss of light.
+/// j, y_begin + j + 1). Values are not negative. They add up to 1, unless the function that makes the grid
+/// documents a loss of light. The geometric image of the point light source may lie anywhere in a pixel.
 struct ResponseGrid {
     int x_begin = 0, y_begin = 0;
     int width = 0, height = 0;

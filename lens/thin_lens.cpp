@@ -21,8 +21,8 @@ double image_distance_mm(const ThinLens& lens, double focus_distance_m) {
 }
 
 double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double depth_m) {
-    // This is F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3]. The numerator and the denominator are
-    // divided by z s, so that z and s may be infinite.
+    // Evaluates F^2 (z - s) / (n z (s - F)) [potmesil1981, eq. 3], with numerator and denominator divided by
+    // z s, so that z and s may be infinite.
     return image_distance_mm(lens, focus_distance_m) * lens.aperture_diameter_mm() * metres_per_mm *
            inverse_difference_per_m(focus_distance_m, depth_m);
 }
@@ -30,8 +30,8 @@ double coc_diameter_mm(const ThinLens& lens, double focus_distance_m, double dep
 DepthOfField depth_of_field(const ThinLens& lens, double focus_distance_m, double coc_limit_mm) {
     const double focal_m = lens.focal_length_mm * metres_per_mm;
     const double s = focus_distance_m;
-    // q = H - F, with the hyperfocal distance H and the focal length F. If coc_limit_mm is 0, q is infinite
-    // and only the focus distance s is sharp. The formulas below only divide by q, so they remain defined.
+    // q is the hyperfocal distance H minus the focal length F. If coc_limit_mm is 0, q is infinite and only
+    // the focus distance s is sharp. The formulas below only divide by q, so they remain defined.
     const double q =
         lens.focal_length_mm * lens.focal_length_mm / (lens.f_number * coc_limit_mm) * metres_per_mm;
     DepthOfField out;

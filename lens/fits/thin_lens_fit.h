@@ -22,8 +22,9 @@ struct CocPair {
 
 struct FittedNumber {
     double value = 0;
-    /// Standard error, estimated from the residuals of the fit. Absent if the number was given, if the data
-    /// do not determine it, or if there are no more measurements than fitted parameters.
+    /// Standard error of `value`, estimated from the residuals of the fit. Absent if the value was given in
+    /// the request, if the data do not determine it, or if there are no more measurements than fitted
+    /// parameters.
     std::optional<double> standard_error;
 };
 

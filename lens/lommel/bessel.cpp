@@ -7,8 +7,8 @@
 namespace postlens {
 
 int bessel_last_order(double v) {
-    // Orders above the returned one are negligible. For n > v, J_n(v) decreases like Ai(2^(1/3) (n - v) /
-    // v^(1/3)), and Ai(15) is 5e-19. For small v, J_n decreases even faster.
+    // Orders above the returned one are negligible. For n > v, J_n(v) decreases like the Airy function
+    // Ai(2^(1/3) (n - v) / v^(1/3)), and Ai(15) is 5e-19. For small v, J_n decreases even faster.
     return static_cast<int>(v + 12 * std::cbrt(v)) + 30;
 }
 

@@ -12,8 +12,8 @@ namespace postlens {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-/// Below this |u|, the series for v < |u| loses precision, because the terms of a sum nearly cancel and the
-/// sum is then divided by u^2.
+/// If |u| (the defocus) is below this value, the series for v < |u| (inside the geometric disc) loses
+/// precision. Its terms nearly cancel, and their sum is then divided by u^2.
 constexpr double small_u = 8;
 
 double squared(double x) {
@@ -80,8 +80,8 @@ double lommel_intensity(double u, double v) {
     if (v == 0) return squared(std::sin(u / 4) / (u / 4));
     const std::vector<double> j = bessel_orders(v);
     if (v > u) {
-        // Evaluates (2/u)^2 (U1^2 + U2^2) with Lommel's functions U1 and U2. The factor u/v is taken out of
-        // both functions, so that u may be 0. The result for u = 0 is the Airy pattern.
+        // Evaluates (2/u)^2 (U1^2 + U2^2) with Lommel's functions U1 and U2. Both functions are divided by
+        // u/v, so that u may be 0. The result for u = 0 is the Airy pattern.
         const double x = u / v;
         double odd = 0, even = 0;
         for (std::size_t n = j.size() - 1; n >= 1; --n) {
@@ -102,8 +102,8 @@ double lommel_encircled_energy(double u, double v) {
     if (v == 0) return 0;
     const std::vector<double> j = bessel_orders(v);
     if (v > u || u < small_u) return 1 - q_sum(j, u / v);  // [born1999, 8.8, eq. 30]
-    // Computes the encircled energy by [born1999, 8.8, eq. 29], where Y_n is the sum of (-1)^s (n + 2 s)
-    // (v/u)^(n + 2 s) J_(n + 2 s) over s = 0, 1, ..
+    // Computes the encircled energy by [born1999, 8.8, eq. 29]. In that equation, Y_n is the sum of (-1)^s (n
+    // + 2 s) (v/u)^(n + 2 s) J_(n + 2 s) over s = 0, 1, ..
     const double x = v / u;
     double Y1 = 0, Y2 = 0, power = x;
     for (std::size_t n = 1; n < j.size() && power > 1e-18; ++n) {

@@ -7,10 +7,10 @@
 
 namespace postlens {
 
-/// Writes I(u, i step) to intensity[i] for i = 0, 1, .. `grid` must have at least as many entries as
-/// `intensity`. Eight values of v are computed at once, by a series in v/u or u/v. Terms below 1e-11 of the
-/// mean intensity are omitted. Results are bit-identical on all machines whose libraries compute the same
-/// sine and Bessel functions. `lommel_intensity` is the slow reference.
+/// Writes the intensity I(u, v) at defocus u and radius v = i grid.step to intensity[i]. `grid` must have at
+/// least as many entries as `intensity`. Terms below 1e-11 of the mean intensity are omitted. Results are
+/// bit-identical on all machines whose libraries compute the same sine and Bessel functions.
+/// `lommel_intensity` is the slow reference.
 void lommel_row(double u, const BesselGrid& grid, std::span<double> intensity);
 
 }  // namespace postlens

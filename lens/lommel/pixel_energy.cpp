@@ -21,14 +21,15 @@ constexpr double two_pi = 2 * std::numbers::pi;
 /// pi r^2) over y. The substitution y = x sinh t, r = x cosh t turns it into the integral of L / (2 pi cosh
 /// t) over t. Equal steps of t are short steps of r where the border is close to the centre.
 double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
-    // The energy flow is negligible at distances below this value, because the encircled energy is
-    // proportional to the square of the radius near the centre.
+    // At distances below this value, the energy flow is negligible, because the encircled energy near the
+    // centre is proportional to the square of the radius.
     constexpr double nothing_px = 1e-7;
     const double distance = std::abs(x);
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
-    // A panel spans at most 6 units of the radius v, so that its 16 quadrature nodes resolve the diffraction
-    // fringes. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
+    // A panel of the quadrature spans at most 6 units of v (the optical radius), so that its 16 nodes resolve
+    // the diffraction fringes. The limit of 64 panels matters only where a pixel contains hundreds of
+    // fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -43,15 +44,15 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     return std::copysign(sum * width / two_pi, x);
 }
 
-/// Returns the width, in px, over which fringes are averaged. It is slightly smaller than the distance
-/// between two quadrature nodes, which gives the smallest error for fringes of intermediate width.
+/// Returns the width, in px, over which diffraction fringes are averaged. A width slightly below the distance
+/// between two quadrature nodes gives the smallest error for fringes of intermediate width.
 double smoothing_px(const PixelEnergySettings& settings) {
     return 0.7 / settings.nodes;
 }
 
-/// Table of L / (2 pi r^2) over the radius r, where L is the encircled energy (the energy within radius r).
-/// Fine fringes are averaged. A value of the table, multiplied by x, is the energy that flows through a unit
-/// length of a pixel border at distance x from the centre.
+/// Table of the energy that flows through a pixel border, over the distance r from the centre. A value,
+/// multiplied by x, is the energy per unit length of a border at distance x from the centre. The value is L /
+/// (2 pi r^2), where L is the energy within radius r, averaged over fine fringes.
 class FlowTable {
   public:
     FlowTable(const RadialProfile& profile, double begin_px, double end_px, double width_px)
@@ -75,7 +76,8 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy flow in the direction of x through pixel borders that lie on a line of constant x.
+/// Computes the energy that flows in the direction of x through a pixel border, which is a line of constant
+/// x.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -88,8 +90,8 @@ class Flow {
         const double furthest_y = std::max(std::abs(y0), std::abs(y1));
         const double r0 = std::sqrt(x * x + nearest_y * nearest_y);
         if (r0 < settings_.near_px) return near_flow(profile_, x, y0, y1);
-        // Along a border, the energy flow per unit length depends only on the distance r from the centre. It
-        // is integrated by two-point Gauss quadrature.
+        // x is constant along a border, so the energy flow per unit length depends only on the distance r
+        // from the centre. It is integrated by two-point Gauss quadrature.
         constexpr double node = 0.21132486540518713;  // (1 - 1/sqrt(3)) / 2
         const double span = std::sqrt(x * x + furthest_y * furthest_y) - r0;
         const int pairs = std::max(2, static_cast<int>(std::ceil(span * settings_.nodes / 2)));
@@ -108,9 +110,9 @@ class Flow {
     FlowTable table_;
 };
 
-/// Computes the energy flow through all pixel borders. If the response is centred on a corner or the centre
-/// of a pixel, the pixel grid is symmetric about that point. The flow is then computed for one quadrant in
-/// advance and reused for the other quadrants.
+/// Computes the energy that flows through each pixel border. If the response is centred on a corner or the
+/// centre of a pixel, the pixel grid is symmetric about that point. The flow is then computed for one
+/// quadrant in advance and reused for the other quadrants.
 class Borders {
   public:
     Borders(const Flow& flow, double centre_x, double centre_y, int reach) : flow_(flow) {
@@ -121,7 +123,8 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // The grid has no pixel borders beyond this distance, and the table of the flow ends there.
+                // The grid has no pixel borders farther than this from the centre, and the flow is not
+                // tabulated there.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }
@@ -152,8 +155,8 @@ double reach_px(const ResponseGrid& grid, double centre_x, double centre_y,
                 const PixelEnergySettings& settings) {
     const double x = furthest(grid.x_begin, grid.width, centre_x);
     const double y = furthest(grid.y_begin, grid.height, centre_y);
-    // The flow is computed for one quadrant of a square around the grid (see Borders). The profile must
-    // extend to the corners of this square, with a margin for the averaging of fringes.
+    // The energy flow is computed in a square around the grid. The profile must extend to the corners of this
+    // square, with a margin for the averaging of fringes.
     return std::max(std::numbers::sqrt2 * (std::max(x, y) + 1), settings.near_px) +
            4 * smoothing_px(settings);
 }

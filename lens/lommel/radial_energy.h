@@ -8,13 +8,13 @@
 
 namespace postlens {
 
-/// The impulse response of a circular aperture with defocus u, tabulated over the radius v in [0, v_end]. The
-/// steps resolve every fringe, because the intensity I(u, v) contains no angular frequency above 2 along v.
-/// The energy in a ring of width dv is dE = I v dv / 2. The intensity is 1 at (u, v) = (0, 0), and the total
-/// energy through the aperture is 1.
+/// The impulse response of a circular aperture at defocus u, tabulated over the optical radius v in [0,
+/// v_end]. The steps resolve every fringe, because the intensity I(u, v) contains no angular frequency above
+/// 2 along v. I(0, 0) is 1. A ring of width dv contains the energy dE = I v dv / 2, and the total energy is
+/// 1.
 class RadialEnergy {
   public:
-    /// Returns the step of v that the table for u uses: 1/8 or 1/2.
+    /// Returns the step of v in a table for defocus u: 1/8 or 1/2.
     [[nodiscard]] static double step_for(double u);
     /// Returns the number of entries that a BesselGrid needs for a table up to v_end.
     [[nodiscard]] static std::size_t grid_count(double step, double v_end);

@@ -35,9 +35,9 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
             sum += p.weight * p.energy->within(v);
             continue;
         }
-        // Where `within` is smooth, its value at v is 26/24 of its mean over the interval of width w around
-        // v, minus 1/24 of its mean over each of the two neighbouring intervals of width w. The error is
-        // 3/640 of the fourth difference.
+        // Approximates `within` at v by its means over three adjacent intervals of width w: 26/24 of the
+        // middle mean, minus 1/24 of each of the outer means. Where `within` is smooth, the error is 3/640 of
+        // its fourth difference.
         const double m0 = p.energy->within_integral(v - 1.5 * w), m1 = p.energy->within_integral(v - 0.5 * w);
         const double m2 = p.energy->within_integral(v + 0.5 * w), m3 = p.energy->within_integral(v + 1.5 * w);
         sum += p.weight * (27 * (m2 - m1) - (m3 - m0)) / (24 * w);
@@ -46,7 +46,8 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // 1/2 and 3/2 of the width over which fringes are averaged, in steps of the row.
+    // Distances from a radius to the ends of its averaging intervals: 1/2 and 3/2 of `width_px`, as numbers
+    // of samples of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {
@@ -73,8 +74,8 @@ std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px
 }
 
 double RadialProfile::density(double radius_px) const {
-    // A ring of area 2 pi r dr contains the energy dE = I v dv / 2. The energy density is the ratio of the
-    // two.
+    // A ring of width dr has the area 2 pi r dr and the energy I v dv / 2, where v = r v_per_px. Its energy
+    // per area is therefore I v_per_px^2 / (4 pi).
     double sum = 0;
     for (const Part& p : parts_) {
         sum += p.weight * lommel_intensity(p.energy->u(), radius_px * p.v_per_px) * p.v_per_px * p.v_per_px;

@@ -30,7 +30,7 @@ class RadialProfile {
     /// and from end_px().
     [[nodiscard]] double smoothed_within(double radius_px, double width_px) const;
     /// Returns `smoothed_within` at `count` radii, which start at `begin_px` and are width_px / row_steps
-    /// apart. This is faster than single calls, because each computed integral serves four radii.
+    /// apart. This is faster than single calls, because each integral of `within` is used for four radii.
     static constexpr int row_steps = 6;
     [[nodiscard]] std::vector<double> smoothed_row(double begin_px, double width_px, std::size_t count) const;
     /// Returns the energy per px^2 at a radius, computed from the closed form of the intensity.

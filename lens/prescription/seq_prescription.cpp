@@ -18,8 +18,8 @@ namespace {
 class SeqReader {
   public:
     explicit SeqReader(const std::string& file) : glasses_(file) { lens_.file = file; }
-    /// Reads a command in one of two passes. If `glasses` is true, only definitions of private glasses are
-    /// read. Otherwise only all other commands are read.
+    /// Reads a command in one of two passes. The first pass (`glasses` is true) reads only definitions of
+    /// private glasses, and the second pass reads only the other commands.
     void command(int line, const SeqWords& words, bool glasses);
     Prescription finish();
 
@@ -240,8 +240,8 @@ Prescription SeqReader::finish() {
         s.clear_radius_mm *= mm_per_unit_;
         lens_.surfaces.push_back(s);
     }
-    // The thickness of the image surface is the defocus, which is the distance from the image surface to the
-    // film.
+    // In CODE V, the thickness of the image surface is the defocus: the distance from the image surface to
+    // the film.
     const double film = lens_.surfaces.back().thickness_mm + all_.back().thickness_mm * mm_per_unit_;
     if (film != 0) lens_.film_distance_mm = film;
     // If no command defines the stop, CODE V uses the first surface.

@@ -57,8 +57,8 @@ FanTable::Place FanTable::place(double inverse_depth_per_m, double tangent) cons
     Place out;
     out.depth = static_cast<std::size_t>(std::clamp(std::floor(d), 0.0, static_cast<double>(depths - 2)));
     out.field = static_cast<std::size_t>(std::min(std::floor(f), static_cast<double>(fields - 2)));
-    // Outside the table, responses are extrapolated linearly over at most 1000 depth steps. Farther out, they
-    // stay constant.
+    // Beyond the table, responses are extrapolated linearly over at most 1000 depth steps of the table.
+    // Farther out, they stay constant.
     out.depth_part = std::clamp(d - static_cast<double>(out.depth), -1e3, 1e3);
     out.field_part = f - static_cast<double>(out.field);
     return out;
@@ -90,8 +90,8 @@ double FanTable::light(double tangent) const {
     return glm::mix(light_[p.field], light_[p.field + 1], p.field_part);
 }
 
-// Returns an upper bound of a tabulated value at an inverse depth. Within the table, it is the larger of the
-// two neighbouring values. Beyond the table, it grows linearly.
+// Returns an upper bound of a tabulated quantity at an inverse depth. Within the table, the bound is the
+// larger of the two neighbouring values. Beyond the table, it grows linearly.
 double FanTable::of_depth(const std::vector<double>& values, double inverse_depth_per_m) const {
     const Place p = place(inverse_depth_per_m, 0);
     const double low = values[p.depth], high = values[p.depth + 1];

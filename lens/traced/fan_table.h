@@ -13,9 +13,9 @@ namespace postlens {
 /// parallel. Results are bit-identical for any number of threads.
 class FanTable {
   public:
-    /// Makes a table for inverse depths from 0 to `largest_inverse_depth_per_m`, or to that of the focus if
-    /// it is larger, and for tangents from 0 to `widest_tangent`. Beyond the largest inverse depth, responses
-    /// grow linearly. Beyond the widest tangent, they stay constant.
+    /// Makes a table for inverse depths from 0 to `largest_inverse_depth_per_m` or to the inverse focus
+    /// distance, whichever is larger, and for tangents from 0 to `widest_tangent`. Beyond the largest inverse
+    /// depth, responses grow linearly. Beyond the widest tangent, they stay constant.
     FanTable(const LensView& view, double largest_inverse_depth_per_m, double widest_tangent);
 
     [[nodiscard]] PupilFan fan(double inverse_depth_per_m, double tangent) const;
@@ -27,9 +27,9 @@ class FanTable {
     /// distance on the film from the object point's image to the farthest light of that point, divided by the
     /// film distance.
     [[nodiscard]] double reach(double inverse_depth_per_m) const;
-    /// Returns an upper bound of how fast the response changes over the field. If the object point moves,
-    /// this is the movement of a ray's landing point relative to the image of the object point, divided by
-    /// the movement of the object point. Both movements are measured as tangents.
+    /// Returns an upper bound of how fast the response changes over the field. The change is the movement of
+    /// a ray's landing point relative to the image of the object point, per unit of movement of the object
+    /// point. Both movements are measured as tangents.
     [[nodiscard]] double change_over_field(double inverse_depth_per_m) const;
 
     static constexpr std::size_t depths = 7, fields = 25;

@@ -14,8 +14,8 @@ constexpr int nodes = 25;
 constexpr int edge_nodes = 65;
 constexpr int circle_numbers = 6;
 
-// Residual of the polynomial for one coordinate of one ray's landing point on the film. It is linear in the
-// coefficients.
+// Error of the polynomial model for one coordinate (x or y) of one ray's landing point on the film. It is
+// linear in the coefficients.
 class LandingResidual : public ceres::SizedCostFunction<1, static_cast<int>(polynomial_terms)> {
   public:
     LandingResidual(const std::array<double, polynomial_terms>& terms, double mm) : terms_(terms), mm_(mm) {}
@@ -48,7 +48,7 @@ struct EdgeResidual {
         for (int i = 0; i < 3; ++i) {
             const Number* c = circles + circle_numbers * i;
             const Number y = at.y - (c[0] + c[4] * K) * T - c[1] * (T * T * T);
-            // The derivative of the root is infinite at 0, so the term 1e-12 keeps the argument of the root
+            // At 0, the derivative of the root is infinite. The term 1e-12 keeps the argument of the root
             // above 0.
             const Number outside = sqrt(at.x * at.x + y * y + 1e-12) - (c[2] + c[3] * (T * T) + c[5] * K);
             if (first || outside > residual[0]) residual[0] = outside;
@@ -76,9 +76,9 @@ void solve(ceres::Problem& problem, const char* what) {
     }
 }
 
-// Adds residuals that fit the three circles to the traced edge of the pupil. If only one of two neighbouring
-// rays of the mesh passes the lens, the edge is assumed to lie halfway between them. Points are in radii of
-// the paraxial pupil.
+// Adds residuals that fit the three circles of the pupil (see PupilCircle) to the traced edge of the pupil.
+// If only one of two neighbouring rays of the mesh passes the lens, the edge is assumed to lie halfway
+// between them. Points are in radii of the paraxial pupil.
 void add_edge(const PupilMesh& mesh, double T, double K, double radius_mm, ceres::Problem& problem,
               double* circles) {
     const auto n = static_cast<std::size_t>(mesh.nodes);
@@ -110,8 +110,8 @@ std::array<PupilCircle, 3> paraxial_circles(const Prescription& lens, const Trac
     const auto rim = [&](std::size_t surface, PupilCircle& circle) {
         const double clear = stack.clear_radius_mm(surface);
         if (!std::isfinite(clear) || surface == stack.stop()) return;
-        // A paraxial ray through point q of the pupil, with field tangent t, meets the surface at the height
-        // a q - b t.
+        // A paraxial ray that passes the pupil at the height q, at the field tangent t, meets the surface at
+        // the height a q - b t.
         const double z = f.entrance_pupil_z_mm;
         const double a = paraxial_ray(lens, traced.wavelength_nm(), {1, 0}, surface).y_mm;
         const double b = paraxial_ray(lens, traced.wavelength_nm(), {-z, 1}, surface).y_mm;

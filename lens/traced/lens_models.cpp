@@ -100,9 +100,9 @@ LensModelRange lens_model_range(const TracedLens& lens, double a_m, double b_m, 
 LensModels::LensModels(const Prescription& lens, const TracedLens& traced) : traced_(&traced) {
     const FirstOrder& f = traced.first_order();
     pupil_radius_mm_ = 0.5 * f.entrance_pupil_diameter_mm * f.f_number / traced.f_number();
-    // `landing` returns the height at which a paraxial ray lands on the film. The ray comes from a point on
-    // the axis at the given inverse depth, measured from the pinhole, and passes through the pupil at the
-    // height 1 mm. The returned height is 0 if the point is in focus.
+    // `landing` returns the height at which a paraxial ray meets the film, per mm of its height in the pupil.
+    // The ray comes from a point on the axis at the given inverse depth, measured from the pinhole. The
+    // result is 0 if the point is in focus.
     const double nm = traced.wavelength_nm(), film = traced.film_distance_mm();
     const std::size_t last = lens.surfaces.size() - 1;
     const auto landing = [&](double inverse_depth_per_mm) {

@@ -43,9 +43,9 @@ struct ModelRay {
 inline constexpr std::size_t pupil_terms = 13;
 inline constexpr std::size_t polynomial_terms = 2 * pupil_terms;
 
-/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. Let T be the
-/// field tangent and K the defocus, each divided by its largest value. The centre of the circle is (0, (shift
-/// + shift_by_depth K) T + bend T^3). Its radius is radius + radius_by_depth K + growth T^2.
+/// One of the three circles whose intersection is the pupil, in radii of the paraxial pupil. Its centre is
+/// (0, (shift + shift_by_depth K) T + bend T^3), and its radius is radius + radius_by_depth K + growth T^2. T
+/// is the field tangent and K the defocus, each divided by its largest value.
 struct PupilCircle {
     double shift = 0, bend = 0, radius = 1, growth = 0, shift_by_depth = 0, radius_by_depth = 0;
 };
@@ -101,9 +101,8 @@ class LensModels {
     /// Returns the largest error over all depths and fields of a range.
     [[nodiscard]] double error_mm(LensModelKind kind, const LensModelRange& range) const;
 
-    /// In the thick lens, the landing point on the film is proportional to the point where the ray passes the
-    /// pupil. The ratio, in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the
-    /// depth in m.
+    /// In the thick-lens model, the landing point on the film is the pupil point times a factor. The factor,
+    /// in mm per mm, is thick_at_infinity() + thick_per_depth_m() / z', where z' is the depth in m.
     [[nodiscard]] double thick_at_infinity() const { return thick_at_infinity_; }
     [[nodiscard]] double thick_per_depth_m() const { return thick_per_depth_m_; }
 

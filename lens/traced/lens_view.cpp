@@ -74,8 +74,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
 }
 
 // Computes the light as the mean weight of rays over the unit square of (u, v), where blocked rays have
-// weight 0. The region of passing rays is divided into triangles between its centre and its edge. The region
-// is symmetric, so the triangles cover only one half of it, and the result is doubled.
+// weight 0. The region of passing rays is divided into triangles between its centre and its edge. The
+// triangles cover only one half of this symmetric region, so the result is doubled.
 double LensView::light(double tangent) const {
     ViewRay out;
     const auto weight = [&](const dvec2& at) {
@@ -141,8 +141,8 @@ dvec2 LensView::straightened(dvec2 film_mm) const noexcept {
 
 bool LensView::ray(dvec2 tangent, dvec2 uv, ViewRay& out) const noexcept {
     const double t = glm::length(tangent);
-    // The image on the film is rotated by 180 degrees, so x changes its sign. y keeps its sign, because the y
-    // axis of the raster points down and that of the film points up.
+    // The image on the film is rotated by 180 degrees, so x changes its sign. y keeps its sign, because its
+    // axis is also reversed: it points down on the raster and up on the film.
     const double scale = t > 0 ? film_radius_mm(t) / t : 0;
     SceneRay scene;
     if (!lens_->scene_ray({-scale * tangent.x, scale * tangent.y}, uv, scene)) return false;

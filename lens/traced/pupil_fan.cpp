@@ -110,8 +110,8 @@ ResponseGrid fan_response(const PupilFan& fan, const FanImage& image, const Pixe
         low = glm::min(low, nodes[k].px);
         high = glm::max(high, nodes[k].px);
     }
-    // A small response uses fewer rays. The sides of its outline still deviate from the true curve by less
-    // than 0.03 px.
+    // A small response uses only every second or fourth ring and spoke of the fan. The sides of its outline
+    // still deviate from the true curve by less than 0.03 px.
     const double extent_px = std::max(high.x - low.x, high.y - low.y) / 2;
     const std::size_t stride = extent_px < 1.5 ? 4 : extent_px < 16 ? 2 : 1;
     const auto cut = [](double at, int begin, int end) {

@@ -89,8 +89,8 @@ TracedLens::TracedLens(const Prescription& lens, const TracedLensSettings& setti
 }
 
 LensRay TracedLens::object_ray(double depth_m, dvec2 field, dvec2 pupil_mm) const noexcept {
-    // The plane of the pupil moves with the lens during focusing, but depths and tangents are relative to the
-    // pinhole, which does not move.
+    // The pupil moves with the lens during focusing. The pinhole, from which depths and tangents are
+    // measured, does not move.
     const dvec3 pupil(pupil_mm, first_order_.entrance_pupil_z_mm);
     dvec3 direction(-field, 1);
     if (std::isfinite(depth_m)) {
@@ -244,7 +244,7 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
             passes[at(i, j)] = stack_.backward(ray).passes() ? 1 : 0;
         }
     }
-    // Only the largest connected group of passing rays is used. If a prescription gives no clear radii, other
+    // Uses only the largest connected group of passing rays. If a prescription gives no clear radii, other
     // rays pass as well, which any real mount would block.
     Box box;
     std::size_t largest = 0;
@@ -279,8 +279,8 @@ TracedLens::Box TracedLens::passing_rear(double film_radius_mm, const Box& from)
 void TracedLens::find_rear_boxes() {
     const double z = stack_.last_vertex_z_mm(), to_film = film_from_vertex_mm_ - z;
     const double to_pupil = film_from_vertex_mm_ - (z + first_order_.exit_pupil_z_mm);
-    // The search for passing rays begins in a square in the plane of the last surface. The square is about
-    // twice as wide as the paraxial exit pupil, projected onto this plane from the farthest film point.
+    // The search for passing rays begins in a square in the plane of the last surface. Seen from the farthest
+    // film point, the square is about twice as wide as the paraxial exit pupil.
     const double share = std::isfinite(to_pupil) && to_pupil != 0 ? std::abs(to_film / to_pupil) : 0;
     const double radius = 0.5 * first_order_.exit_pupil_diameter_mm * first_order_.f_number / f_number_;
     const double beam =
@@ -391,7 +391,7 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         box = passing_pupil(depth_m, field, {middle - clear, middle + clear});
     }
     if (box.empty()) return false;
-    // A second search covers only the rectangle of passing rays, so that the mesh of rays fits them tightly.
+    // Searches again within the rectangle of passing rays, so that the mesh of rays fits them tightly.
     box = passing_pupil(depth_m, field, box);
     if (box.empty()) return false;
     const dvec2 step = (box.high - box.low) / static_cast<double>(nodes - 1);
@@ -406,8 +406,9 @@ bool TracedLens::impulse(double depth_m, dvec2 field, int nodes, PupilMesh& out)
         const dvec2 p = box.low + step * dvec2(i, j);
         out.pupil_mm[k] = p;
         LensRay ray = object_ray(depth_m, field, p);
-        // The weight of a ray is the solid angle per area of the pupil plane, seen from the object point: cos
-        // / r^2 = cos^3 / depth^2. It is relative to that of the ray through the centre of the pupil.
+        // The weight of a ray is the solid angle, seen from the object point, per unit of area of the pupil
+        // plane: cos / r^2 = cos^3 / depth^2. It is divided by the weight of the ray through the centre of
+        // the pupil.
         const double ratio = ray.direction.z / middle_cosine;
         const double weight = std::isfinite(depth_m) ? ratio * ratio * ratio : 1;
         out.weight[k] = static_cast<float>(weight);

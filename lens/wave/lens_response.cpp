@@ -71,8 +71,8 @@ double middle(int size_px) {
 }
 
 void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
-    // Radii below this value are replaced by it. The result is the same, because the disc still covers the
-    // same pixels.
+    // Smaller radii, including 0, are replaced by this value. The result is the same, because the disc still
+    // covers the same pixels.
     constexpr double least_radius_px = 1e-6;
     const EllipseRows rows(Ellipse::disc(std::max(radius_px, least_radius_px)), centre, centre);
     CoverageSpan span;
@@ -92,8 +92,8 @@ void fill_disc(double radius_px, double centre, ResponseGrid& grid) {
 }
 
 std::vector<double> profile_radii(double half_px, double v_per_px) {
-    // Computing a sample of the radial profile at radius v takes about v steps. The total number of steps is
-    // limited, so that the profile takes at most a few seconds.
+    // Computing a sample of the radial profile takes about v steps at the optical radius v. The total number
+    // of steps is limited, so that the profile takes at most a few seconds.
     constexpr double per_v = 4, fewest = 512, most_steps = 2e9;
     const double most = std::clamp(most_steps / std::max(half_px * v_per_px, 1.0), fewest, 8192.0);
     const auto count = static_cast<std::size_t>(std::clamp(half_px * v_per_px * per_v, fewest, most));
@@ -146,8 +146,8 @@ void make_disc(LensResponse& out, int size_px) {
     fill_disc(radius_px, middle(size_px), out.grid);
     for (const double r : profile_radii(size_px / 2.0, 0)) {
         const double share = radius_px > 0 ? std::min(r * r / (radius_px * radius_px), 1.0) : 1;
-        // Intensity inside the disc, relative to the peak in focus. The disc has the uniform intensity 1 /
-        // (area of the disc), and the peak in focus is v_per_px^2 / (4 pi).
+        // The uniform intensity of the disc, 1 / (area of the disc), divided by the peak intensity in focus,
+        // v_per_px^2 / (4 pi).
         const double inside = out.u != 0 ? 4 / (out.u * out.u) : std::numeric_limits<double>::infinity();
         out.profile.push_back({r, r * out.v_per_px, r <= radius_px ? inside : 0, share});
     }
@@ -158,7 +158,7 @@ void make_disc(LensResponse& out, int size_px) {
 /// round.
 void make_geometric(LensResponse& out, int size_px, const Aperture& aperture, double spherical_px) {
     require_memory(static_cast<std::uint64_t>(frame_bytes(size_px)), "the impulse response");
-    // Light through the rim of the lens is displaced by the radius of the CoC (circle of confusion).
+    // Light through the rim of the lens (|q| = 1) lands at the radius of the CoC (circle of confusion).
     const ApertureImage image{.map_px = glm::dmat2(out.coc_px / 2),
                               .spherical_px = spherical_px,
                               .centre_px = glm::dvec2(middle(size_px))};
@@ -249,8 +249,8 @@ LensResponse lens_response(const LensResponseRequest& request) {
                             request.impulse.squeeze == 1 && request.impulse.cats_eye == 0 &&
                             request.impulse.spherical == 0;
     const Aperture aperture = request.aperture ? *request.aperture : Aperture(request.impulse);
-    // Displacement, in px, of light through the rim that spherical aberration X (1/m) causes. At distance rho
-    // from the lens centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
+    // The displacement, in px, that spherical aberration X (1/m) causes for light through the rim. At
+    // distance rho from the lens centre, in lens radii, the aberration adds X rho^2 to the defocus 1/s - 1/z.
     const double spherical_px = aperture.spherical_per_m() * out.image_distance_mm / request.pixel_pitch_mm *
                                 request.lens.aperture_diameter_mm() / 2 * metres_per_mm;
     const double farthest_px = farthest_light_px(aperture, out.coc_px / 2, spherical_px);

@@ -33,8 +33,8 @@ struct RadialSample {
 
 struct LensResponse {
     /// The energy in each pixel, as a fraction of the total energy. The sum over the grid is
-    /// `energy_in_frame`. The geometric image is at the centre of the grid, which is the centre of a pixel
-    /// for odd sizes and a pixel corner for even sizes.
+    /// `energy_in_frame`. The geometric image of the scene point is at the centre of the grid, which is the
+    /// centre of a pixel for odd sizes and a pixel corner for even sizes.
     ResponseGrid grid;
     double energy_in_frame = 0, peak_share = 0;
     double coc_px = 0;  ///< signed
@@ -48,15 +48,16 @@ struct LensResponse {
     /// Diameter of the circle that contains half of the energy. It always describes the blur, while `fwhm_px`
     /// may describe only a bright fringe. Absent if the circle exceeds the grid.
     std::optional<double> half_energy_diameter_px;
-    /// Samples of the radial profile, from the centre to half the width of the grid. There are four samples
-    /// per unit of v (the optical radius), but at least 512 and at most 8192. There are fewer if computing
-    /// them would take more than a few seconds.
+    /// Evenly spaced samples of the radial profile, from the centre to half the width of the grid. Their
+    /// number is four per unit of v (the optical radius), but between 512 and 8192. The upper limit is lower
+    /// if computing the samples would take more than a few seconds.
     std::vector<RadialSample> profile;
 };
 
-/// Computes the response. If the f-number is infinite, the response is a disc of width 0. Throws
-/// Error(wrong_arguments) if a number of the request is out of range, or if the f-number is infinite and the
-/// response includes diffraction. Throws Error(out_of_memory), with the required memory, if memory is short.
+/// Computes the impulse response of a lens for one scene point. With an infinite f-number (a pinhole), the
+/// point is imaged as a point. Throws Error(wrong_arguments) if a number of the request is out of range, or
+/// if diffraction is requested for an infinite f-number. Throws Error(out_of_memory), with the required
+/// memory, if memory is short.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens
