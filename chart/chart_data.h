@@ -41,7 +41,7 @@ struct ChartTrace {
 
 struct ChartPoint {
     /// Name of the curve to which the point belongs. It is the method, followed by the name of the sample
-    /// file if this is not the file with the most records.
+    /// file unless this is the file with the most records.
     std::string curve;
     std::string name;             ///< unique name: curve and amount
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
@@ -58,7 +58,7 @@ struct ChartPoint {
     [[nodiscard]] bool is_rays() const { return trace.empty(); }
     [[nodiscard]] double median_s() const;
     /// Returns the seconds per image if `pictures` images (may be infinite) are made from one sample file.
-    /// They include an equal part of the time of the trace. The images are made by single calls or by one
+    /// The time of its trace is divided equally among them. The images are made by single calls or by one
     /// call for all (a sweep), whichever is faster.
     [[nodiscard]] double seconds_each(const ChartTrace* from, double pictures) const;
 };
@@ -70,7 +70,7 @@ struct ChartData {
     nlohmann::ordered_json about;  ///< scene, lens, machine, versions
     double affected_share = 0;
     std::optional<double> noise_rms;  ///< RMS noise of one reference, sRGB-encoded
-    /// Error of the pinhole image made from the records, compared with an image made by rays.
+    /// Error of the pinhole image made from the records, compared with a ray-traced pinhole image.
     std::optional<ChartError> record_floor;
     double pinhole_psnr_db = 0;
     double reference_s = 0;

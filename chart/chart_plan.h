@@ -22,9 +22,8 @@ struct ChartView {
     int width = 0, height = 0;
     double time_s = 0;
     [[nodiscard]] bool has_lens() const;
-    /// Returns the f-number to pass to the trace, which divides the film distance by it to find the diameter
-    /// of the lens. The f-number of the lens itself is the focal length divided by the diameter, so it is
-    /// different.
+    /// Returns the f-number to pass to the trace. To find the diameter of the lens, the trace divides the
+    /// film distance, and not the focal length, by the f-number.
     [[nodiscard]] double traced_f_number() const;
 };
 

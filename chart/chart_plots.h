@@ -10,8 +10,8 @@ namespace postlens {
 
 /// Returns a gnuplot script that plots, for each method, the error against the seconds of one image. The time
 /// of the trace is not included. The plot also shows the Pareto frontier of all points, the noise floor (the
-/// error of the reference), and the error of the records. If `affected` is set, the plot shows only the
-/// errors of the pixels that blur affects, without the noise floor and the error of the records.
+/// error of the reference), and the error of the records (measured without blur). If `affected` is set, the
+/// plot shows only the errors of the pixels that blur affects, without noise floor and error of the records.
 [[nodiscard]] std::string speed_accuracy_script(const ChartData& data, bool affected);
 
 /// Returns a gnuplot script that plots the error against the cost per image if 1, 10 or 100 images share one

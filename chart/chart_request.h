@@ -15,8 +15,7 @@
 
 namespace postlens {
 
-/// Seed of the rays that make the reference and measure the error of the records. A fixed seed makes charts
-/// repeatable.
+/// Seed of the ray-traced reference images. A fixed seed makes charts repeatable.
 inline constexpr std::uint64_t reference_seed = 1;
 
 struct ChartRequest {
@@ -51,7 +50,7 @@ struct ChartRequest {
     /// chart.I-of-N.json. A later chart of all points in the same folder uses these measurements.
     std::optional<Share> share;
     std::string part;      ///< JSON that the chart of a share stores under the key "part"; may be empty
-    Join join = Join::no;  ///< measures no point
+    Join join = Join::no;  ///< if not `no`, no point is measured
 };
 
 /// Throws Error(wrong_arguments) if a number is out of range, or if there is a second reference but no first

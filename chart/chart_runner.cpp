@@ -169,8 +169,8 @@ class Runner {
         std::erase_if(data_.points, [](const ChartPoint& p) { return !p.figures; });
     }
 
-    // Throws an error if the reference has the name of an output and lies in the output folder. The run would
-    // overwrite or remove this file.
+    // Throws an error if an input lies in the output folder and has the name of an output, because the run
+    // would overwrite or remove it.
     void check_outputs() const {
         std::vector<fs::path> read{request_.scene}, written{chart_path()};
         for (const auto& given : {request_.reference, request_.second_reference}) {
@@ -271,9 +271,9 @@ class Runner {
         save();
     }
 
-    // Returns the error of the pinhole image that is made from the records, against distributed rays. It is
-    // not 0, because the mean of a pixel's corner samples differs from the integral over the pixel. Methods
-    // that read the records have this error too, unless blur averages it out.
+    // Returns the error of the pinhole image that is made from the records, relative to a ray-traced pinhole
+    // image. It is not 0, because the mean of a pixel's corner samples differs from the integral over the
+    // pixel. Methods that read the records have this error too, unless blur averages it out.
     [[nodiscard]] ChartError record_floor() const {
         RenderSettings s = render_settings(request_, view_);
         s.f_number = std::numeric_limits<double>::infinity();
@@ -321,8 +321,8 @@ class Runner {
         save();
     }
 
-    // Times a sweep of two images with different lenses. The first lens is that of the view, stopped down by
-    // a sixth of a stop. The second is that of the view.
+    // Times a sweep of two images with different lenses: first the lens of the chart stopped down by a sixth
+    // of a stop, and then the lens of the chart.
     void measure_sweep(const PlannedPoint& p, const fs::path& path, ChartPoint& to) const {
         double retraced = 0;
         std::vector<std::string> warnings;

@@ -24,9 +24,9 @@ namespace postlens {
                                                                 const std::filesystem::path& chart);
 
 /// Adds the measurements of the earlier chart in `path` to `data`. If both contain a point, the measurement
-/// with more rounds is kept. Returns true if the earlier chart was measured on another machine. If the key of
-/// the earlier chart differs from `key`, the chart is ignored. However, if `own` is true (`path` is the file
-/// of this run), Error(wrong_arguments) with the name of the folder is thrown.
+/// with more rounds is kept. Returns true if the earlier chart was measured on another machine. A chart whose
+/// key differs from `key` is ignored. If it is the file of this run (`own` is true), Error(wrong_arguments)
+/// with the name of the folder is thrown instead.
 [[nodiscard]] bool take_over_chart(const std::filesystem::path& path, const std::string& key, bool own,
                                    ChartData& data);
 

@@ -61,8 +61,7 @@ class Aperture {
     /// passes. Not available for apertures given as images.
     [[nodiscard]] Outline outline(const glm::dvec2& field, double tolerance, double rim_scale = 1) const;
     /// Returns the outline of the rim that causes cat's-eye vignetting, projected onto the lens, in lens
-    /// radii. If rim_scale is below 0.05, the rim is ignored, and the result is a square around the whole
-    /// aperture.
+    /// radii. If rim_scale is below 0.05, the rim is ignored and the result is a square around the aperture.
     [[nodiscard]] Outline second_rim(const glm::dvec2& field, double tolerance, double rim_scale) const;
     [[nodiscard]] const std::optional<AperturePicture>& picture() const { return picture_; }
     /// Returns true if the rim that causes cat's-eye vignetting does not block light through point q of the

@@ -11,7 +11,8 @@
 
 namespace postlens {
 
-/// The inverse depths of a sample file. They are the same for all images of a sweep.
+/// The inverse depths of a sample file. All images of a sweep have the same, because only lens and shutter
+/// vary.
 struct FrameDepths {
     int width = 0, height = 0;
     /// The inverse depth 1/z', in 1/m, of the primary node (the surface that the eye ray hits first) at the

@@ -74,8 +74,8 @@ void check_not_empty(bool empty, const char* option) {
          "{}: missing (got nothing; expected a list, as the sample file names no value)", option);
 }
 
-/// Builds the file name and the caption of an image. The caption contains only settings that vary in the
-/// sweep.
+/// Builds the file name and the caption of an image from its settings. The caption contains only settings
+/// that vary in the sweep.
 struct Words {
     std::string name, caption;
     void add(const std::string& part, const std::string& words, bool varies) {

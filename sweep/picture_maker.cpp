@@ -123,8 +123,8 @@ MadePicture PictureMaker::make(const SweepSetting& s) {
     FocusResult r = focus_picture(frame_, focus);
     const FocusMethod method = r.method;
     MadePicture out = made(std::move(r), method_name(method));
-    // No error is predicted for a pinhole image. It is the mean of the records, and the prediction includes
-    // the error of the light field, which is not used here.
+    // No error is predicted for a pinhole image, which is the mean of the records, because the prediction
+    // includes the error of the light field.
     if (method != FocusMethod::pinhole) predict(out, {.focus = focus});
     return out;
 }

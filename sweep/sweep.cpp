@@ -209,8 +209,7 @@ class Sweep {
     }
 
     /// Number of images that are made at the same time. It is 2 if the method only reads the records of a
-    /// small file, because such an image does not keep all threads busy. Any other image has enough work for
-    /// all threads.
+    /// small file, because one such image does not keep all threads busy. Otherwise it is 1.
     [[nodiscard]] std::size_t at_a_time() const {
         constexpr std::uint64_t most_records = 2'000'000;
         return by_records() && !settings_.picture.predict && file_.record_count() <= most_records ? 2 : 1;
@@ -281,8 +280,8 @@ class Sweep {
     /// Computes values that the table rows of all images need: the depths of the frame, and the gradient
     /// energy of the pinhole image.
     void prepare() {
-        // For methods that use the light field, the maker's frame keeps prepared surfaces instead of records.
-        // The records are then read by a second frame.
+        // For methods that use the light field, the frame of `maker_` keeps prepared surfaces instead of
+        // records. The records are then read by a second frame.
         FocusFrame once(file_);
         FocusFrame& frame = by_records() ? maker_.frame() : once;
         depths_ = frame_depths(frame);
@@ -306,7 +305,8 @@ class Sweep {
             settings_.picture.scene != nullptr ||
             settings_.picture.depth_model != DepthModel::ray_differentials)
             return;
-        // The warning depends only on this product, so it is computed once for each value of the product.
+        // The warning depends on the lens only by this product of gain and squared aperture radius, so it is
+        // computed once for each value of the product.
         const double lens =
             made.geometry->gain_px * made.geometry->aperture_radius_m * made.geometry->aperture_radius_m;
         const auto [known, is_new] = bends_.try_emplace(lens);

@@ -34,7 +34,7 @@ struct SweepSettings {
     /// run keeps the images of all shares and writes the tables and the contact sheet.
     std::optional<Share> share;
     std::string part;      ///< JSON that a share's table stores under the key "part"; empty: none
-    Join join = Join::no;  ///< with `resume`: makes no image
+    Join join = Join::no;  ///< if not `no`, with `resume`: no image is made
     /// Other files on which the images depend. If the contents of such a file change, the images of an
     /// earlier run are not kept.
     std::vector<std::filesystem::path> depends_on;

@@ -13,14 +13,14 @@
 
 namespace postlens {
 
-/// Settings of the trace that makes the sample file of a case. Absent settings keep the values that
-/// `for_view` selects.
+/// Settings of the trace that makes the sample file of a case. If one is absent, `for_view` selects its
+/// value.
 struct AtlasTrace {
-    /// If true, the trace records what the lens and shutter of the view can see (best_trace). If false, it
-    /// has default settings.
+    /// If true, the trace records what can be seen through the lens and during the shutter of the case
+    /// (best_trace). If false, it has default settings.
     bool for_view = true;
     std::optional<double> for_f_number;  ///< f-number for which to trace, if it is not that of the view
-    /// Focus distance, m, for which to trace. If absent, the focus distance of the view is used.
+    /// Focus distance, m, for which to trace. If absent, the focus distance of the image is used.
     std::optional<double> for_focus_m;
     std::optional<int> levels;  ///< quadtree levels at depth edges and at colour edges
     std::optional<int> hidden_layers;

@@ -77,8 +77,8 @@ std::vector<Row> rows(const AtlasEntry& e, const char* quote) {
     return out;
 }
 
-/// Returns a text with the view of the case, the fraction of pixels that differ from the pinhole image, and
-/// the fraction of the error that is attributed to the cause of the case.
+/// Returns the caption of a case: its scene and camera, the fraction of pixels that differ from the pinhole
+/// image, and the fraction of the error that is attributed to the expected cause.
 std::string caption(const AtlasEntry& e) {
     std::string out = fmt::format("{}; {:.0f} % of the pixels differ from the pinhole image",
                                   view_text(e.what.view), 100 * e.result.affected_share);

@@ -22,9 +22,8 @@ struct CocPair {
 
 struct FittedNumber {
     double value = 0;
-    /// Standard error of `value`, estimated from the residuals of the fit. Absent if the value was given in
-    /// the request, if the data do not determine it, or if there are no more measurements than fitted
-    /// parameters.
+    /// Standard error of `value`, estimated from the residuals of the fit. Absent if the request gave the
+    /// value, if the data do not determine it, or if no measurements remain beyond the fitted parameters.
     std::optional<double> standard_error;
 };
 

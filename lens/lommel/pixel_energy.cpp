@@ -28,8 +28,7 @@ double near_flow(const RadialProfile& profile, double x, double y0, double y1) {
     if (distance < nothing_px) return 0;
     const double t0 = std::asinh(y0 / distance), t1 = std::asinh(y1 / distance);
     // A panel of the quadrature spans at most 6 units of v (the optical radius), so that its 16 nodes resolve
-    // the diffraction fringes. The limit of 64 panels matters only where a pixel contains hundreds of
-    // fringes.
+    // the fringes. The limit of 64 panels matters only where a pixel contains hundreds of fringes.
     const double longest_r = std::hypot(x, std::max(std::abs(y0), std::abs(y1)));
     const double panels_wanted = std::max((t1 - t0) * longest_r * profile.v_per_px() / 6, t1 - t0);
     const int panels = static_cast<int>(std::clamp(std::ceil(panels_wanted), 1.0, 64.0));
@@ -76,8 +75,7 @@ class FlowTable {
     std::vector<double> values_;
 };
 
-/// Computes the energy that flows in the direction of x through a pixel border, which is a line of constant
-/// x.
+/// Computes the energy that flows in the direction of x through a pixel border of constant x.
 class Flow {
   public:
     Flow(const RadialProfile& profile, const PixelEnergySettings& settings, double end_px)
@@ -123,8 +121,7 @@ class Borders {
         parallel_for(size_, [&](std::size_t line) {
             for (std::size_t row = 0; row < size_; ++row) {
                 const double x = static_cast<double>(line) + offset, y = static_cast<double>(row) - offset;
-                // The grid has no pixel borders farther than this from the centre, and the flow is not
-                // tabulated there.
+                // The grid and the tabulated flow end at this distance from the centre.
                 if (std::max(x, y + 1) > reach + 1) break;
                 quadrant_[line * size_ + row] = std::hypot(x, y + 1) > 0 ? flow.through(x, y, y + 1) : 0;
             }

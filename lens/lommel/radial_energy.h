@@ -10,8 +10,7 @@ namespace postlens {
 
 /// The impulse response of a circular aperture at defocus u, tabulated over the optical radius v in [0,
 /// v_end]. The steps resolve every fringe, because the intensity I(u, v) contains no angular frequency above
-/// 2 along v. I(0, 0) is 1. A ring of width dv contains the energy dE = I v dv / 2, and the total energy is
-/// 1.
+/// 2 along v. I(0, 0) is 1. A ring of width dv contains the energy dE = I v dv / 2. The total energy is 1.
 class RadialEnergy {
   public:
     /// Returns the step of v in a table for defocus u: 1/8 or 1/2.

@@ -46,8 +46,7 @@ double RadialProfile::smoothed_within(double radius_px, double width_px) const {
 }
 
 std::vector<double> RadialProfile::smoothed_row(double begin_px, double width_px, std::size_t count) const {
-    // Distances from a radius to the ends of its averaging intervals: 1/2 and 3/2 of `width_px`, as numbers
-    // of samples of the row.
+    // 1/2 and 3/2 of `width_px` (the ends of the averaging intervals), in steps of the row.
     constexpr std::size_t half = row_steps / 2, three = 3 * half;
     std::vector<double> out(count), integral(count + 2 * three);
     for (const Part& p : parts_) {

@@ -94,8 +94,8 @@ void ZmxReader::glass(const Words& words) {
     const double nd = words.size() > 4 ? number(words, 4, "nd") : 0;
     const double vd = words.size() > 5 ? number(words, 5, "Vd") : 0;
     // If the name of the glass is unknown, the nd and Vd on the line define the glass. Many files give
-    // Zemax's placeholder (nd 1.5 and Vd 40) for a catalogue glass, so these two values are accepted only for
-    // a model glass (one that is defined by nd and Vd).
+    // Zemax's placeholder (nd 1.5, Vd 40) for a catalogue glass. These values are accepted only for a model
+    // glass, which nd and Vd define.
     const bool is_model = words.size() > 2 && words[2] == "1", is_placeholder = nd == 1.5 && vd == 40;
     if (nd <= 0 || (is_placeholder && !is_model)) {
         s.glass = glass_by_name(lens_.file, at_.number, name);

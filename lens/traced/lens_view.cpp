@@ -64,8 +64,8 @@ void LensView::follow_chief_rays(const TracedLens& lens, double widest_tangent) 
         const double before = film_radius_.back();
         double r = chief_radius_mm(lens, lens.settings().focus_distance_m.value_or(HUGE_VAL),
                                    tangent_step_ * static_cast<double>(i));
-        // If the radius r does not grow, the lens transmits no ray at this tangent and the image is black.
-        // The curve is then extended linearly, because it must keep growing to be invertible.
+        // If the radius r does not grow with the tangent, the lens transmits no ray at this tangent and the
+        // image is black. The curve is then extended linearly, because it must keep growing to be invertible.
         if (!(r > before)) {
             r = i == 1 ? film_scale_mm_ * tangent_step_ : 2 * before - film_radius_[i - 2];
         }

@@ -4,9 +4,8 @@
 
 namespace postlens {
 
-/// Rotates p by the rotation that turns +y into the unit vector `axis`. The function can be used in raster
-/// axes and in camera axes: they differ by a reflection, which has no effect for a rotationally symmetric
-/// lens.
+/// Rotates p by the rotation that turns +y into the unit vector `axis`. Valid in raster axes and in camera
+/// axes: they differ by a reflection, which has no effect for a rotationally symmetric lens.
 inline glm::dvec2 turned(const glm::dvec2& p, const glm::dvec2& axis) {
     return {p.x * axis.y + p.y * axis.x, -p.x * axis.x + p.y * axis.y};
 }

@@ -54,10 +54,10 @@ struct LensResponse {
     std::vector<RadialSample> profile;
 };
 
-/// Computes the impulse response of a lens for one scene point. With an infinite f-number (a pinhole), the
-/// point is imaged as a point. Throws Error(wrong_arguments) if a number of the request is out of range, or
-/// if diffraction is requested for an infinite f-number. Throws Error(out_of_memory), with the required
-/// memory, if memory is short.
+/// Computes the impulse response of a lens for one scene point. A pinhole (infinite f-number) images the
+/// point as a point. Throws Error(wrong_arguments) if a number of the request is out of range, or if
+/// diffraction is requested for a pinhole. Throws Error(out_of_memory), with the required memory, if memory
+/// is short.
 [[nodiscard]] LensResponse lens_response(const LensResponseRequest& request);
 
 }  // namespace postlens

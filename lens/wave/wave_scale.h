@@ -25,9 +25,8 @@ inline constexpr double largest_u = 1e6;
 void check_defocus(double u);
 
 /// Returns u and v_per_px for a thin lens that is focused at distance s, with its film at the distance V
-/// where s is sharp. u is v_per_px times the radius, in px, of the CoC (circle of confusion), so the
-/// geometric disc ends at v = |u|. The focus distance must exceed the focal length, and the f-number must be
-/// finite.
+/// where s is sharp. u is v_per_px times the radius, in px, of the circle of confusion, so the geometric disc
+/// ends at v = |u|. The focus distance must exceed the focal length, and the f-number must be finite.
 [[nodiscard]] WaveScale wave_scale(const ThinLens& lens, double focus_distance_m, double depth_m,
                                    double pixel_pitch_mm, double wavelength_nm);
 
