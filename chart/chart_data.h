@@ -47,9 +47,10 @@ struct ChartPoint {
     int amount = 0;               ///< depths K, views M or samples per pixel; 0 if there is no such setting
     std::string trace;            ///< name of the sample file; empty for rays
     std::vector<double> seconds;  ///< one value per round; the trace is not included
-    /// Seconds per image if one call makes many images with different lenses (a sweep), one value per round.
-    /// `first_of_many_s` is the time of the first image, including the reading of the file. `further_s` is
-    /// the time of each further image. Both are empty if such images share no work.
+    /// Seconds per image in a sweep (one call that makes many images with different lenses), one value per
+    /// round. `first_of_many_s` is the time of the first image, including the reading of the file.
+    /// `further_s` is the time of each further image. Both are empty for methods that are not timed in a
+    /// sweep.
     std::vector<double> first_of_many_s, further_s;
     std::optional<ChartFigures> figures;
     double retraced_share = 0;

@@ -65,9 +65,8 @@ Scene exposed_scene(const ChartRequest& r) {
     return scene;
 }
 
-/// Returns the points that a request measures, and the traces that these points need. If the request is for
-/// one share (every N-th point), other points are omitted. The first trace is always included, because the
-/// pinhole image is made from it.
+/// Returns the points that a request measures (all, or every N-th for a share), and the traces that these
+/// points need. The first trace is always included, because the pinhole image is made from it.
 ChartPlan plan_of(const ChartRequest& r, const ChartView& view) {
     ChartPlan all = chart_plan(r, view);
     if (!r.share) return all;

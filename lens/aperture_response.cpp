@@ -203,7 +203,7 @@ double farthest_light_px(const Aperture& aperture, double radius_px, double sphe
 Outline image_outline(const Aperture& aperture, const ApertureImage& image) {
     const dmat2 map = with_area(image.map_px);
     // With cats_eye (mechanical vignetting), the outline varies over the image, but one response is used for
-    // a whole region. A tolerance of 0.02 px is therefore fine enough.
+    // a whole region. A tolerance of 0.02 px is therefore sufficient.
     const double within_px = aperture.varies_over_field() ? 0.02 : 1e-3;
     Outline out = aperture.outline(image.field, std::min(within_px / stretch(map), 0.02), image.rim_scale);
     for (dvec2& p : out) p = image_of(image, map, p);

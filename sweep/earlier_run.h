@@ -29,8 +29,8 @@ class SweepKeys {
     SweepKeys(const std::filesystem::path& frame, const SweepSettings& settings, double exposure_stops,
               FocusMethod method, const std::vector<glm::dvec2>& at);
     [[nodiscard]] std::string of(const SweepSetting& s) const { return key(s, predicted_); }
-    /// Returns true if an earlier image with this key can be kept. The settings must be equal, except that
-    /// the earlier table row may also contain a predicted error.
+    /// Returns true if an image with the key `earlier` can be kept. Its settings must equal `s`. It may have
+    /// a predicted error even if this sweep predicts none.
     [[nodiscard]] bool fits(const std::string& earlier, const SweepSetting& s) const {
         return earlier == of(s) || earlier == key(s, true);
     }

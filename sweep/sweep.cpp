@@ -277,8 +277,8 @@ class Sweep {
         return row;
     }
 
-    /// Computes values that the table rows of all images need: the depths of the frame, and the gradient
-    /// energy of the pinhole image.
+    /// Computes values that the table rows of all images need: the depths of the sample file, and the
+    /// gradient energy of the pinhole image.
     void prepare() {
         // For methods that use the light field, the frame of `maker_` keeps prepared surfaces instead of
         // records. The records are then read by a second frame.

@@ -22,8 +22,8 @@ const char* name_of(LensModelKind kind) {
 void PolynomialLens::terms(double u, double v, double T, double K, std::array<double, polynomial_terms>& x,
                            std::array<double, polynomial_terms>& y) {
     const double r2 = u * u + v * v, T2 = T * T;
-    // The terms describe defocus, field curvature, astigmatism, spherical aberration and coma. Each of these
-    // also has a term of the next higher order.
+    // The terms describe defocus, field curvature, astigmatism, spherical aberration and coma, each also in
+    // the next higher order.
     const std::array<double, pupil_terms> of_x{
         1,          T2,         T2 * T2,    r2,           r2 * T2,         r2 * r2,     v * T,
         v * T * T2, v * T * r2, v * v * T2, r2 * T2 * T2, v * T * T2 * T2, r2 * r2 * r2};
